@@ -1,0 +1,35 @@
+# Warnings, sanitizers, clang-tidy and ccache, the same for every target of the project.
+option(FLUXGS_SANITIZE "Build with AddressSanitizer and UndefinedBehaviorSanitizer" OFF)
+option(FLUXGS_TIDY "Run clang-tidy on every file while compiling" OFF)
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM)
+  set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+endif()
+
+# Target properties come through this interface library, so that fetched dependencies are not
+# compiled with our warnings.
+add_library(fluxgs_settings INTERFACE)
+target_compile_options(fluxgs_settings INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wcast-qual -Werror
+  -ffp-contract=off)  # The same results from every compiler: products are fused only where written
+
+if(FLUXGS_SANITIZE)
+  target_compile_options(fluxgs_settings INTERFACE
+    -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(fluxgs_settings INTERFACE -fsanitize=address,undefined)
+endif()
+
+if(FLUXGS_TIDY)
+  find_program(CLANG_TIDY NAMES clang-tidy-19 clang-tidy-18 clang-tidy REQUIRED)
+  set(FLUXGS_CLANG_TIDY ${CLANG_TIDY} --quiet --extra-arg=-Wno-unknown-warning-option)
+endif()
+
+# fluxgs_target(NAME): apply the project's settings to one of its own targets.
+function(fluxgs_target name)
+  target_link_libraries(${name} PRIVATE fluxgs_settings)
+  if(FLUXGS_TIDY)
+    set_target_properties(${name} PROPERTIES CXX_CLANG_TIDY "${FLUXGS_CLANG_TIDY}")
+  endif()
+endfunction()

@@ -1,0 +1,32 @@
+// A picture in memory.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace fluxgs {
+
+/// Interleaved pixels, row-major from the top-left corner: pixels[(y·width + x)·channels + c].
+/// Colours are display-referred (sRGB-encoded) as the photos store them; floating-point types span
+/// 0…1, 8-bit ones 0…255. Channels: 3 (RGB) or 4 (RGBA).
+template <class T>
+struct Image {
+  int width = 0, height = 0, channels = 3;
+  std::vector<T> pixels;
+
+  Image() = default;
+  Image(int w, int h, int c) : width(w), height(h), channels(c), pixels(size_of(w, h, c)) {}
+
+  T* at(int x, int y) { return pixels.data() + offset(x, y); }
+  const T* at(int x, int y) const { return pixels.data() + offset(x, y); }
+
+ private:
+  static std::size_t size_of(int w, int h, int c) {
+    return static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * static_cast<std::size_t>(c);
+  }
+  std::size_t offset(int x, int y) const {
+    return size_of(width, y, channels) + size_of(x, 1, channels);
+  }
+};
+
+}  // namespace fluxgs

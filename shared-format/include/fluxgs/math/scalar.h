@@ -1,0 +1,38 @@
+// What the formulas need from a scalar type T: float, double, or a pack of SIMD lanes that brings
+// its own overloads of these functions (found by argument-dependent lookup).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+
+namespace fluxgs::math {
+
+template <std::floating_point T>
+T select(bool condition, T yes, T no) {
+  return condition ? yes : no;
+}
+
+// max(NaN, b) must be the same everywhere; std::max depends on the order of its arguments.
+template <std::floating_point T>
+T max(T a, T b) {
+  return a > b ? a : b;
+}
+template <std::floating_point T>
+T min(T a, T b) {
+  return a < b ? a : b;
+}
+template <std::floating_point T>
+T abs(T a) {
+  return std::fabs(a);
+}
+template <std::floating_point T>
+T sqrt(T a) {
+  return std::sqrt(a);
+}
+template <std::floating_point T>
+T exp(T a) {
+  return std::exp(a);
+}
+
+}  // namespace fluxgs::math

@@ -1,0 +1,54 @@
+// Three numbers of any scalar type. GLM is used everywhere else; its functions refuse scalar types
+// that are packs of SIMD lanes, which the formulas here must accept.
+#pragma once
+
+namespace fluxgs::math {
+
+template <class T>
+struct Vec3 {
+  T x, y, z;
+};
+
+template <class T>
+struct Quat {
+  T w, x, y, z;
+};
+
+template <class T>
+Vec3<T> operator+(const Vec3<T>& a, const Vec3<T>& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class T>
+Vec3<T> operator-(const Vec3<T>& a, const Vec3<T>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class T>
+Vec3<T> operator*(const Vec3<T>& a, const T& s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
+template <class T>
+T dot(const Vec3<T>& a, const Vec3<T>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <class T>
+Vec3<T> cross(const Vec3<T>& a, const Vec3<T>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// Row-major 3×3 matrix.
+template <class T>
+struct Mat3 {
+  Vec3<T> row0, row1, row2;
+};
+
+template <class T>
+Vec3<T> operator*(const Mat3<T>& m, const Vec3<T>& v) {
+  return {dot(m.row0, v), dot(m.row1, v), dot(m.row2, v)};
+}
+/// mᵀ·v
+template <class T>
+Vec3<T> transpose_times(const Mat3<T>& m, const Vec3<T>& v) {
+  return m.row0 * v.x + m.row1 * v.y + m.row2 * v.z;
+}
+
+}  // namespace fluxgs::math

@@ -1,0 +1,21 @@
+// The constants of the image model, shared by the reference, the trainer and the phone's renderer.
+#pragma once
+
+#include <glm/vec3.hpp>
+
+namespace fluxgs {
+
+/// Cut-offs and constants of volume splatting (3DGS, Kerbl et al. 2023; design: "Defaults").
+struct RenderOptions {
+  double alpha_min = 1.0 / 255.0;   ///< a splat adds nothing to a pixel where α is below this
+  double alpha_max = 0.99;          ///< α is limited to this
+  double transmittance_min = 1e-4;  ///< a pixel is finished once T falls below this
+  double dilation = 0.3;            ///< px², added to the diagonal of the projected covariance
+  double near_plane = 0.01;         ///< scene units; splats with centres nearer are not drawn
+  double frustum_margin = 0.15;     ///< the Jacobian's point is kept within this fraction of the
+                                    ///< image size outside the image (3DGS: 1.3 × half the view)
+  int sh_degree = 3;                ///< highest degree to evaluate, 0…3
+  glm::dvec3 background{0.0};       ///< RGB, 0…1
+};
+
+}  // namespace fluxgs

@@ -1,0 +1,44 @@
+// The one splat model: a plain struct of arrays that every reader fills and every writer drains.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <glm/gtc/quaternion.hpp>
+#include <glm/vec3.hpp>
+
+namespace fluxgs {
+
+/// Spherical-harmonics coefficients per colour channel beyond the constant one: 0, 3, 8 or 15.
+constexpr int sh_rest_count(int degree) { return (degree + 1) * (degree + 1) - 1; }
+
+/// A scene of 3D Gaussians. Frame: that of an INRIA 3DGS .ply (right-handed, y down, z forward for
+/// the first COLMAP camera); readers and writers of other conventions convert at the door.
+/// Every array has size() entries, sh_rest has size()·sh_rest_count(sh_degree).
+struct SplatCloud {
+  int sh_degree = 0;  ///< 0…3
+
+  std::vector<glm::vec3> positions;   ///< centre, scene units
+  std::vector<glm::vec3> log_scales;  ///< natural logarithm of the standard deviations
+  std::vector<glm::quat> rotations;   ///< local → world; any non-zero length
+  std::vector<float> opacity_logits;  ///< opacity = sigmoid(logit)
+  std::vector<glm::vec3> sh_dc;       ///< degree-0 RGB coefficient; colour = 0.282…·dc + 0.5
+  std::vector<glm::vec3> sh_rest;     ///< [splat][coefficient] RGB, degrees 1…sh_degree
+
+  std::size_t size() const { return positions.size(); }
+
+  void resize(std::size_t count) {
+    positions.resize(count);
+    log_scales.resize(count);
+    rotations.resize(count, glm::quat(1, 0, 0, 0));
+    opacity_logits.resize(count);
+    sh_dc.resize(count);
+    sh_rest.resize(count * static_cast<std::size_t>(sh_rest_count(sh_degree)));
+  }
+};
+
+/// Remove every splat that has a NaN or infinity in any attribute; the order of the others stays.
+/// Returns how many were removed.
+std::size_t drop_non_finite(SplatCloud& cloud);
+
+}  // namespace fluxgs
