@@ -47,6 +47,27 @@ View<T> make_view(const Camera& camera, const RenderOptions& options) {
           scalar(options.near_plane)};
 }
 
+/// The same view in another scalar type, e.g. one number to all lanes of a pack.
+template <class To, class From>
+View<To> convert(const View<From>& v) {
+  const auto vec = [](const Vec3<From>& a) { return Vec3<To>{To(a.x), To(a.y), To(a.z)}; };
+  return {{vec(v.rotation.row0), vec(v.rotation.row1), vec(v.rotation.row2)},
+          vec(v.translation),
+          vec(v.center),
+          To(v.fx),
+          To(v.fy),
+          To(v.cx),
+          To(v.cy),
+          To(v.width),
+          To(v.height),
+          To(v.slope_x_min),
+          To(v.slope_x_max),
+          To(v.slope_y_min),
+          To(v.slope_y_max),
+          To(v.dilation),
+          To(v.near_plane)};
+}
+
 /// q/|q|. Scaled by the largest component first, so that tiny quaternions do not underflow;
 /// the zero quaternion becomes the identity.
 template <class T>

@@ -1,0 +1,15 @@
+// Declarations of one instruction set's kernels; see ../kernels.h for what they do.
+#pragma once
+
+#include "trainer/raster/cpu/kernels.h"
+
+namespace fluxgs::FLUXGS_ISA {
+
+void project(const ProjectArgs& args, std::size_t begin, std::size_t end);
+std::uint32_t bin(const ProjectedSplat& splat, const RasterConstants& constants, int tiles_x,
+                  int tiles_y, TileBins* out);
+std::uint32_t forward(const TileArgs& args);
+void backward(const TileArgs& args);
+std::uint32_t gradient(const GradientArgs& args, std::size_t begin, std::size_t end);
+
+}  // namespace fluxgs::FLUXGS_ISA
