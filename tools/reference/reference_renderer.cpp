@@ -32,7 +32,7 @@ void shade(const SplatCloud& cloud, std::size_t i, const math::View<double>& vie
 
 bool finite(const ReferenceSplat& s) {
   const double sum = s.x + s.y + s.depth + s.xx + s.xy + s.yy + s.half_width + s.half_height +
-                     s.opacity + s.color[0] + s.color[1] + s.color[2];
+                     s.color[0] + s.color[1] + s.color[2];
   return std::isfinite(sum);
 }
 
@@ -43,6 +43,7 @@ std::vector<ReferenceSplat> project_reference(const SplatCloud& cloud, const Cam
   const auto view = math::make_view<double>(camera, options);
   std::vector<ReferenceSplat> splats;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!is_finite(cloud, i)) continue;
     const math::Vec3<double> p = view.rotation * vec(cloud.positions[i]) + view.translation;
     if (!(p.z > options.near_plane)) continue;
     ReferenceSplat s{};

@@ -32,7 +32,9 @@ struct Lanes {
   explicit Lanes(int value) : Lanes(static_cast<float>(value)) {}
 
   static Lanes load(const float* aligned) { return hn::Load(kTag, aligned); }
+  static Lanes load_unaligned(const float* p) { return hn::LoadU(kTag, p); }
   void store(float* aligned) const { hn::Store(v, kTag, aligned); }
+  void store_unaligned(float* p) const { hn::StoreU(v, kTag, p); }
 
   friend Lanes operator+(Lanes a, Lanes b) { return hn::Add(a.v, b.v); }
   friend Lanes operator-(Lanes a, Lanes b) { return hn::Sub(a.v, b.v); }
@@ -47,9 +49,7 @@ struct Lanes {
   friend LaneMask operator>=(Lanes a, Lanes b) { return {hn::Ge(a.v, b.v)}; }
   friend LaneMask operator==(Lanes a, Lanes b) { return {hn::Eq(a.v, b.v)}; }
 
-  friend Lanes select(LaneMask m, Lanes yes, Lanes no) {
-    return hn::IfThenElse(m.m, yes.v, no.v);
-  }
+  friend Lanes select(LaneMask m, Lanes yes, Lanes no) { return hn::IfThenElse(m.m, yes.v, no.v); }
   friend Lanes max(Lanes a, Lanes b) { return select(a > b, a, b); }
   friend Lanes min(Lanes a, Lanes b) { return select(a < b, a, b); }
   friend Lanes abs(Lanes a) { return hn::Abs(a.v); }
@@ -68,6 +68,12 @@ inline unsigned bits(LaneMask m) {
   std::uint8_t bytes[8] = {};
   hn::StoreMaskBits(kTag, m.m, bytes);
   return bytes[0] | static_cast<unsigned>(bytes[1]) << 8;
+}
+/// Lanes whose byte is not zero.
+inline LaneMask nonzero(const std::uint8_t* bytes) {
+  const hn::Rebind<std::uint8_t, Tag> bytes_tag;
+  const auto wide = hn::PromoteTo(kTagI, hn::LoadU(bytes_tag, bytes));
+  return {hn::RebindMask(kTag, hn::Ne(wide, hn::Zero(kTagI)))};
 }
 inline bool all(LaneMask m) { return hn::AllTrue(kTag, m.m); }
 inline bool any(LaneMask m) { return !hn::AllFalse(kTag, m.m); }
@@ -93,7 +99,8 @@ inline Lanes exp(Lanes x) {
   const Lanes limited = min(max(x, Lanes(-87.0f)), Lanes(88.0f));
   // In two parts, so that x·log2(e) keeps its fraction for large x
   const Lanes rounded = hn::Round((limited * Lanes(1.4426950408889634)).v);
-  const Lanes rest = fnma(rounded, Lanes(-2.12194440e-4f), fnma(rounded, Lanes(0.693359375f), limited));
+  const Lanes rest =
+      fnma(rounded, Lanes(-2.12194440e-4f), fnma(rounded, Lanes(0.693359375f), limited));
   const Lanes f = exp2(rest * Lanes(1.4426950408889634));
   const auto exponent = hn::ShiftLeft<23>(hn::ConvertTo(kTagI, rounded.v));
   return Lanes(hn::BitCast(kTag, hn::Add(hn::BitCast(kTagI, f.v), exponent)));

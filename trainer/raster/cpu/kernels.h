@@ -10,8 +10,8 @@
 
 namespace fluxgs {
 
-inline constexpr int kTileSize = 16;                     ///< px
-inline constexpr int kBlockSize = 4;                     ///< px; a tile has 4×4 blocks of 4×4 px
+inline constexpr int kTileSize = 16;  ///< px
+inline constexpr int kBlockSize = 4;  ///< px; a tile has 4×4 blocks of 4×4 px
 inline constexpr int kTilePixels = kTileSize * kTileSize;
 
 /// The footprint's factor is stored times √(½·log₂e), so that α = 2^(log2_opacity − u² − v²):
@@ -20,11 +20,11 @@ inline constexpr float kFactorScale = 0.8493218002880191f;
 
 /// A splat on the image, one cache line.
 struct alignas(64) ProjectedSplat {
-  float x, y;            ///< centre, px
-  float xx, xy, yy;      ///< triangular factor of the conic × kFactorScale
+  float x, y;        ///< centre, px
+  float xx, xy, yy;  ///< triangular factor of the conic × kFactorScale
   float log2_opacity;
-  float r, g, b;         ///< colour ≥ 0
-  float depth;           ///< camera z
+  float r, g, b;                  ///< colour ≥ 0
+  float depth;                    ///< camera z
   float half_width, half_height;  ///< px, the box outside of which α < α_min
   float opacity;
   float unused[3];
@@ -43,8 +43,8 @@ struct ProjectArgs {
   int sh_degree;            ///< degree to evaluate
   math::View<float> view;
   RasterConstants constants;
-  ProjectedSplat* out;      ///< [size], written where visible
-  std::uint8_t* visible;    ///< [padded size]: 1 where the splat can touch the image
+  ProjectedSplat* out;    ///< [size], written where visible
+  std::uint8_t* visible;  ///< [padded size]: 1 where the splat can touch the image
 };
 
 /// One splat in one tile. Bit 4·row + column of `blocks` is set where the ellipse may reach the
@@ -67,13 +67,14 @@ struct TileArgs {
   const ProjectedSplat* splats;
   const TileEntry* entries;
   std::uint32_t count;
-  int x0, y0;               ///< the tile's corner, px
-  int width, height;        ///< the image's size
+  int x0, y0;         ///< the tile's corner, px
+  int width, height;  ///< the image's size
+  std::size_t pitch;  ///< floats from row to row of a plane
   RasterConstants constants;
-  float* color;             ///< 3 planes of width·height, including the background
+  float* color;                 ///< 3 planes of pitch·height, including the background
   const float* color_gradient;  ///< 3 planes (backward only)
   PairGradient* gradients;      ///< indexed by TileEntry::slot (backward only)
-  std::uint64_t* pairs;     ///< if not null, the number of contributing splat–pixel pairs is added
+  std::uint64_t* pairs;  ///< if not null, the number of contributing splat–pixel pairs is added
 };
 
 struct GradientArgs {
@@ -82,10 +83,10 @@ struct GradientArgs {
   int sh_degree;
   math::View<float> view;
   const ProjectedSplat* splats;
-  const float* sums;        ///< 9 rows (stride as above): u, v, uu, uv, vv, h, r, g, b by splat
-  float* gradients;         ///< rows as the parameters; written for every pack with a visible splat
-  float* center_gradient;   ///< one row: |∂L/∂centre| in normalised device coordinates
-  std::uint8_t* visible;    ///< cleared where a gradient is not finite
+  const float* sums;       ///< 9 rows (stride as above): u, v, uu, uv, vv, h, r, g, b by splat
+  float* gradients;        ///< rows as the parameters; written for every pack with a visible splat
+  float* center_gradient;  ///< one row: |∂L/∂centre| in normalised device coordinates
+  std::uint8_t* visible;   ///< cleared where a gradient is not finite
 };
 
 struct RasterKernels {

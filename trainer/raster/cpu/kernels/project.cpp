@@ -20,6 +20,7 @@ struct Pack {
   Vec3<Lanes> vec3(int r) const { return {(*this)(r), (*this)(r + 1), (*this)(r + 2)}; }
 };
 
+/// Colours before they are cut off at 0.
 Vec3<Lanes> shade(const Pack& pack, const Vec3<Lanes>& direction, int degree) {
   Lanes basis[15];
   math::sh_basis(degree, direction, basis);
@@ -28,14 +29,12 @@ Vec3<Lanes> shade(const Pack& pack, const Vec3<Lanes>& direction, int degree) {
     Lanes value = fma(Lanes(math::kSh0), pack(row::sh_dc + c), Lanes(0.5f));
     for (int k = 0; k < sh_rest_count(degree); ++k)
       value = fma(basis[k], pack(row::sh_rest + 3 * k + c), value);
-    rgb[c] = max(value, Lanes(0.0f));
+    rgb[c] = value;
   }
   return {rgb[0], rgb[1], rgb[2]};
 }
 
-LaneMask lanes_below(std::size_t count) {
-  return {hn::FirstN(kTag, count)};
-}
+LaneMask lanes_below(std::size_t count) { return {hn::FirstN(kTag, count)}; }
 
 }  // namespace
 
@@ -47,12 +46,13 @@ void project(const ProjectArgs& args, std::size_t begin, std::size_t end) {
     const Vec3<Lanes> position = pack.vec3(row::position);
     const Vec3<Lanes> p = view.rotation * position + view.translation;
     const Lanes opacity = Lanes(1.0f) / (Lanes(1.0f) + exp(-pack(row::opacity)));
-    LaneMask visible = (p.z > view.near_plane) & (opacity >= Lanes(k.alpha_min)) & lanes_below(end - i);
+    LaneMask visible =
+        (p.z > view.near_plane) & (opacity >= Lanes(k.alpha_min)) & lanes_below(end - i);
     float fields[sizeof(ProjectedSplat) / sizeof(float)][kLanes] HWY_ALIGN;
     if (any(visible)) {
       const Vec3<Lanes> s = pack.vec3(row::log_scale);
-      const math::Quat<Lanes> q{pack(row::rotation), pack(row::rotation + 1), pack(row::rotation + 2),
-                                pack(row::rotation + 3)};
+      const math::Quat<Lanes> q{pack(row::rotation), pack(row::rotation + 1),
+                                pack(row::rotation + 2), pack(row::rotation + 3)};
       const auto rotation = math::rotation_matrix(math::normalized(q));
       const auto jacobian = math::projection_jacobian(p, view);
       const auto axes = math::screen_axes(jacobian, view.rotation, rotation,
@@ -63,8 +63,8 @@ void project(const ProjectArgs& args, std::size_t begin, std::size_t end) {
       const Lanes x = fma(view.fx * p.x, inverse_z, view.cx);
       const Lanes y = fma(view.fy * p.y, inverse_z, view.cy);
       const Lanes log2_opacity = hn::Log2(kTag, opacity.v);
-      const Lanes radius =
-          sqrt(max(log2_opacity - Lanes(k.log2_alpha_min), Lanes(0.0f))) * Lanes(1.0f / kFactorScale);
+      const Lanes radius = sqrt(max(log2_opacity - Lanes(k.log2_alpha_min), Lanes(0.0f))) *
+                           Lanes(1.0f / kFactorScale);
       const Lanes half_width = radius * f.deviation_x, half_height = radius * f.deviation_y;
       const Lanes half(0.5f);
       visible = visible & (x + half_width >= half) & (x - half_width <= view.width - half) &
@@ -73,17 +73,21 @@ void project(const ProjectArgs& args, std::size_t begin, std::size_t end) {
       const Vec3<Lanes> ray = position - view.center;
       const Lanes length2 = dot(ray, ray);
       const Lanes inverse_length = Lanes(1.0f) / sqrt(max(length2, Lanes(1e-30f)));
-      const Vec3<Lanes> color = shade(pack, ray * inverse_length, args.sh_degree);
+      const Vec3<Lanes> raw = shade(pack, ray * inverse_length, args.sh_degree);
+      const Lanes zero(0.0f);
+      const Vec3<Lanes> color{max(raw.x, zero), max(raw.y, zero), max(raw.z, zero)};
       const Lanes scale(kFactorScale);
-      const Lanes columns[] = {x,       y,       f.xx * scale, f.xy * scale, f.yy * scale,
-                               log2_opacity, color.x, color.y, color.z, p.z,
-                               half_width, half_height, opacity};
-      Lanes total(0.0f);
-      for (std::size_t c = 0; c < std::size(columns); ++c) {
+      const Lanes columns[] = {
+          x,       y,       f.xx * scale, f.xy * scale, f.yy * scale, log2_opacity, color.x,
+          color.y, color.z, p.z,          half_width,   half_height,  opacity};
+      // What max() and the exponentials limit is asked before they do
+      Lanes total =
+          pack(row::opacity) + s.x + s.y + s.z + q.w + q.x + q.y + q.z + raw.x + raw.y + raw.z;
+      for (std::size_t c = 0; c < 13; ++c) {
         columns[c].store(fields[c]);
         total += columns[c];
       }
-      visible = visible & (total - total == Lanes(0.0f));  // all finite
+      visible = visible & (total - total == zero);  // all finite
     }
     const unsigned mask = bits(visible);
     for (int lane = 0; lane < kLanes; ++lane) {

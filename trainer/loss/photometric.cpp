@@ -1,0 +1,92 @@
+#include "trainer/loss/photometric.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace fluxgs {
+namespace {
+
+constexpr int kStripRows = 32;  // rows per piece of work; each blurs 10 rows of halo once more
+
+template <class Work>
+void for_strips(const Threads& threads, int height, const Work& work) {
+  const std::size_t strips = static_cast<std::size_t>((height + kStripRows - 1) / kStripRows);
+  threads.for_pieces(3 * strips, 1, [&](std::size_t i, std::size_t) {
+    const int begin = static_cast<int>(i % strips) * kStripRows;
+    work(static_cast<int>(i / strips), begin, std::min(begin + kStripRows, height));
+  });
+}
+
+}  // namespace
+
+PlanarImage to_planar(const Image<std::uint8_t>& rgb) {
+  PlanarImage out(rgb.width, rgb.height, 3);
+  for (int y = 0; y < rgb.height; ++y) {
+    const std::uint8_t* in = rgb.at(0, y);
+    for (int c = 0; c < 3; ++c) {
+      float* row = out.row(c, y);
+      for (int x = 0; x < rgb.width; ++x)
+        row[x] = static_cast<float>(in[x * rgb.channels + c]) * (1.0f / 255.0f);
+    }
+  }
+  return out;
+}
+
+void PhotometricLoss::prepare(const PlanarImage& color) {
+  if (gradient_.width() == color.width() && gradient_.height() == color.height()) return;
+  partials_ = PlanarImage(color.width(), color.height(), 9);
+  gradient_ = PlanarImage(color.width(), color.height(), 3);
+  row_ssim_.resize(3 * static_cast<std::size_t>(color.height()));
+  row_l1_.resize(row_ssim_.size());
+}
+
+PhotometricSums PhotometricLoss::run(const PlanarImage& color, const PlanarImage& target,
+                                     double lambda) {
+  prepare(color);
+  const int height = color.height();
+  const double values = 3.0 * color.width() * height;
+  const auto args = [&](int c) {
+    const std::size_t rows = static_cast<std::size_t>(c) * static_cast<std::size_t>(height);
+    return SsimArgs{
+        color.plane(c),
+        target.plane(c),
+        color.width(),
+        height,
+        color.pitch(),
+        {partials_.plane(3 * c), partials_.plane(3 * c + 1), partials_.plane(3 * c + 2)},
+        gradient_.plane(c),
+        static_cast<float>((1 - lambda) / values),
+        static_cast<float>(lambda / values),
+        row_ssim_.data() + rows,
+        row_l1_.data() + rows};
+  };
+  const std::size_t scratch_size = kernels_.scratch_size(color.pitch(), kStripRows);
+  const auto scratch = [&] {  // one buffer per thread, kept from call to call
+    thread_local std::vector<float> buffer;
+    buffer.resize(std::max(buffer.size(), scratch_size));
+    return buffer.data();
+  };
+  for_strips(threads_, height,
+             [&](int c, int begin, int end) { kernels_.partials(args(c), begin, end, scratch()); });
+  for_strips(threads_, height,
+             [&](int c, int begin, int end) { kernels_.gradient(args(c), begin, end, scratch()); });
+  return {std::accumulate(row_l1_.begin(), row_l1_.end(), 0.0) / values,
+          std::accumulate(row_ssim_.begin(), row_ssim_.end(), 0.0) / values};
+}
+
+double psnr(const PlanarImage& a, const PlanarImage& b) {
+  double total = 0;
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < a.height(); ++y)
+      for (int x = 0; x < a.width(); ++x) {
+        const double d = static_cast<double>(std::clamp(a.row(c, y)[x], 0.0f, 1.0f)) -
+                         static_cast<double>(std::clamp(b.row(c, y)[x], 0.0f, 1.0f));
+        total += d * d;
+      }
+  const double mean = total / (3.0 * a.width() * a.height());
+  return mean > 0 ? -10 * std::log10(mean) : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace fluxgs

@@ -1,0 +1,201 @@
+// Project → sort → bin → blend tiles, and back: the CPU backend of Rasterizer.
+#include <algorithm>
+#include <cmath>
+
+#include "trainer/raster/cpu/binning.h"
+#include "trainer/raster/cpu/kernels.h"
+#include "trainer/raster/rasterizer.h"
+
+namespace fluxgs {
+namespace {
+
+constexpr std::size_t kSplatPiece = 1024;  // splats per piece of parallel work
+constexpr int kSums = 9;                   // fields of PairGradient in use
+
+RasterConstants constants_of(const RenderOptions& o) {
+  const auto f = [](double v) { return static_cast<float>(v); };
+  return {f(o.alpha_max),
+          f(o.alpha_min),
+          f(std::log2(o.alpha_min)),
+          f(o.transmittance_min),
+          {f(o.background.x), f(o.background.y), f(o.background.z)}};
+}
+
+int degree_of(const PlanarFloats& parameters) {
+  int degree = 0;
+  while (row::count(degree) < parameters.rows()) ++degree;
+  return degree;
+}
+
+class CpuRasterizer final : public Rasterizer {
+ public:
+  CpuRasterizer(const Threads& threads, StageTimes& times, const CpuRasterizerOptions& options)
+      : threads_(threads),
+        times_(times),
+        kernels_(raster_kernels(options.isa)),
+        count_pairs_(options.count_pixel_pairs) {}
+
+  void forward(const PlanarFloats& parameters, const Camera& camera,
+               const RenderOptions& options) override {
+    view_ = math::make_view<float>(camera, options);
+    constants_ = constants_of(options);
+    sh_degree_ = std::min(options.sh_degree, degree_of(parameters));
+    project(parameters);
+    {
+      StageTimer timer(times_, Stage::sort);
+      sort_by_depth(splats_, visible_, lists_);
+      binner_.run(threads_, kernels_, splats_, constants_, camera.width, camera.height, lists_);
+    }
+    blend(camera.width, camera.height);
+  }
+
+  void backward(const PlanarFloats& parameters, const PlanarImage& color_gradient) override {
+    backpropagate_tiles(color_gradient);
+    StageTimer timer(times_, Stage::gradient);
+    sum_pairs();
+    chain_rule(parameters);
+  }
+
+  const PlanarImage& color() const override { return color_; }
+  const PlanarFloats& gradient() const override { return gradient_; }
+  const float* center_gradient() const override { return center_gradient_.row(0); }
+  const std::vector<std::uint8_t>& visible() const override { return visible_; }
+  float screen_radius(std::size_t i) const override {
+    return std::max(splats_[i].half_width, splats_[i].half_height);
+  }
+  RasterCounts counts() const override {
+    return {lists_.order.size(), lists_.entries.size(), pixel_pairs_};
+  }
+  std::uint64_t rejected_gradients() const override { return rejected_; }
+
+ private:
+  void project(const PlanarFloats& parameters) {
+    StageTimer timer(times_, Stage::project);
+    splats_.resize(parameters.size());
+    visible_.assign(parameters.stride() + PlanarFloats::kPadding, 0);
+    const ProjectArgs args{
+        parameters.data(), parameters.stride(), parameters.size(), sh_degree_, view_,
+        constants_,        splats_.data(),      visible_.data()};
+    threads_.for_pieces(parameters.size(), kSplatPiece, [&](std::size_t begin, std::size_t end) {
+      kernels_.project(args, begin, end);
+    });
+  }
+
+  TileArgs tile_args(std::size_t tile) {
+    const std::uint32_t first = lists_.first_entry[tile];
+    const int column = static_cast<int>(tile) % lists_.tiles_x;
+    const int line = static_cast<int>(tile) / lists_.tiles_x;
+    return {splats_.data(),
+            lists_.entries.data() + first,
+            lists_.first_entry[tile + 1] - first,
+            column * kTileSize,
+            line * kTileSize,
+            color_.width(),
+            color_.height(),
+            color_.pitch(),
+            constants_,
+            color_.plane(0),
+            nullptr,
+            nullptr,
+            nullptr};
+  }
+
+  void blend(int width, int height) {
+    StageTimer timer(times_, Stage::forward);
+    if (color_.width() != width || color_.height() != height)
+      color_ = PlanarImage(width, height, 3);
+    used_.resize(lists_.tiles());
+    std::vector<std::uint64_t> pairs(count_pairs_ ? lists_.tiles() : 0);
+    threads_.for_pieces(lists_.tiles(), 1, [&](std::size_t tile, std::size_t) {
+      TileArgs args = tile_args(tile);
+      if (count_pairs_) args.pairs = &pairs[tile];
+      used_[tile] = kernels_.forward(args);
+    });
+    pixel_pairs_ = 0;
+    for (std::uint64_t p : pairs) pixel_pairs_ += p;
+  }
+
+  void backpropagate_tiles(const PlanarImage& color_gradient) {
+    StageTimer timer(times_, Stage::backward);
+    pairs_.resize(lists_.entries.size());
+    threads_.for_pieces(lists_.tiles(), 1, [&](std::size_t tile, std::size_t) {
+      TileArgs args = tile_args(tile);
+      // Entries behind finished pixels were never blended
+      for (std::uint32_t e = used_[tile]; e < args.count; ++e) pairs_[args.entries[e].slot] = {};
+      args.count = used_[tile];
+      args.color_gradient = color_gradient.plane(0);
+      args.gradients = pairs_.data();
+      kernels_.backward(args);
+    });
+  }
+
+  /// Adds up each splat's pairs, in the fixed order of their slots.
+  void sum_pairs() {
+    if (sums_.size() != splats_.size()) sums_ = PlanarFloats(kSums, splats_.size());
+    threads_.for_pieces(lists_.order.size(), kSplatPiece, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        float total[kSums] = {};
+        for (std::uint32_t slot = lists_.first_slot[k]; slot < lists_.first_slot[k + 1]; ++slot) {
+          const PairGradient& p = pairs_[slot];
+          const float fields[kSums] = {p.u, p.v, p.uu, p.uv, p.vv, p.h, p.r, p.g, p.b};
+          for (int f = 0; f < kSums; ++f) total[f] += fields[f];
+        }
+        for (int f = 0; f < kSums; ++f) sums_.row(f)[lists_.order[k]] = total[f];
+      }
+    });
+  }
+
+  void chain_rule(const PlanarFloats& parameters) {
+    if (gradient_.size() != parameters.size() || gradient_.rows() != parameters.rows()) {
+      gradient_ = PlanarFloats(parameters.rows(), parameters.size());
+      center_gradient_ = PlanarFloats(1, parameters.size());
+    }
+    const GradientArgs args{parameters.data(),
+                            parameters.stride(),
+                            parameters.size(),
+                            sh_degree_,
+                            view_,
+                            splats_.data(),
+                            sums_.data(),
+                            gradient_.data(),
+                            center_gradient_.data(),
+                            visible_.data()};
+    const std::size_t pieces = (parameters.size() + kSplatPiece - 1) / kSplatPiece;
+    std::vector<std::uint32_t> rejected(pieces);
+    threads_.for_pieces(parameters.size(), kSplatPiece, [&](std::size_t begin, std::size_t end) {
+      rejected[begin / kSplatPiece] = kernels_.gradient(args, begin, end);
+    });
+    for (std::uint32_t r : rejected) rejected_ += r;
+  }
+
+  const Threads& threads_;
+  StageTimes& times_;
+  const RasterKernels& kernels_;
+  bool count_pairs_;
+
+  // Of the last forward pass
+  math::View<float> view_{};
+  RasterConstants constants_{};
+  int sh_degree_ = 0;
+  std::vector<ProjectedSplat> splats_;
+  std::vector<std::uint8_t> visible_;
+  TileLists lists_;
+  Binner binner_;
+  PlanarImage color_;
+  std::vector<std::uint32_t> used_;  // per tile: entries blended
+  std::uint64_t pixel_pairs_ = 0;
+
+  // Of the last backward pass
+  std::vector<PairGradient> pairs_;
+  PlanarFloats sums_, gradient_, center_gradient_;
+  std::uint64_t rejected_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Rasterizer> make_cpu_rasterizer(const Threads& threads, StageTimes& times,
+                                                const CpuRasterizerOptions& options) {
+  return std::make_unique<CpuRasterizer>(threads, times, options);
+}
+
+}  // namespace fluxgs

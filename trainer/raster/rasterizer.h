@@ -1,0 +1,60 @@
+// The differentiable renderer, whatever it runs on.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "fluxgs/camera.h"
+#include "fluxgs/render_options.h"
+#include "trainer/model/parameters.h"
+#include "trainer/parallel/parallel.h"
+#include "trainer/raster/planar_image.h"
+#include "trainer/raster/stages.h"
+#include "trainer/simd/isa.h"
+
+namespace fluxgs {
+
+/// Counts of one forward pass.
+struct RasterCounts {
+  std::size_t visible = 0;        ///< splats that can touch the image
+  std::size_t tile_pairs = 0;     ///< splat–tile pairs
+  std::uint64_t pixel_pairs = 0;  ///< contributing splat–pixel pairs, when asked for
+};
+
+class Rasterizer {
+ public:
+  virtual ~Rasterizer() = default;
+
+  /// Renders the parameters (rows as in model/parameters.h). The picture, gradients and visibility
+  /// stay valid until the next call. Results are the same bytes for any number of threads.
+  virtual void forward(const PlanarFloats& parameters, const Camera& camera,
+                       const RenderOptions& options) = 0;
+  virtual const PlanarImage& color() const = 0;  ///< 3 channels, including the background
+
+  /// ∂L/∂parameters, given ∂L/∂colour for the last forward pass (3 channels, same size).
+  virtual void backward(const PlanarFloats& parameters, const PlanarImage& color_gradient) = 0;
+  /// Rows as the parameters; meaningful where visible()[i] is 1 and up to the degree rendered.
+  virtual const PlanarFloats& gradient() const = 0;
+  /// |∂L/∂centre| per splat in normalised device coordinates, as 3DGS thresholds it.
+  virtual const float* center_gradient() const = 0;
+  /// 1 for splats that the last forward pass could see (and whose gradient is finite); padded to a
+  /// multiple of 16 with zeros.
+  virtual const std::vector<std::uint8_t>& visible() const = 0;
+  /// The larger half-extent (px) of splat i's box {α ≥ α_min}; meaningful where visible.
+  virtual float screen_radius(std::size_t i) const = 0;
+
+  virtual RasterCounts counts() const = 0;
+  virtual std::uint64_t rejected_gradients() const = 0;  ///< not finite, since the beginning
+};
+
+struct CpuRasterizerOptions {
+  Isa isa = best_isa();
+  bool count_pixel_pairs = false;
+};
+
+/// `threads` and `times` must outlive the rasterizer.
+std::unique_ptr<Rasterizer> make_cpu_rasterizer(const Threads& threads, StageTimes& times,
+                                                const CpuRasterizerOptions& options = {});
+
+}  // namespace fluxgs
