@@ -21,17 +21,20 @@ void for_strips(const Threads& threads, int height, const Work& work) {
 
 }  // namespace
 
-PlanarImage to_planar(const Image<std::uint8_t>& rgb) {
-  PlanarImage out(rgb.width, rgb.height, 3);
-  for (int y = 0; y < rgb.height; ++y) {
-    const std::uint8_t* in = rgb.at(0, y);
-    for (int c = 0; c < 3; ++c) {
-      float* row = out.row(c, y);
-      for (int x = 0; x < rgb.width; ++x)
-        row[x] = static_cast<float>(in[x * rgb.channels + c]) * (1.0f / 255.0f);
-    }
-  }
-  return out;
+void to_planar(const Image<std::uint8_t>& rgb, const Threads& threads, PlanarImage& out) {
+  if (out.width() != rgb.width || out.height() != rgb.height)
+    out = PlanarImage(rgb.width, rgb.height, 3);
+  threads.for_pieces(
+      static_cast<std::size_t>(rgb.height), 32, [&](std::size_t begin, std::size_t end) {
+        for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+          const std::uint8_t* in = rgb.at(0, y);
+          for (int c = 0; c < 3; ++c) {
+            float* row = out.row(c, y);
+            for (int x = 0; x < rgb.width; ++x)
+              row[x] = static_cast<float>(in[x * rgb.channels + c]) * (1.0f / 255.0f);
+          }
+        }
+      });
 }
 
 void PhotometricLoss::prepare(const PlanarImage& color) {

@@ -18,8 +18,8 @@ struct PhotometricSums {
   double loss(double lambda) const { return (1 - lambda) * l1 + lambda * (1 - ssim); }
 };
 
-/// 8-bit RGB to planes of 0…1.
-PlanarImage to_planar(const Image<std::uint8_t>& rgb);
+/// 8-bit RGB to planes of 0…1; `out` is made anew if its size differs.
+void to_planar(const Image<std::uint8_t>& rgb, const Threads& threads, PlanarImage& out);
 
 /// Reuses its buffers from call to call. Results do not depend on the number of threads.
 class PhotometricLoss {

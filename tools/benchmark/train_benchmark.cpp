@@ -1,0 +1,113 @@
+// How long the stages of a training iteration take, beside what they work on.
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "trainer/data/initial_points.h"
+#include "trainer/train/trainer.h"
+
+namespace fluxgs {
+namespace {
+
+struct Settings {
+  std::string data;
+  int downscale = 2, warmup = 20, iterations = 200, threads = 0;
+};
+
+double cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+double wall_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double median(std::vector<double> v) {
+  std::ranges::nth_element(v, v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2));
+  return v[v.size() / 2];
+}
+
+/// Contributing splat–pixel pairs per pixel, over the training views, counted by a pass of its own.
+double pairs_per_pixel(const Dataset& data, const TrainState& state, const TrainOptions& options,
+                       const Threads& threads) {
+  StageTimes times;
+  const auto rasterizer =
+      make_cpu_rasterizer(threads, times, {.isa = best_isa(), .count_pixel_pairs = true});
+  double pairs = 0, pixels = 0;
+  for (const Photo& photo : data.train) {
+    rasterizer->forward(state.parameters, photo.camera, options.render);
+    pairs += static_cast<double>(rasterizer->counts().pixel_pairs);
+    pixels += static_cast<double>(photo.camera.width) * photo.camera.height;
+  }
+  return pairs / pixels;
+}
+
+Expected<void> run(const Settings& settings) {
+  LoadOptions load;
+  load.downscale = settings.downscale;
+  const auto data = load_dataset(settings.data, load);
+  if (!data) return std::unexpected(data.error());
+  const auto points = initial_points(*data, 1);
+  if (!points) return std::unexpected(points.error());
+
+  const Threads threads(settings.threads);
+  TrainOptions options;
+  options.densify_from = settings.warmup + settings.iterations;  // the same splats throughout
+  StageTimes times;
+  TrainState state = initial_state(*data, *points, options, threads);
+  const double density = pairs_per_pixel(*data, state, options, threads);
+  Trainer trainer(*data, options, std::move(state), threads, times);
+  for (int i = 0; i < settings.warmup; ++i) trainer.step();
+
+  times = {};
+  std::vector<double> wall_ms, cpu_ms;
+  for (int i = 0; i < settings.iterations; ++i) {
+    const double wall = wall_seconds(), cpu = cpu_seconds();
+    trainer.step();
+    wall_ms.push_back(1e3 * (wall_seconds() - wall));
+    cpu_ms.push_back(1e3 * (cpu_seconds() - cpu));
+  }
+
+  const Camera& camera = data->train.front().camera;
+  const double pairs = density * camera.width * camera.height;
+  fmt::print("{}x{}, {} splats from {}, {:.1f} contributing pairs a pixel, {}, {} threads\n",
+             camera.width, camera.height, trainer.state().parameters.size(), points->source,
+             density, name_of(best_isa()), threads.count());
+  fmt::print("{:<10} {:>12}\n", "stage", "ms (wall)");
+  for (std::size_t s = 0; s < kStageNames.size(); ++s)
+    fmt::print("{:<10} {:>12.3f}\n", kStageNames[s], 1e3 * times.seconds[s] / settings.iterations);
+  fmt::print(
+      "iteration: median {:.2f} ms wall, {:.2f} ms CPU ({:.2f} ns CPU per contributing pair); "
+      "cores used: {:.0f}%\n",
+      median(wall_ms), median(cpu_ms), 1e6 * median(cpu_ms) / pairs,
+      100 * median(cpu_ms) / (median(wall_ms) * threads.count()));
+  return {};
+}
+
+}  // namespace
+}  // namespace fluxgs
+
+int main(int argc, char** argv) {
+  fluxgs::Settings settings;
+  CLI::App app(
+      "Times the stages of a training iteration on a data set's initial splats.\n"
+      "Example: train_benchmark captures/garden --downscale 4");
+  app.add_option("data", settings.data, "data set, as for fluxgs train")->required();
+  app.add_option("--downscale", settings.downscale, "reduce the photos by this factor")
+      ->capture_default_str();
+  app.add_option("--warmup", settings.warmup, "iterations before the clock starts")
+      ->capture_default_str();
+  app.add_option("--iterations", settings.iterations, "iterations timed")->capture_default_str();
+  app.add_option("--threads", settings.threads, "0: all cores")->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  if (const auto done = fluxgs::run(settings); !done) {
+    fmt::print(stderr, "train_benchmark: error: {}\n", done.error().message());
+    return 1;
+  }
+  return 0;
+}

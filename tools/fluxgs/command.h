@@ -1,0 +1,32 @@
+// What the sub-commands share.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "fluxgs/error.h"
+
+namespace fluxgs::cli {
+
+/// Work to do once the command line has been read. An error ends the program with exit status 1
+/// and one line, "fluxgs: error: WHERE: WHAT".
+using Action = std::function<Expected<void>()>;
+
+/// Each adds its sub-command to the program and stores its work in `action` when chosen.
+void add_train(CLI::App& app, Action& action);
+void add_eval(CLI::App& app, Action& action);
+void add_render(CLI::App& app, Action& action);
+void add_convert(CLI::App& app, Action& action);
+void add_info(CLI::App& app, Action& action);
+void add_doctor(CLI::App& app, Action& action);
+
+/// Results go to standard output: exactly one JSON object with --json.
+void print_json(const nlohmann::json& object);
+
+/// Writes a JSON report, whole or not at all.
+Expected<void> write_json(const std::string& path, const nlohmann::json& object);
+
+}  // namespace fluxgs::cli

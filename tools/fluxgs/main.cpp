@@ -1,0 +1,51 @@
+// fluxgs: the one desktop command.
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "tools/fluxgs/command.h"
+
+namespace {
+
+int report(const fluxgs::Error& error) {
+  fmt::print(stderr, "fluxgs: error: {}\n", error.message());
+  return 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  // Results belong to standard output, everything else to standard error.
+  spdlog::set_default_logger(spdlog::stderr_logger_st("fluxgs"));
+  spdlog::set_pattern("%v");
+
+  CLI::App app("Train 3D Gaussian Splatting scenes from posed photos and look at them.");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", FLUXGS_VERSION);
+  app.footer("Example: fluxgs train captures/garden -o garden.glb");
+  fluxgs::cli::Action action;
+  fluxgs::cli::add_train(app, action);
+  fluxgs::cli::add_eval(app, action);
+  fluxgs::cli::add_render(app, action);
+  fluxgs::cli::add_convert(app, action);
+  fluxgs::cli::add_info(app, action);
+  fluxgs::cli::add_doctor(app, action);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  try {
+    const fluxgs::Expected<void> done = action();
+    return done ? 0 : report(done.error());
+  } catch (const std::bad_alloc&) {
+    return report({"", "", "out of memory; try a larger --downscale or a smaller --max-splats"});
+  } catch (const std::exception& e) {
+    return report({"", "", e.what()});
+  }
+}

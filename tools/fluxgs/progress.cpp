@@ -1,0 +1,68 @@
+#include "tools/fluxgs/progress.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include <fmt/format.h>
+
+namespace fluxgs::cli {
+namespace {
+
+constexpr double kTerminalInterval = 0.25, kPlainInterval = 10;  // seconds
+constexpr int kBarWidth = 24;
+
+std::string duration(double seconds) {
+  const long s = static_cast<long>(std::clamp(seconds, 0.0, 359999.0));
+  return s >= 3600 ? fmt::format("{}h{:02}m", s / 3600, s / 60 % 60)
+                   : fmt::format("{}m{:02}s", s / 60, s % 60);
+}
+
+}  // namespace
+
+Progress::Progress(int total, int done)
+    : total_(total),
+      first_(done),
+      terminal_(isatty(STDERR_FILENO)),
+      start_(Clock::now()),
+      last_(start_),
+      last_done_(done) {}
+
+bool Progress::due() const {
+  const double since = std::chrono::duration<double>(Clock::now() - last_).count();
+  return since >= (terminal_ ? kTerminalInterval : kPlainInterval);
+}
+
+std::string Progress::line(int done, const std::string& detail) const {
+  const int filled =
+      static_cast<int>(static_cast<long long>(kBarWidth) * done / std::max(total_, 1));
+  const double left = rate_ > 0 ? (total_ - done) / rate_ : 0;
+  std::string bar(static_cast<std::size_t>(filled), '#');
+  bar.resize(kBarWidth, '.');
+  return fmt::format("[{}] {}/{}  {:.1f} it/s  {}  {} left", bar, done, total_, rate_, detail,
+                     duration(left));
+}
+
+void Progress::update(int done, const std::string& detail) {
+  if (!due()) return;
+  const Clock::time_point now = Clock::now();
+  const double recent = (done - last_done_) / std::chrono::duration<double>(now - last_).count();
+  rate_ = rate_ > 0 && terminal_ ? 0.8 * rate_ + 0.2 * recent : recent;
+  last_ = now;
+  last_done_ = done;
+  if (terminal_)
+    fmt::print(stderr, "\r\x1b[K{}", line(done, detail));
+  else
+    fmt::print(stderr, "{}\n", line(done, detail));
+  std::fflush(stderr);
+}
+
+void Progress::finish() {
+  if (terminal_) fmt::print(stderr, "\r\x1b[K");
+  const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+  fmt::print(stderr, "{} steps in {} ({:.1f} it/s)\n", last_done_ - first_, duration(seconds),
+             seconds > 0 ? (last_done_ - first_) / seconds : 0.0);
+}
+
+}  // namespace fluxgs::cli

@@ -1,0 +1,350 @@
+// fluxgs train: photos in, a scene file out.
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <ctime>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <opencv2/core/version.hpp>
+
+#include "fluxgs/io/file.h"
+#include "fluxgs/io/scene.h"
+#include "tools/fluxgs/command.h"
+#include "tools/fluxgs/progress.h"
+#include "trainer/train/checkpoint.h"
+#include "trainer/train/evaluate.h"
+#include "trainer/train/trainer.h"
+
+namespace fluxgs::cli {
+namespace {
+
+using nlohmann::json;
+
+struct TrainSettings {
+  std::string data, out, preset = preset_names().front(), backend = "auto", resume, report;
+  int downscale = 1, threads = 0, checkpoint_every = 0;
+  std::vector<double> background{0, 0, 0};
+  std::map<std::string, double> overrides;  // by OptionField::name, those given
+  std::optional<std::uint64_t> seed;        // apart, as a double would round it
+};
+
+std::atomic<bool> interrupted = false;
+
+/// Ctrl-C asks the loop to stop at the next step; a second one ends the program as usual.
+class InterruptGuard {
+ public:
+  InterruptGuard() {
+    interrupted = false;
+    std::signal(SIGINT, handle);
+    std::signal(SIGTERM, handle);
+  }
+  ~InterruptGuard() {
+    std::signal(SIGINT, SIG_DFL);
+    std::signal(SIGTERM, SIG_DFL);
+  }
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+
+ private:
+  static void handle(int signal) {
+    interrupted = true;
+    std::signal(signal, SIG_DFL);
+  }
+};
+
+double cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Means over equal stretches of the run, for plots.
+class Curves {
+ public:
+  explicit Curves(int iterations) : stretch_(std::max(1, iterations / 200)) {}
+
+  void add(int iteration, const StepReport& step, std::size_t splats) {
+    if (count_ == 0) start_ = now();
+    loss_ += step.loss;
+    l1_ += step.sums.l1;
+    if (++count_ < stretch_) return;
+    iteration_.push_back(iteration);
+    losses_.push_back(loss_ / count_);
+    l1s_.push_back(l1_ / count_);
+    splats_.push_back(splats);
+    rates_.push_back(count_ / std::max(now() - start_, 1e-9));
+    loss_ = l1_ = count_ = 0;
+  }
+
+  json to_json() const {
+    return {{"iteration", iteration_},
+            {"loss", losses_},
+            {"l1", l1s_},
+            {"splats", splats_},
+            {"iterations_per_second", rates_}};
+  }
+  double first_rate() const { return rates_.empty() ? 0 : rates_.front(); }
+  double last_rate() const { return rates_.empty() ? 0 : rates_.back(); }
+
+ private:
+  int stretch_, count_ = 0;
+  double loss_ = 0, l1_ = 0, start_ = 0;
+  std::vector<int> iteration_;
+  std::vector<double> losses_, l1s_, rates_;
+  std::vector<std::size_t> splats_;
+};
+
+json options_json(const TrainOptions& options) {
+  json out = json::object();
+  for (const OptionField& f : option_fields()) {
+    if (f.integer) out[f.name] = options.*f.integer;
+    if (f.real) out[f.name] = options.*f.real;
+    if (f.natural) out[f.name] = options.*f.natural;
+  }
+  return out;
+}
+
+Expected<TrainOptions> options_from(const TrainSettings& settings) {
+  auto options = preset(settings.preset);
+  if (!options) return options;
+  for (const OptionField& f : option_fields()) {
+    const auto given = settings.overrides.find(f.name);
+    if (given == settings.overrides.end()) continue;
+    if (f.integer) (*options).*f.integer = static_cast<int>(given->second);
+    if (f.real) (*options).*f.real = given->second;
+    if (f.natural) (*options).*f.natural = static_cast<std::uint64_t>(given->second);
+  }
+  if (settings.seed) options->seed = *settings.seed;
+  options->render.background = {settings.background[0], settings.background[1],
+                                settings.background[2]};
+  if (auto valid = validate(*options); !valid) return std::unexpected(valid.error());
+  return options;
+}
+
+/// Fails now rather than after hours of work if the result could not be written.
+Expected<void> check_writable(const std::string& path) {
+  const auto probe = AtomicFile::create(path);
+  if (!probe) return std::unexpected(probe.error());
+  return {};
+}
+
+Expected<Dataset> load(const TrainSettings& settings, const glm::dvec3& background) {
+  LoadOptions options;
+  options.downscale = settings.downscale;
+  options.threads = settings.threads;
+  options.background = background;
+  auto data = load_dataset(settings.data, options);
+  if (data)
+    for (const std::string& warning : data->warnings) spdlog::warn("warning: {}", warning);
+  return data;
+}
+
+/// A run to start or to go on with.
+struct Run {
+  TrainOptions options;
+  Dataset data;
+  TrainState state;
+};
+
+Expected<Run> resume_run(TrainSettings& settings) {
+  auto checkpoint = read_checkpoint(settings.resume);
+  if (!checkpoint) return std::unexpected(checkpoint.error());
+  settings.preset = checkpoint->preset;
+  settings.downscale = checkpoint->downscale;
+  auto data = load(settings, checkpoint->options.render.background);
+  if (!data) return std::unexpected(data.error());
+  if (data->train.size() != checkpoint->train_photos)
+    return fail(settings.data, "",
+                fmt::format("has {} training photos, but the checkpoint was made with {}",
+                            data->train.size(), checkpoint->train_photos));
+  spdlog::info("resuming at iteration {} with {} splats", checkpoint->state.iteration,
+               checkpoint->state.parameters.size());
+  return Run{checkpoint->options, std::move(*data), std::move(checkpoint->state)};
+}
+
+Expected<Run> new_run(const TrainSettings& settings, const Threads& threads) {
+  const auto options = options_from(settings);
+  if (!options) return std::unexpected(options.error());
+  auto data = load(settings, options->render.background);
+  if (!data) return std::unexpected(data.error());
+  auto points = initial_points(*data, options->seed);
+  if (!points) return std::unexpected(points.error());
+  if (options->max_splats > 0 && points->positions.size() > options->max_splats) {
+    // Every n-th point keeps the cloud's coverage
+    const double step =
+        static_cast<double>(points->positions.size()) / static_cast<double>(options->max_splats);
+    for (std::size_t i = 0; i < options->max_splats; ++i) {
+      const auto from = static_cast<std::size_t>(static_cast<double>(i) * step);
+      points->positions[i] = points->positions[from];
+      points->colors[i] = points->colors[from];
+    }
+    points->positions.resize(options->max_splats);
+    points->colors.resize(options->max_splats);
+  }
+  spdlog::info("{} initial splats ({})", points->positions.size(), points->source);
+  TrainState state = initial_state(*data, *points, *options, threads);
+  return Run{*options, std::move(*data), std::move(state)};
+}
+
+Expected<void> save_checkpoint(const TrainSettings& settings, const Run& run,
+                               const Trainer& trainer) {
+  return write_checkpoint(settings.out + ".ckpt", {run.options, settings.preset, settings.downscale,
+                                                   run.data.train.size(), trainer.state()});
+}
+
+/// Trains to the end; an interruption saves a checkpoint and is an error that says how to go on.
+Expected<void> train_to_end(const TrainSettings& settings, const Run& run, Trainer& trainer,
+                            Curves& curves) {
+  const InterruptGuard guard;
+  Progress progress(run.options.iterations, trainer.state().iteration);
+  double smooth_loss = 0;
+  while (!trainer.done()) {
+    const StepReport step = trainer.step();
+    const int i = trainer.state().iteration;
+    const std::size_t splats = trainer.state().parameters.size();
+    curves.add(i, step, splats);
+    smooth_loss = smooth_loss > 0 ? 0.98 * smooth_loss + 0.02 * step.loss : step.loss;
+    if (progress.due())
+      progress.update(i, fmt::format("{} splats  loss {:.4f}", splats, smooth_loss));
+    if (splats == 0)
+      return fail(settings.data, fmt::format("iteration {}", i),
+                  "no splat is left; the poses or the photos do not fit together");
+    const bool periodic = settings.checkpoint_every > 0 && i % settings.checkpoint_every == 0;
+    if (!periodic && !interrupted) continue;
+    if (auto saved = save_checkpoint(settings, run, trainer); !saved) return saved;
+    if (interrupted)
+      return fail("", fmt::format("interrupted at iteration {}", i),
+                  fmt::format("saved; go on with: fluxgs train {} -o {} --resume {}.ckpt",
+                              settings.data, settings.out, settings.out));
+  }
+  progress.finish();
+  return {};
+}
+
+json report_json(const TrainSettings& settings, const Run& run, const Trainer& trainer,
+                 const Curves& curves, const StageTimes& times, double seconds, double cpu,
+                 int steps) {
+  json stages = json::object();
+  for (std::size_t s = 0; s < kStageNames.size(); ++s)
+    stages[std::string(kStageNames[s])] = 1e3 * times.seconds[s] / std::max(steps, 1);
+  return {{"data", settings.data},
+          {"preset", settings.preset},
+          {"options", options_json(run.options)},
+          {"downscale", settings.downscale},
+          {"backend", "cpu"},
+          {"instruction_set", name_of(best_isa())},
+          {"iterations", trainer.state().iteration},
+          {"seconds", seconds},
+          {"cpu_seconds", cpu},
+          {"cpu_ms_per_iteration", 1e3 * cpu / std::max(steps, 1)},
+          {"iterations_per_second", {{"start", curves.first_rate()}, {"end", curves.last_rate()}}},
+          {"splats", trainer.state().parameters.size()},
+          {"rejected_gradients", trainer.rejected_gradients()},
+          {"stages", stages},
+          {"curves", curves.to_json()},
+          {"versions",
+           {{"fluxgs", FLUXGS_VERSION}, {"opencv", CV_VERSION}, {"compiler", __VERSION__}}}};
+}
+
+Expected<void> train(TrainSettings settings) {
+  if (settings.backend == "cuda")
+    return fail("", "--backend cuda", "this build has no CUDA backend; use --backend cpu");
+  if (auto format = scene_format_for(settings.out); !format) return std::unexpected(format.error());
+  if (auto ok = check_writable(settings.out); !ok) return ok;
+
+  const Threads threads(settings.threads);
+  auto run = settings.resume.empty() ? new_run(settings, threads) : resume_run(settings);
+  if (!run) return std::unexpected(run.error());
+
+  StageTimes times;
+  Trainer trainer(run->data, run->options, std::move(run->state), threads, times);
+  Curves curves(run->options.iterations - trainer.state().iteration);
+  const double start = now(), cpu_start = cpu_seconds();
+  const int first = trainer.state().iteration;
+  if (auto done = train_to_end(settings, *run, trainer, curves); !done) return done;
+  const double seconds = now() - start, cpu = cpu_seconds() - cpu_start;
+
+  const SplatCloud cloud = trainer.cloud();
+  if (auto written = write_scene(settings.out, cloud); !written) return written;
+  json report = report_json(settings, *run, trainer, curves, times, seconds, cpu,
+                            trainer.state().iteration - first);
+  if (!run->data.test.empty()) {
+    const auto score =
+        evaluate(run->data.test, cpu_view_renderer(cloud, run->options.render, threads), threads);
+    if (!score) return std::unexpected(score.error());
+    report["psnr"] = score->psnr;
+    report["ssim"] = score->ssim;
+    fmt::print(stderr, "test views: PSNR {:.2f} dB, SSIM {:.4f}\n", score->psnr, score->ssim);
+  }
+  fmt::print(stderr, "{}: {} splats, {:.1f} s\n", settings.out, cloud.size(), seconds);
+  if (settings.report == "-")
+    print_json(report);
+  else if (!settings.report.empty())
+    return write_json(settings.report, report);
+  return {};
+}
+
+}  // namespace
+
+void add_train(CLI::App& app, Action& action) {
+  auto settings = std::make_shared<TrainSettings>();
+  CLI::App* command = app.add_subcommand("train", "Train a scene from posed photos");
+  command->footer(
+      "DATA is a COLMAP folder (sparse/0 and images/), a folder with transforms.json or\n"
+      "transforms_train.json, or a folder of photos (then COLMAP is run, if installed).\n"
+      "Ctrl-C saves OUT.ckpt, from which --resume goes on exactly as if nothing had happened.\n"
+      "Example: fluxgs train captures/garden -o garden.glb --downscale 2 --iterations 7000");
+  command->add_option("data", settings->data, "the data set")->required();
+  command->add_option("-o,--out", settings->out, "the scene to write: .glb or .ply")->required();
+  command->add_option("--preset", settings->preset, "defaults of everything below")
+      ->check(CLI::IsMember(preset_names()))
+      ->capture_default_str();
+  command->add_option("--downscale", settings->downscale, "reduce the photos by this factor")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command->add_option("--backend", settings->backend, "auto, cpu or cuda")
+      ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
+      ->capture_default_str();
+  command->add_option("--threads", settings->threads, "0: all cores; does not change the result")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  command
+      ->add_option("--background", settings->background, "colour behind the scene, r,g,b in 0..1")
+      ->delimiter(',')
+      ->expected(3)
+      ->check(CLI::Range(0.0, 1.0));
+  CLI::Option* resume =
+      command->add_option("--resume", settings->resume, "go on from a checkpoint, with its options")
+          ->excludes("--preset")
+          ->excludes("--downscale")
+          ->excludes("--background");
+  command
+      ->add_option("--checkpoint-every", settings->checkpoint_every,
+                   "steps between saves of OUT.ckpt (0: never)")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--json", settings->report,
+                      "write a report of the run here (-: standard output)");
+  command->add_option("--seed", settings->seed, "random seed")->excludes(resume);
+  for (const OptionField& f : option_fields()) {
+    if (std::string_view(f.name) == "seed") continue;
+    const std::string name = f.name;
+    command
+        ->add_option_function<double>(
+            "--" + name,
+            [settings, name](const double& value) { settings->overrides[name] = value; }, f.help)
+        ->excludes(resume)
+        ->check(CLI::Range(f.low, f.high))
+        ->group(name == "iterations" || name == "max-splats" ? "Options"
+                                                             : "Constants of the method");
+  }
+  command->callback([settings, &action] { action = [settings] { return train(*settings); }; });
+}
+
+}  // namespace fluxgs::cli

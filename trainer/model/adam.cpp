@@ -1,0 +1,43 @@
+#include "trainer/model/adam.h"
+
+#include <cmath>
+
+namespace fluxgs {
+namespace {
+
+constexpr std::size_t kPiece = 2048;  // splats
+
+double rate_of(const LearningRates& rates, int r) {
+  if (r < row::log_scale) return rates.position;
+  if (r < row::rotation) return rates.log_scale;
+  if (r < row::opacity) return rates.rotation;
+  if (r < row::sh_dc) return rates.opacity;
+  return r < row::sh_rest ? rates.sh_dc : rates.sh_rest;
+}
+
+}  // namespace
+
+void adam_step(PlanarFloats& parameters, AdamState& state, const PlanarFloats& gradient,
+               const std::vector<std::uint8_t>& visible, const LearningRates& rates,
+               const AdamConstants& constants, int step, int sh_degree, const Threads& threads,
+               const AdamKernels& kernels) {
+  const double correction1 = 1 / (1 - std::pow(constants.beta1, step));
+  const double correction2 = 1 / (1 - std::pow(constants.beta2, step));
+  threads.for_pieces(parameters.size(), kPiece, [&](std::size_t begin, std::size_t end) {
+    for (int r = 0; r < row::count(sh_degree); ++r) {
+      const AdamArgs args{parameters.row(r),
+                          state.first.row(r),
+                          state.second.row(r),
+                          gradient.row(r),
+                          visible.data(),
+                          static_cast<float>(rate_of(rates, r) * correction1),
+                          static_cast<float>(correction2),
+                          static_cast<float>(constants.beta1),
+                          static_cast<float>(constants.beta2),
+                          static_cast<float>(constants.epsilon)};
+      kernels.adam(args, begin, end);
+    }
+  });
+}
+
+}  // namespace fluxgs

@@ -1,0 +1,160 @@
+#include "trainer/train/checkpoint.h"
+
+#include <cstring>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "fluxgs/io/file.h"
+
+namespace fluxgs {
+namespace {
+
+using nlohmann::json;
+
+constexpr char kMagic[] = "FLUXGSCK";
+constexpr std::size_t kMagicSize = 8;
+constexpr std::uint32_t kVersion = 1;
+constexpr std::size_t kPrefix = kMagicSize + 2 * sizeof(std::uint32_t);
+
+std::uint64_t hash(std::span<const std::byte> bytes) {
+  std::uint64_t h = 0xcbf29ce484222325u;
+  for (std::byte b : bytes) h = (h ^ static_cast<std::uint64_t>(b)) * 0x100000001b3u;
+  return h;
+}
+
+template <class T>
+void append(std::vector<std::byte>& out, const T& value) {
+  const auto* p = reinterpret_cast<const std::byte*>(&value);
+  out.insert(out.end(), p, p + sizeof(T));
+}
+
+void append_rows(std::vector<std::byte>& out, const PlanarFloats& planes) {
+  for (int r = 0; r < planes.rows(); ++r) {
+    const auto* p = reinterpret_cast<const std::byte*>(planes.row(r));
+    out.insert(out.end(), p, p + planes.size() * sizeof(float));
+  }
+}
+
+const std::byte* take_rows(const std::byte* in, PlanarFloats& planes) {
+  const std::size_t bytes = planes.size() * sizeof(float);
+  for (int r = 0; r < planes.rows(); ++r, in += bytes)
+    if (bytes > 0) std::memcpy(planes.row(r), in, bytes);
+  return in;
+}
+
+json header_of(const Checkpoint& c) {
+  json options = json::object();
+  for (const OptionField& f : option_fields()) {
+    if (f.integer) options[f.name] = c.options.*f.integer;
+    if (f.real) options[f.name] = c.options.*f.real;
+    if (f.natural) options[f.name] = c.options.*f.natural;
+  }
+  std::ostringstream random;
+  random << c.state.random;
+  const glm::dvec3 background = c.options.render.background;
+  return {{"options", options},
+          {"background", {background.x, background.y, background.z}},
+          {"preset", c.preset},
+          {"downscale", c.downscale},
+          {"train_photos", c.train_photos},
+          {"splats", c.state.parameters.size()},
+          {"iteration", c.state.iteration},
+          {"random", random.str()},
+          {"view_order", c.state.view_order},
+          {"next_view", c.state.next_view}};
+}
+
+void read_header(const json& header, Checkpoint& c) {
+  for (const OptionField& f : option_fields()) {
+    const json& value = header.at("options").at(f.name);
+    if (f.integer) c.options.*f.integer = value.get<int>();
+    if (f.real) c.options.*f.real = value.get<double>();
+    if (f.natural) c.options.*f.natural = value.get<std::uint64_t>();
+  }
+  for (int i = 0; i < 3; ++i)
+    c.options.render.background[i] = header.at("background").at(static_cast<std::size_t>(i)).get<double>();
+  c.preset = header.at("preset").get<std::string>();
+  c.downscale = header.at("downscale").get<int>();
+  c.train_photos = header.at("train_photos").get<std::size_t>();
+  c.state.iteration = header.at("iteration").get<int>();
+  std::istringstream(header.at("random").get<std::string>()) >> c.state.random;
+  c.state.view_order = header.at("view_order").get<std::vector<std::uint32_t>>();
+  c.state.next_view = header.at("next_view").get<std::uint32_t>();
+}
+
+/// Bytes of the float rows for a number of splats, or 0 where that cannot be (too many).
+std::uint64_t rows_size(std::uint64_t splats, int sh_degree) {
+  if (splats > (std::uint64_t{1} << 40)) return 0;
+  const int rows = 3 * row::count(sh_degree) + statistic::count;
+  return splats * static_cast<std::uint64_t>(rows) * sizeof(float);
+}
+
+}  // namespace
+
+Expected<void> write_checkpoint(const std::filesystem::path& path, const Checkpoint& c) {
+  const std::string header = header_of(c).dump();
+  std::vector<std::byte> out;
+  out.reserve(kPrefix + header.size() +
+              rows_size(c.state.parameters.size(), c.options.sh_degree) + sizeof(std::uint64_t));
+  for (std::size_t i = 0; i < kMagicSize; ++i) out.push_back(static_cast<std::byte>(kMagic[i]));
+  append(out, kVersion);
+  append(out, static_cast<std::uint32_t>(header.size()));
+  for (char ch : header) out.push_back(static_cast<std::byte>(ch));
+  append_rows(out, c.state.parameters);
+  append_rows(out, c.state.adam.first);
+  append_rows(out, c.state.adam.second);
+  append_rows(out, c.state.statistics);
+  append(out, hash(out));
+  return write_file_atomic(path, out);
+}
+
+Expected<Checkpoint> read_checkpoint(const std::filesystem::path& path) {
+  const auto bytes = read_file(path);
+  if (!bytes) return std::unexpected(bytes.error());
+  const auto bad = [&](const char* field, std::string what) {
+    return fail(path.string(), field, std::move(what));
+  };
+  if (bytes->size() < kPrefix + sizeof(std::uint64_t) ||
+      std::memcmp(bytes->data(), kMagic, kMagicSize) != 0)
+    return bad("header", "is not a checkpoint of fluxgs train");
+  std::uint32_t version, header_size;
+  std::memcpy(&version, bytes->data() + kMagicSize, sizeof version);
+  std::memcpy(&header_size, bytes->data() + kMagicSize + sizeof version, sizeof header_size);
+  if (version != kVersion)
+    return bad("version", fmt::format("is {}, expected {}", version, kVersion));
+  const std::size_t body = bytes->size() - kPrefix - sizeof(std::uint64_t);
+  std::uint64_t stored;
+  std::memcpy(&stored, bytes->data() + bytes->size() - sizeof stored, sizeof stored);
+  if (header_size > body || stored != hash({bytes->data(), bytes->size() - sizeof stored}))
+    return bad("checksum", "does not match: the file is truncated or damaged");
+
+  Checkpoint c;
+  std::uint64_t splats;
+  try {
+    const char* text = reinterpret_cast<const char*>(bytes->data() + kPrefix);
+    const json header = json::parse(text, text + header_size);
+    read_header(header, c);
+    splats = header.at("splats").get<std::uint64_t>();
+  } catch (const json::exception& e) {
+    return bad("header", fmt::format("is not the expected JSON ({})", e.what()));
+  }
+  if (auto valid = validate(c.options); !valid) return std::unexpected(valid.error());
+  if (c.state.view_order.size() != c.train_photos || rows_size(splats, c.options.sh_degree) != body - header_size)
+    return bad("header", "counts disagree with the size of the file");
+
+  const int rows = row::count(c.options.sh_degree);
+  const std::byte* at = bytes->data() + kPrefix + header_size;
+  for (PlanarFloats* planes : {&c.state.parameters, &c.state.adam.first, &c.state.adam.second}) {
+    *planes = PlanarFloats(rows, splats);
+    at = take_rows(at, *planes);
+  }
+  c.state.statistics = PlanarFloats(statistic::count, splats);
+  take_rows(at, c.state.statistics);
+  for (std::uint32_t view : c.state.view_order)
+    if (view >= c.train_photos) return bad("view_order", "names a photo that is not there");
+  return c;
+}
+
+}  // namespace fluxgs

@@ -1,0 +1,29 @@
+// Training, interrupted and continued: a file that holds everything a run needs to go on as if it
+// had never stopped.
+#pragma once
+
+#include <filesystem>
+
+#include "fluxgs/error.h"
+#include "trainer/train/options.h"
+#include "trainer/train/state.h"
+
+namespace fluxgs {
+
+struct Checkpoint {
+  TrainOptions options;
+  std::string preset;
+  int downscale = 1;             ///< of the photos, as they were loaded
+  std::size_t train_photos = 0;  ///< how many; checked when the run goes on
+  TrainState state;
+};
+
+/// File layout (little-endian): "FLUXGSCK", u32 version, u32 size of a JSON header, the header
+/// (options, counts, random state), then the rows of parameters, both moments and statistics as
+/// float32, then a 64-bit FNV-1a hash of everything before it. Written whole or not at all.
+Expected<void> write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
+
+/// Errors: not a checkpoint, another version, sizes that disagree with the file's, damaged content.
+Expected<Checkpoint> read_checkpoint(const std::filesystem::path& path);
+
+}  // namespace fluxgs

@@ -1,0 +1,53 @@
+#include "trainer/train/evaluate.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "trainer/loss/photometric.h"
+#include "trainer/raster/rasterizer.h"
+
+namespace fluxgs {
+
+ViewRenderer cpu_view_renderer(const SplatCloud& cloud, const RenderOptions& options,
+                               const Threads& threads) {
+  const auto parameters =
+      std::make_shared<const PlanarFloats>(to_parameters(cloud, cloud.sh_degree));
+  const auto times = std::make_shared<StageTimes>();
+  const std::shared_ptr<Rasterizer> rasterizer = make_cpu_rasterizer(threads, *times);
+  return [=](const Camera& camera) -> Expected<PlanarImage> {
+    (void)times;  // kept for as long as the rasterizer writes to it
+    rasterizer->forward(*parameters, camera, options);
+    return rasterizer->color();
+  };
+}
+
+namespace {
+
+void limit_to_displayable(PlanarImage& image) {
+  for (int c = 0; c < image.channels(); ++c)
+    for (int y = 0; y < image.height(); ++y)
+      for (float* p = image.row(c, y); p != image.row(c, y) + image.width(); ++p)
+        *p = std::clamp(*p, 0.0f, 1.0f);
+}
+
+}  // namespace
+
+Expected<Evaluation> evaluate(const std::vector<Photo>& photos, const ViewRenderer& render,
+                              const Threads& threads) {
+  Evaluation result;
+  PhotometricLoss loss(threads);
+  PlanarImage target;
+  for (const Photo& photo : photos) {
+    Expected<PlanarImage> picture = render(photo.camera);
+    if (!picture) return std::unexpected(picture.error());
+    limit_to_displayable(*picture);
+    to_planar(photo.rgb, threads, target);
+    result.views.push_back(
+        {photo.camera.name, psnr(*picture, target), loss.run(*picture, target, 0).ssim});
+    result.psnr += result.views.back().psnr / static_cast<double>(photos.size());
+    result.ssim += result.views.back().ssim / static_cast<double>(photos.size());
+  }
+  return result;
+}
+
+}  // namespace fluxgs

@@ -1,0 +1,38 @@
+// How well a scene shows views that photos exist of.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "fluxgs/error.h"
+#include "fluxgs/render_options.h"
+#include "fluxgs/splat_cloud.h"
+#include "trainer/data/dataset.h"
+#include "trainer/parallel/parallel.h"
+#include "trainer/raster/planar_image.h"
+
+namespace fluxgs {
+
+struct ViewScore {
+  std::string name;
+  double psnr = 0, ssim = 0;
+};
+
+struct Evaluation {
+  double psnr = 0, ssim = 0;  ///< means over views
+  std::vector<ViewScore> views;
+};
+
+/// Renders a camera's view: 3 channels, 0…1 (limited to that range when scored).
+using ViewRenderer = std::function<Expected<PlanarImage>(const Camera&)>;
+
+/// The trainer's own renderer for `cloud`, over `background`. Copies what it needs of the cloud.
+ViewRenderer cpu_view_renderer(const SplatCloud& cloud, const RenderOptions& options,
+                               const Threads& threads);
+
+/// Scores every photo. PSNR over all channels and pixels; SSIM as in the loss.
+Expected<Evaluation> evaluate(const std::vector<Photo>& photos, const ViewRenderer& render,
+                              const Threads& threads);
+
+}  // namespace fluxgs

@@ -1,0 +1,85 @@
+// Every constant of training, once. The command line can set each of them.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "fluxgs/error.h"
+#include "fluxgs/render_options.h"
+
+namespace fluxgs {
+
+/// Defaults: those of vanilla 3DGS (Kerbl et al. 2023, section 5 and appendix; opacity rate 0.025).
+struct TrainOptions {
+  int iterations = 30000;
+  std::uint64_t seed = 1;
+
+  // Appearance
+  int sh_degree = 3;              ///< 0…3
+  int sh_degree_interval = 1000;  ///< iterations until the degree in use grows by one
+
+  // Learning rates, per step
+  double position_rate = 1.6e-4;        ///< × scene extent, at the start
+  double position_rate_final = 1.6e-6;  ///< × scene extent, at the end; log-linear in between
+  double sh_dc_rate = 2.5e-3;
+  double sh_rest_rate = 2.5e-3 / 20;
+  double opacity_rate = 0.025;
+  double log_scale_rate = 5e-3;
+  double rotation_rate = 1e-3;
+
+  // Adam
+  double beta1 = 0.9, beta2 = 0.999, epsilon = 1e-15;
+
+  double lambda_dssim = 0.2;  ///< weight of 1 − SSIM in the loss, 0…1
+
+  // Densification (3DGS, section 5.2)
+  int densify_from = 500;          ///< first iteration after which splats are added
+  int densify_until = 0;           ///< last one; 0: half of the iterations, at most 15,000
+  int densify_interval = 100;      ///< iterations
+  double densify_gradient = 2e-4;  ///< mean |∂L/∂centre| in normalised device coordinates
+  double densify_size = 0.01;      ///< × scene extent: smaller splats are cloned, larger ones split
+  double split_shrink = 1.6;       ///< a split splat's scale is divided by this
+  std::uint64_t max_splats = 0;    ///< 0: no limit
+
+  // Pruning
+  double prune_opacity = 0.005;
+  double prune_screen_radius = 20;    ///< px; applies after the first opacity reset
+  double prune_world_size = 0.1;      ///< × scene extent; applies after the first opacity reset
+  int opacity_reset_interval = 3000;  ///< iterations; 0: never
+  double opacity_reset_to = 0.01;
+
+  // Start
+  double initial_opacity = 0.1;
+
+  RenderOptions render;
+
+  int effective_densify_until() const {
+    if (densify_until > 0) return densify_until;
+    return iterations / 2 < 15000 ? iterations / 2 : 15000;
+  }
+};
+
+/// Names of the presets, the default one first.
+std::vector<std::string> preset_names();
+
+/// The options of a preset: "3dgs" (vanilla: SH of degree 3, single-view gradients).
+Expected<TrainOptions> preset(std::string_view name);
+
+/// Checks every option's range; the error names the option and the range.
+Expected<void> validate(const TrainOptions& options);
+
+/// One number of the options by name, for the command line, reports and checkpoints.
+struct OptionField {
+  const char* name;  ///< as on the command line, without the dashes
+  const char* help;
+  double low, high;             ///< accepted range
+  int TrainOptions::* integer;  // exactly one of these three is set
+  double TrainOptions::* real;
+  std::uint64_t TrainOptions::* natural;
+};
+
+const std::vector<OptionField>& option_fields();
+
+}  // namespace fluxgs

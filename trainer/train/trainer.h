@@ -1,0 +1,66 @@
+// The training loop, one step at a time.
+#pragma once
+
+#include <memory>
+
+#include "fluxgs/error.h"
+#include "fluxgs/splat_cloud.h"
+#include "trainer/data/dataset.h"
+#include "trainer/data/initial_points.h"
+#include "trainer/densify/densify.h"
+#include "trainer/loss/photometric.h"
+#include "trainer/raster/rasterizer.h"
+#include "trainer/train/options.h"
+#include "trainer/train/state.h"
+
+namespace fluxgs {
+
+/// What one step did.
+struct StepReport {
+  double loss = 0;
+  PhotometricSums sums;
+  RasterCounts raster;
+  DensifyCounts densified;  ///< zero at most steps
+};
+
+/// The scene's size: 1.1 × the largest distance of a camera from their mean (3DGS).
+double scene_extent(const std::vector<Photo>& photos);
+
+/// The state before the first step, from a data set's initial points.
+TrainState initial_state(const Dataset& data, const PointCloud& points, const TrainOptions& options,
+                         const Threads& threads);
+
+/// Runs steps on a state. `data`, `threads` and `times` must outlive it. The same data, options,
+/// state and instruction set give the same bytes for any number of threads.
+class Trainer {
+ public:
+  Trainer(const Dataset& data, const TrainOptions& options, TrainState state,
+          const Threads& threads, StageTimes& times);
+
+  bool done() const { return state_.iteration >= options_.iterations; }
+  StepReport step();
+
+  const TrainState& state() const { return state_; }
+  const TrainOptions& options() const { return options_; }
+  SplatCloud cloud() const;
+  /// Gradients that were not finite and were therefore skipped.
+  std::uint64_t rejected_gradients() const { return rasterizer_->rejected_gradients(); }
+
+ private:
+  const Photo& next_photo();
+  int sh_degree_in_use() const;
+  LearningRates rates() const;
+  DensifyCounts control_density();
+
+  const Dataset& data_;
+  TrainOptions options_;
+  TrainState state_;
+  const Threads& threads_;
+  StageTimes& times_;
+  double extent_;
+  std::unique_ptr<Rasterizer> rasterizer_;
+  PhotometricLoss loss_;
+  PlanarImage target_;
+};
+
+}  // namespace fluxgs
