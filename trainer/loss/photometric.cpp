@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "trainer/model/parameters.h"
+
 namespace fluxgs {
 namespace {
 
@@ -66,9 +68,9 @@ PhotometricSums PhotometricLoss::run(const PlanarImage& color, const PlanarImage
         row_l1_.data() + rows};
   };
   const std::size_t scratch_size = kernels_.scratch_size(color.pitch(), kStripRows);
-  const auto scratch = [&] {  // one buffer per thread, kept from call to call
-    thread_local std::vector<float> buffer;
-    buffer.resize(std::max(buffer.size(), scratch_size));
+  const auto scratch = [&] {  // one aligned buffer per thread, kept from call to call
+    thread_local PlanarFloats buffer;
+    if (buffer.size() < scratch_size) buffer = PlanarFloats(1, scratch_size);
     return buffer.data();
   };
   for_strips(threads_, height,

@@ -21,7 +21,8 @@ std::vector<Isa> available_isas() {
 #ifdef FLUXGS_HAVE_AVX2
   // The features of x86-64-v3 and -v4 that the kernels use
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
-      __builtin_cpu_supports("bmi2"))
+      __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("aes") &&
+      __builtin_cpu_supports("pclmul"))
     isas.push_back(Isa::avx2);
 #endif
 #ifdef FLUXGS_HAVE_AVX512

@@ -15,6 +15,8 @@ using TagI = hn::RebindToSigned<Tag>;
 inline constexpr Tag kTag{};
 inline constexpr TagI kTagI{};
 inline constexpr int kLanes = static_cast<int>(hn::MaxLanes(Tag()));
+static_assert(kLanes == FLUXGS_LANES,
+              "the compiler's flags do not give the lanes this set should have");
 
 struct LaneMask {
   hn::Mask<Tag> m;

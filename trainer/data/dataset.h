@@ -1,0 +1,55 @@
+// Posed photos, ready to train on.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "fluxgs/camera.h"
+#include "fluxgs/error.h"
+#include "fluxgs/image.h"
+
+namespace fluxgs {
+
+struct LoadOptions {
+  int downscale = 1;        ///< integer factor ≥ 1, area-averaged; sizes are rounded down
+  int test_every = 8;       ///< every n-th image, sorted by name, is for testing; 0: none
+  glm::vec3 background{0};  ///< sRGB as stored, 0…1: what transparent pixels show
+  int threads = 0;          ///< for decoding; 0: all
+};
+
+/// A photo as an ideal pinhole camera would have taken it: distortion undone, reduced by
+/// LoadOptions::downscale, opaque. The camera's intrinsics are those of these pixels.
+struct Photo {
+  Camera camera;  ///< its name is the image's file name (COLMAP: the name in the model)
+  Image<std::uint8_t> rgb;
+  std::string path;  ///< of the file the pixels came from
+};
+
+/// World coordinates are those of the data set, untouched: of transforms.json only the camera axes
+/// are converted (from OpenGL's to OpenCV's).
+struct Dataset {
+  std::string kind;                       ///< "COLMAP", "transforms.json" or "photos (COLMAP)"
+  std::vector<Photo> train, test;         ///< each sorted by name; train is never empty
+  std::vector<glm::vec3> points;          ///< sparse points, finite; may be empty
+  std::vector<glm::u8vec3> point_colors;  ///< sRGB, one per point
+  std::size_t skipped_images = 0;         ///< listed, but without an image file
+  std::vector<std::string> warnings;      ///< one line each, for the user
+};
+
+/// Load a folder, the first of these that it holds:
+///   - a COLMAP model (binary or text) in sparse/0, sparse or the folder itself, its images in
+///     images/ or the folder itself;
+///   - transforms_train.json, with transforms_test.json as the test split if it exists;
+///   - transforms.json (instant-ngp, nerfstudio);
+///   - photos without poses (in images/ or the folder itself): COLMAP is run, if installed, in the
+///     folder's colmap/ sub-folder, and its result is kept there for the next time.
+/// The result does not depend on the number of threads.
+/// Errors: anything missing, malformed, truncated or contradictory, named by file and field.
+Expected<Dataset> load_dataset(const std::filesystem::path& folder, const LoadOptions& options);
+
+}  // namespace fluxgs

@@ -1,0 +1,144 @@
+#include "trainer/data/image_io.h"
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "fluxgs/io/file.h"
+#include "trainer/data/file_bytes.h"
+#include "trainer/data/image_header.h"
+#include "trainer/data/lens.h"
+
+namespace fluxgs {
+namespace {
+
+constexpr std::uint64_t kLargestFile = 1ULL << 30;  // OpenCV counts the bytes in an int.
+
+Expected<ImageHeader> checked_header(std::span<const std::byte> bytes, const std::string& file) {
+  if (bytes.empty()) return fail(file, "", "is empty, expected a JPEG or PNG image");
+  const auto header = parse_image_header(bytes);
+  if (!header) return fail(file, "", "not an image that can be read, expected JPEG or PNG");
+  if (!header->width) return fail(file, "", "the image is truncated: its header is incomplete");
+  // Neither product can overflow: JPEG has 16 bits for a side, PNG 32.
+  if (*header->width < 1 || *header->height < 1 ||
+      *header->width > kMaxPixels / std::max<std::int64_t>(*header->height, 1))
+    return fail(file, "header",
+                fmt::format("image size {}x{}, expected 1 to {} pixels", *header->width,
+                            *header->height, kMaxPixels));
+  return *header;
+}
+
+/// To 8 bits and to RGB or RGBA order; empty if the kind of pixels is not known.
+cv::Mat to_rgb8(cv::Mat decoded) {
+  if (decoded.depth() == CV_16U) decoded.convertTo(decoded, CV_8U, 1.0 / 257.0);
+  if (decoded.depth() != CV_8U) return {};
+  cv::Mat rgb;
+  switch (decoded.channels()) {
+    case 1:
+      cv::cvtColor(decoded, rgb, cv::COLOR_GRAY2RGB);
+      break;
+    case 3:
+      cv::cvtColor(decoded, rgb, cv::COLOR_BGR2RGB);
+      break;
+    case 4:
+      cv::cvtColor(decoded, rgb, cv::COLOR_BGRA2RGBA);
+      break;
+    default:
+      break;
+  }
+  return rgb;
+}
+
+Expected<Image<std::uint8_t>> decode(std::vector<std::byte>& bytes, const ImageHeader& header,
+                                     const std::string& file) {
+  try {
+    // IMREAD_UNCHANGED keeps alpha and does not turn the picture by its EXIF orientation.
+    const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U, bytes.data());
+    const cv::Mat rgb = to_rgb8(cv::imdecode(encoded, cv::IMREAD_UNCHANGED));
+    if (rgb.empty()) return fail(file, "", "the image is corrupt: it cannot be decoded");
+    if (rgb.cols != *header.width || rgb.rows != *header.height)
+      return fail(file, "",
+                  fmt::format("decoded to {}x{}, expected {}x{} as its header says", rgb.cols,
+                              rgb.rows, *header.width, *header.height));
+    Image<std::uint8_t> image(rgb.cols, rgb.rows, rgb.channels());
+    rgb.copyTo(cv::Mat(rgb.rows, rgb.cols, rgb.type(), image.pixels.data()));
+    return image;
+  } catch (const cv::Exception& e) {
+    if (e.code == cv::Error::StsNoMem) throw std::bad_alloc();
+    return fail(file, "", "the image is corrupt: it cannot be decoded");
+  }
+}
+
+std::uint8_t to_byte(float value) {
+  // Written so that NaN becomes 0.
+  const float clamped = value > 0.0F ? std::min(value, 1.0F) : 0.0F;
+  return static_cast<std::uint8_t>(std::lround(clamped * 255.0F));
+}
+
+}  // namespace
+
+Expected<Image<std::uint8_t>> read_image(const std::filesystem::path& file) {
+  try {
+    auto bytes = read_file(file, kLargestFile);
+    if (!bytes) return std::unexpected(bytes.error());
+    const auto header = checked_header(*bytes, file.string());
+    if (!header) return std::unexpected(header.error());
+    if (!header->complete)
+      return fail(file.string(), "",
+                  header->format == ImageFormat::kJpeg
+                      ? "the image is truncated: JPEG without its end marker (EOI)"
+                      : "the image is truncated: PNG without its end chunk (IEND)");
+    return decode(*bytes, *header, file.string());
+  } catch (const std::bad_alloc&) {
+    return fail(file.string(), "", "not enough memory to read the image");
+  }
+}
+
+Expected<ImageSize> read_image_size(const std::filesystem::path& file) {
+  // Metadata before a JPEG's frame header seldom exceeds this; if it does, read everything.
+  constexpr std::size_t kUsual = 1 << 18;
+  auto bytes = read_prefix(file, kUsual);
+  if (!bytes) return std::unexpected(bytes.error());
+  const auto header = parse_image_header(*bytes);
+  if (header && !header->width && bytes->size() == kUsual) {
+    bytes = read_file(file, kLargestFile);
+    if (!bytes) return std::unexpected(bytes.error());
+  }
+  const auto checked = checked_header(*bytes, file.string());
+  if (!checked) return std::unexpected(checked.error());
+  return ImageSize{static_cast<int>(*checked->width), static_cast<int>(*checked->height)};
+}
+
+Expected<void> write_png(const std::filesystem::path& file, const Image<std::uint8_t>& image) {
+  if (image.width < 1 || image.height < 1 || (image.channels != 3 && image.channels != 4))
+    return fail(file.string(), "",
+                fmt::format("cannot write a picture of {}x{} with {} channels as PNG", image.width,
+                            image.height, image.channels));
+  std::vector<std::uint8_t> encoded;
+  try {
+    cv::Mat bgr(image.height, image.width, CV_8UC(image.channels));
+    const bool alpha = image.channels == 4;
+    std::ranges::copy(image.pixels, bgr.data);
+    cv::cvtColor(bgr, bgr, alpha ? cv::COLOR_RGBA2BGRA : cv::COLOR_RGB2BGR);
+    if (!cv::imencode(".png", bgr, encoded))
+      return fail(file.string(), "", "the picture could not be encoded as PNG");
+  } catch (const cv::Exception& e) {
+    return fail(file.string(), "", "the picture could not be encoded as PNG: " + e.err);
+  }
+  return write_file_atomic(file, std::as_bytes(std::span(encoded)));
+}
+
+Expected<void> write_png(const std::filesystem::path& file, const Image<float>& image) {
+  Image<std::uint8_t> bytes(image.width, image.height, image.channels);
+  std::ranges::transform(image.pixels, bytes.pixels.begin(), to_byte);
+  return write_png(file, bytes);
+}
+
+}  // namespace fluxgs

@@ -1,0 +1,37 @@
+// The lens of a data set's camera: intrinsics with the distortion that is still in its photos.
+#pragma once
+
+#include <array>
+#include <compare>
+#include <string>
+
+#include "fluxgs/error.h"
+
+namespace fluxgs {
+
+enum class LensModel {
+  kPerspective,  ///< pinhole, then radial and tangential distortion (OpenCV's rational model)
+  kFisheye       ///< equidistant, then a polynomial of the angle (cv::fisheye)
+};
+
+struct Lens {
+  LensModel model = LensModel::kPerspective;
+  int width = 0, height = 0;  ///< pixels, of the photo as stored
+  double fx = 0, fy = 0;      ///< pixels
+  double cx = 0, cy = 0;      ///< pixels; the centre of the first pixel is at (½, ½)
+  /// Perspective: k1 k2 p1 p2 k3 k4 k5 k6, in OpenCV's order; fisheye: k1 k2 k3 k4.
+  std::array<double, 8> distortion{};
+
+  auto operator<=>(const Lens&) const = default;
+};
+
+bool is_distorted(const Lens& lens);
+
+/// The largest picture that is read, in pixels: 1 GiB as RGBA.
+inline constexpr long long kMaxPixels = 1LL << 28;
+
+/// Refuse sizes and intrinsics that no camera has: sizes outside 1…kMaxPixels, focal lengths that
+/// are not positive, anything not finite. `field` names the camera in the error.
+Expected<void> check_lens(const Lens& lens, const std::string& file, const std::string& field);
+
+}  // namespace fluxgs

@@ -1,0 +1,17 @@
+// From the frames of a data set to photos in memory.
+#pragma once
+
+#include <vector>
+
+#include "fluxgs/error.h"
+#include "trainer/data/dataset.h"
+#include "trainer/data/source.h"
+
+namespace fluxgs {
+
+/// Decode, composite on the background, undistort and reduce every frame, in parallel; the result
+/// has the order of the frames. The first error in that order is returned.
+Expected<std::vector<Photo>> load_photos(const std::vector<SourceFrame>& frames,
+                                         const LoadOptions& options);
+
+}  // namespace fluxgs

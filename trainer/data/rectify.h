@@ -1,0 +1,28 @@
+// From a photo with a real lens to the picture that a pinhole camera would have taken.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <opencv2/core/mat.hpp>
+
+#include "fluxgs/error.h"
+#include "trainer/data/lens.h"
+
+namespace fluxgs {
+
+/// Where each pixel of the undistorted picture comes from. For a lens without distortion the maps
+/// are empty and the pinhole is the lens.
+struct Rectification {
+  Lens pinhole;          ///< same size, no distortion
+  cv::Mat map_x, map_y;  ///< pixels of the photo, OpenCV's convention (first centre at 0)
+};
+
+/// The pinhole camera of the same size whose whole picture lies inside the photo, so that no pixel
+/// is made up. Errors: distortion so strong that there is none; a fisheye of 180° and more.
+Expected<Rectification> make_rectification(const Lens& lens, const std::string& file);
+
+/// Resample an 8-bit photo (bicubic).
+cv::Mat rectify(const cv::Mat& photo, const Rectification& rectification);
+
+}  // namespace fluxgs

@@ -1,0 +1,25 @@
+// Poses for photos that have none: COLMAP, as a separate program.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "fluxgs/error.h"
+
+namespace fluxgs {
+
+/// The executable of that name on PATH, if any.
+std::optional<std::filesystem::path> find_program(const std::string& name);
+
+/// The model with the most images among `sparse`/0, `sparse`/1, …: COLMAP makes several where the
+/// photos do not hang together. Nothing if there is none.
+std::optional<std::filesystem::path> largest_model(const std::filesystem::path& sparse);
+
+/// Run COLMAP's feature extraction, exhaustive matching and mapping on the CPU over the images of a
+/// folder, with files and a log in `work_folder`, which is created. On success the models are in
+/// `work_folder`/sparse; an interrupted or failed run leaves none there.
+/// Errors: COLMAP not installed, a step that failed (named, with the log), no model found.
+Expected<void> run_colmap(const std::filesystem::path& images,
+                          const std::filesystem::path& work_folder);
+
+}  // namespace fluxgs

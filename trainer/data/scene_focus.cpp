@@ -1,0 +1,74 @@
+#include "trainer/data/scene_focus.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+#include <glm/geometric.hpp>
+
+namespace fluxgs {
+namespace {
+
+Eigen::Vector3d to_eigen(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+/// The diagonal of the bounding box of the cameras' positions.
+double camera_spread(const std::vector<Photo>& photos) {
+  glm::dvec3 low = photos[0].camera.center(), high = low;
+  for (const Photo& photo : photos) {
+    low = glm::min(low, photo.camera.center());
+    high = glm::max(high, photo.camera.center());
+  }
+  return glm::distance(low, high);
+}
+
+}  // namespace
+
+std::optional<glm::dvec3> nearest_point_to_rays(const std::vector<Ray>& rays) {
+  if (rays.size() < 2) return std::nullopt;
+  // Relative to the first origin: scenes may lie 1e5 units from the world's.
+  const Eigen::Vector3d base = to_eigen(rays[0].origin);
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (const Ray& ray : rays) {
+    const Eigen::Vector3d d = to_eigen(ray.direction);
+    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - d * d.transpose();
+    normal += across;
+    right += across * (to_eigen(ray.origin) - base);
+  }
+  // The smallest eigenvalue is the number of rays times the mean square sine of their angles.
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(normal, Eigen::EigenvaluesOnly);
+  constexpr double kLeastSquareSine = 2e-5;
+  if (!(eigen.eigenvalues()[0] > kLeastSquareSine * static_cast<double>(rays.size())))
+    return std::nullopt;
+  const Eigen::Vector3d p = base + normal.ldlt().solve(right);
+  return glm::dvec3(p[0], p[1], p[2]);
+}
+
+Ray pixel_ray(const Camera& camera, const glm::dvec2& pixel) {
+  const glm::dvec3 in_camera((pixel.x - camera.cx) / camera.fx, (pixel.y - camera.cy) / camera.fy,
+                             1.0);
+  return {camera.center(), glm::normalize(glm::transpose(camera.rotation) * in_camera)};
+}
+
+std::vector<double> focus_distances(const std::vector<Photo>& photos) {
+  std::vector<Ray> views;
+  for (const Photo& photo : photos)
+    views.push_back({photo.camera.center(), photo.camera.forward()});
+  const auto focus = nearest_point_to_rays(views);
+  const double spread = camera_spread(photos);
+
+  std::vector<double> distances(photos.size(), 0.0);
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; focus && i < photos.size(); ++i) {
+    const double distance = glm::dot(*focus - views[i].origin, views[i].direction);
+    if (!(distance > 0.05 * spread)) continue;
+    distances[i] = distance;
+    sum += distance;
+    count += 1;
+  }
+  const double fallback = count > 0 ? sum / count : spread > 0 ? spread : 1.0;
+  std::ranges::replace(distances, 0.0, fallback);
+  return distances;
+}
+
+}  // namespace fluxgs

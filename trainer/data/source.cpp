@@ -1,0 +1,46 @@
+#include "trainer/data/source.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+
+namespace fluxgs {
+
+bool add_point(Source& source, const glm::dvec3& position, const glm::u8vec3& color) {
+  const glm::vec3 p(position);  // A double may be finite and its float not.
+  if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return false;
+  source.points.push_back(p);
+  source.point_colors.push_back(color);
+  return true;
+}
+
+std::string printable(const std::string& text) {
+  constexpr std::size_t kLongest = 200;
+  std::string safe = text.substr(0, kLongest);
+  std::ranges::replace_if(
+      safe, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
+  return text.size() > kLongest ? safe + "..." : safe;
+}
+
+std::optional<glm::dmat3> nearest_rotation(const glm::dmat3& matrix) {
+  Eigen::Matrix3d m;
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row) m(row, column) = matrix[column][row];
+  const double largest = m.cwiseAbs().maxCoeff();
+  if (!m.allFinite() || largest <= 0) return std::nullopt;
+  m /= largest;  // Before the determinant, which would overflow or vanish.
+  if (m.determinant() <= 0) return std::nullopt;
+  // The polar factor M(MᵀM)^−½; the eigenvalues of MᵀM are the squares of M's singular values.
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> square(m.transpose() * m);
+  constexpr double kLargestShear = 1.01;
+  const auto& s2 = square.eigenvalues();  // ascending
+  if (!(s2[2] <= s2[0] * kLargestShear * kLargestShear)) return std::nullopt;
+  const Eigen::Matrix3d r = m * square.operatorInverseSqrt();
+  glm::dmat3 rotation;
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row) rotation[column][row] = r(row, column);
+  return rotation;
+}
+
+}  // namespace fluxgs

@@ -1,0 +1,47 @@
+// What the readers of data sets agree on: which photos, taken from where through which lens.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include "fluxgs/error.h"
+#include "trainer/data/lens.h"
+
+namespace fluxgs {
+
+struct SourceFrame {
+  std::filesystem::path file;
+  std::string name;
+  Lens lens;
+  glm::dmat3 rotation{1.0};     ///< world → camera, OpenCV axes
+  glm::dvec3 translation{0.0};  ///< as in Camera
+};
+
+struct Source {
+  std::vector<SourceFrame> frames;
+  std::optional<std::vector<SourceFrame>> test_frames;  ///< where the data set has its own split
+  std::vector<glm::vec3> points;                        ///< finite
+  std::vector<glm::u8vec3> point_colors;
+  std::size_t skipped_images = 0;
+  std::vector<std::string> warnings;
+};
+
+/// Add a point unless it is not finite; returns whether it was added.
+bool add_point(Source& source, const glm::dvec3& position, const glm::u8vec3& color);
+
+/// Text from a file, made safe for one line of an error message: control characters become '?' and
+/// long texts are cut.
+std::string printable(const std::string& text);
+
+/// The closest rotation to a matrix that is one but for rounding and a uniform scale (some
+/// exporters scale their poses). Nothing if it is not finite, mirrors, or shears by more
+/// than 1%.
+std::optional<glm::dmat3> nearest_rotation(const glm::dmat3& matrix);
+
+}  // namespace fluxgs

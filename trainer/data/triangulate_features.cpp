@@ -1,0 +1,198 @@
+#include "trainer/data/triangulate_features.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <optional>
+
+#include <tbb/parallel_for.h>
+#include <glm/geometric.hpp>
+
+#include "trainer/data/features.h"
+#include "trainer/data/scene_focus.h"
+
+namespace fluxgs {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr int kPairsPerPhoto = 8;
+constexpr double kLeastParallax = 1 * kDegree;
+
+using Features = std::vector<std::vector<Feature>>;  // of each photo
+using Matches = std::vector<std::pair<int, int>>;
+
+double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
+  // atan2 keeps its accuracy at small angles, where acos loses it.
+  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+}
+
+/// How unsuitable a pair is: 0 at 10° of parallax between parallel views; infinite where features
+/// no longer match.
+double pair_cost(const Photo& a, const Photo& b, const glm::dvec3& focus) {
+  const double parallax = angle_between(focus - a.camera.center(), focus - b.camera.center());
+  const double turn = angle_between(a.camera.forward(), b.camera.forward());
+  if (parallax < kLeastParallax || parallax > 50 * kDegree || turn > 60 * kDegree)
+    return std::numeric_limits<double>::infinity();
+  return std::abs(std::log(parallax / (10 * kDegree))) + turn / (30 * kDegree);
+}
+
+/// Features of all photos numbered through, joined by their matches.
+class Tracks {
+ public:
+  explicit Tracks(const Features& features) {
+    for (const auto& of_photo : features) {
+      first_.push_back(parent_.size());
+      parent_.resize(parent_.size() + of_photo.size());
+    }
+    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+  }
+
+  void join(int photo_a, int feature_a, int photo_b, int feature_b) {
+    const std::size_t a = root(node(photo_a, feature_a)), b = root(node(photo_b, feature_b));
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+  struct Observation {
+    std::size_t photo, feature;
+  };
+  /// Every track of two features and more, ordered by photo and feature.
+  std::vector<std::vector<Observation>> list() {
+    std::map<std::size_t, std::vector<Observation>> by_root;
+    for (std::size_t photo = 0; photo < first_.size(); ++photo) {
+      const std::size_t end = photo + 1 < first_.size() ? first_[photo + 1] : parent_.size();
+      for (std::size_t n = first_[photo]; n < end; ++n)
+        by_root[root(n)].push_back({photo, n - first_[photo]});
+    }
+    std::vector<std::vector<Observation>> tracks;
+    for (auto& [unused, track] : by_root)
+      if (track.size() >= 2) tracks.push_back(std::move(track));
+    return tracks;
+  }
+
+ private:
+  std::size_t node(int photo, int feature) const {
+    return first_[static_cast<std::size_t>(photo)] + static_cast<std::size_t>(feature);
+  }
+  std::size_t root(std::size_t n) {
+    while (parent_[n] != n) n = parent_[n] = parent_[parent_[n]];
+    return n;
+  }
+  std::vector<std::size_t> first_, parent_;
+};
+
+using Track = std::vector<Tracks::Observation>;
+
+/// A track with two features in one photo holds a wrong match somewhere.
+bool is_consistent(const Track& track) {
+  return std::ranges::adjacent_find(track, {}, &Tracks::Observation::photo) == track.end();
+}
+
+double widest_parallax(const std::vector<Ray>& rays) {
+  double widest = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      widest = std::max(widest, angle_between(rays[i].direction, rays[j].direction));
+  return widest;
+}
+
+bool reprojects(const glm::dvec3& point, const Photo& photo, const glm::dvec2& pixel) {
+  const Camera& c = photo.camera;
+  const glm::dvec3 p = c.rotation * (point - c.center());
+  if (!(p.z > 0)) return false;
+  const glm::dvec2 image(c.fx * p.x / p.z + c.cx, c.fy * p.y / p.z + c.cy);
+  return glm::distance(image, pixel) <= feature_tolerance(photo);
+}
+
+std::optional<glm::dvec3> triangulate(const Track& track, const std::vector<Photo>& photos,
+                                      const Features& features) {
+  std::vector<Ray> rays;
+  for (const auto& o : track)
+    rays.push_back(pixel_ray(photos[o.photo].camera, features[o.photo][o.feature].pixel));
+  if (widest_parallax(rays) < kLeastParallax) return std::nullopt;
+  const auto point = nearest_point_to_rays(rays);
+  if (!point) return std::nullopt;
+  for (const auto& o : track)
+    if (!reprojects(*point, photos[o.photo], features[o.photo][o.feature].pixel))
+      return std::nullopt;
+  return point;
+}
+
+glm::vec3 mean_color(const Track& track, const std::vector<Photo>& photos,
+                     const Features& features) {
+  glm::vec3 sum(0);
+  for (const auto& o : track) {
+    const auto& image = photos[o.photo].rgb;
+    const glm::dvec2 pixel = features[o.photo][o.feature].pixel;
+    const int x = std::clamp(static_cast<int>(std::floor(pixel.x)), 0, image.width - 1);
+    const int y = std::clamp(static_cast<int>(std::floor(pixel.y)), 0, image.height - 1);
+    const std::uint8_t* rgb = image.at(x, y);
+    sum += glm::vec3(rgb[0], rgb[1], rgb[2]) / 255.0F;
+  }
+  return sum / static_cast<float>(track.size());
+}
+
+Features find_all_features(const std::vector<Photo>& photos) {
+  Features features(photos.size());
+  tbb::parallel_for(std::size_t{0}, photos.size(),
+                    [&](std::size_t i) { features[i] = find_features(photos[i]); });
+  return features;
+}
+
+std::vector<Matches> match_all(const std::vector<Photo>& photos, const Features& features,
+                               const std::vector<std::pair<int, int>>& pairs) {
+  std::vector<Matches> matches(pairs.size());
+  tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) {
+    const auto a = static_cast<std::size_t>(pairs[i].first);
+    const auto b = static_cast<std::size_t>(pairs[i].second);
+    matches[i] = match_features(photos[a], features[a], photos[b], features[b]);
+  });
+  return matches;
+}
+
+}  // namespace
+
+std::vector<std::pair<int, int>> choose_pairs(const std::vector<Photo>& photos) {
+  const std::vector<double> distances = focus_distances(photos);
+  std::vector<std::pair<int, int>> pairs;
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    const Camera& camera = photos[i].camera;
+    const glm::dvec3 focus = camera.center() + distances[i] * camera.forward();
+    std::vector<std::pair<double, int>> candidates;
+    for (std::size_t j = 0; j < photos.size(); ++j) {
+      if (i == j) continue;
+      const double cost = pair_cost(photos[i], photos[j], focus);
+      if (std::isfinite(cost)) candidates.emplace_back(cost, static_cast<int>(j));
+    }
+    std::ranges::sort(candidates);
+    candidates.resize(std::min<std::size_t>(candidates.size(), kPairsPerPhoto));
+    for (const auto& [cost, j] : candidates)
+      pairs.emplace_back(std::min(static_cast<int>(i), j), std::max(static_cast<int>(i), j));
+  }
+  std::ranges::sort(pairs);
+  const auto repeated = std::ranges::unique(pairs);
+  pairs.erase(repeated.begin(), repeated.end());
+  return pairs;
+}
+
+PointCloud triangulate_features(const std::vector<Photo>& photos) {
+  const Features features = find_all_features(photos);
+  const auto pairs = choose_pairs(photos);
+  const auto matches = match_all(photos, features, pairs);
+  Tracks joined(features);
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    for (const auto& [a, b] : matches[i]) joined.join(pairs[i].first, a, pairs[i].second, b);
+
+  PointCloud cloud{.positions = {}, .colors = {}, .source = "triangulated features"};
+  for (const Track& track : joined.list()) {
+    if (!is_consistent(track)) continue;
+    const auto point = triangulate(track, photos, features);
+    if (!point) continue;
+    cloud.positions.emplace_back(*point);
+    cloud.colors.push_back(mean_color(track, photos, features));
+  }
+  return cloud;
+}
+
+}  // namespace fluxgs
