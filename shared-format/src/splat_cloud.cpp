@@ -9,7 +9,10 @@ bool finite(const glm::vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-bool splat_is_finite(const SplatCloud& cloud, std::size_t i, std::size_t rest) {
+}  // namespace
+
+bool is_finite(const SplatCloud& cloud, std::size_t i) {
+  const std::size_t rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
   const glm::quat& q = cloud.rotations[i];
   bool ok = finite(cloud.positions[i]) && finite(cloud.log_scales[i]) && finite(cloud.sh_dc[i]) &&
             std::isfinite(cloud.opacity_logits[i]) && std::isfinite(q.w) && std::isfinite(q.x) &&
@@ -18,13 +21,17 @@ bool splat_is_finite(const SplatCloud& cloud, std::size_t i, std::size_t rest) {
   return ok;
 }
 
-}  // namespace
+std::size_t count_non_finite(const SplatCloud& cloud) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) count += !is_finite(cloud, i);
+  return count;
+}
 
 std::size_t drop_non_finite(SplatCloud& cloud) {
   const std::size_t rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
   std::size_t kept = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (!splat_is_finite(cloud, i, rest)) continue;
+    if (!is_finite(cloud, i)) continue;
     if (kept != i) {
       cloud.positions[kept] = cloud.positions[i];
       cloud.log_scales[kept] = cloud.log_scales[i];

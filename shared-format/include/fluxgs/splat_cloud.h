@@ -37,6 +37,12 @@ struct SplatCloud {
   }
 };
 
+/// Whether every attribute of splat i is a finite number.
+bool is_finite(const SplatCloud& cloud, std::size_t i);
+
+/// How many splats have a NaN or infinity in any attribute.
+std::size_t count_non_finite(const SplatCloud& cloud);
+
 /// Remove every splat that has a NaN or infinity in any attribute; the order of the others stays.
 /// Returns how many were removed.
 std::size_t drop_non_finite(SplatCloud& cloud);

@@ -1,0 +1,28 @@
+// The 3D Gaussian splatting .ply of INRIA's reference implementation (Kerbl et al. 2023; PLY: Turk,
+// "The PLY Polygon File Format", 1994).
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "fluxgs/error.h"
+#include "fluxgs/io/scene_file.h"
+
+namespace fluxgs {
+
+/// Whether the bytes begin like a PLY file.
+bool is_ply(std::span<const std::byte> bytes);
+
+/// Read a scene: ASCII, little- or big-endian; properties of element `vertex` found by name, in any
+/// order and of any scalar type; other properties and elements are skipped. 0, 9, 24 or 45
+/// properties f_rest_* (channel-major) give the degree. All counts are checked against the size of
+/// `bytes` before anything is allocated. `name` appears in errors.
+Expected<SceneFile> read_ply(std::span<const std::byte> bytes, const std::string& name);
+
+/// Write little-endian floats in INRIA's order (with zero normals): a finite scene comes back bit
+/// for bit. Splats with a NaN or infinity are left out.
+Expected<std::vector<std::byte>> encode_ply(const SplatCloud& cloud, const std::string& name);
+
+}  // namespace fluxgs

@@ -1,0 +1,42 @@
+// Scenes of any format: the format of a file read is found by its content, that of a file written
+// by the extension of its name. A new format is one more file and one more row of the table.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "fluxgs/error.h"
+#include "fluxgs/io/scene_file.h"
+
+namespace fluxgs {
+
+/// A row of the table of formats.
+struct SceneFormat {
+  std::string_view name;         ///< as `fluxgs info` prints it
+  std::string_view description;  ///< for people
+  std::string_view extension;    ///< lower case, with the dot
+  bool (*recognises)(std::span<const std::byte> bytes);
+  Expected<SceneFile> (*read)(std::span<const std::byte> bytes, const std::string& name);
+  Expected<std::vector<std::byte>> (*encode)(const SplatCloud& cloud, const std::string& name);
+};
+
+std::span<const SceneFormat> scene_formats();
+
+/// Read a scene from memory; `name` appears in errors.
+Expected<SceneFile> read_scene(std::span<const std::byte> bytes, const std::string& name);
+
+/// Read a scene from a file.
+Expected<SceneFile> read_scene(const std::filesystem::path& path);
+
+/// Write a scene under its final name, whole or not at all. An unknown extension is an error that
+/// lists the known ones.
+Expected<void> write_scene(const std::filesystem::path& path, const SplatCloud& cloud);
+
+/// The format that write_scene would choose: for checking a name before long work.
+Expected<const SceneFormat*> scene_format_for(const std::filesystem::path& path);
+
+}  // namespace fluxgs

@@ -1,0 +1,39 @@
+// glTF accessors (specification, section 3.6.2), checked against the bytes they claim.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "fluxgs/error.h"
+#include "gltf_document.h"
+
+namespace tinygltf {
+class Model;
+}
+
+namespace fluxgs::io {
+
+/// The component types that an attribute may have, as bits.
+enum GltfComponents : unsigned {
+  kFloat = 1,
+  kSignedNormalized = 2,    ///< signed byte, short; normalised
+  kSigned = 4,              ///< signed byte, short
+  kUnsignedNormalized = 8,  ///< unsigned byte, short; normalised
+  kUnsigned = 16            ///< unsigned byte, short
+};
+
+/// What the specification asks of one attribute.
+struct GltfExpectation {
+  const char* semantic;
+  int type;             ///< TINYGLTF_TYPE_…
+  unsigned components;  ///< GltfComponents
+};
+
+/// Resolve an accessor of `model` into memory. `field` names the primitive in errors.
+Expected<GltfAttribute> resolve_accessor(const tinygltf::Model& model, int accessor,
+                                         const GltfExpectation& expected,
+                                         std::span<const std::byte> buffer, const std::string& name,
+                                         const std::string& field);
+
+}  // namespace fluxgs::io

@@ -1,0 +1,30 @@
+// The JSON of a .glb from a stranger: checked, and cut down to the parts that splats need, before a
+// glTF library sees it.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "fluxgs/error.h"
+
+namespace fluxgs::io {
+
+inline constexpr char kSplatExtension[] = "KHR_gaussian_splatting";
+
+struct GltfJson {
+  /// A glTF document of bufferViews, accessors, meshes, nodes and scenes under their old indices:
+  /// no URIs, images, materials, foreign extensions or extras, and all its numbers are of the kinds
+  /// that the specification wants.
+  std::string reduced;
+  std::vector<std::string> extensions_used;
+  std::vector<bool> sparse;      ///< for each accessor, whether it is a sparse one
+  std::size_t buffer_bytes = 0;  ///< length of buffer 0, at most that of the BIN chunk
+};
+
+/// Parse and check. Bounds: 16 MiB of text, 64 levels, 65,536 entries in each list.
+Expected<GltfJson> check_gltf_json(std::string_view text, std::size_t bin_bytes,
+                                   const std::string& name);
+
+}  // namespace fluxgs::io

@@ -1,0 +1,46 @@
+// The header of a PLY file (Turk 1994), and what it promises about the bytes behind it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "fluxgs/error.h"
+
+namespace fluxgs::io {
+
+enum class PlyEncoding { ascii, little_endian, big_endian };
+enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+
+struct PlyProperty {
+  std::string name;
+  PlyType type = PlyType::float32;
+  std::optional<PlyType> list_count;  ///< a list: the type of its length
+};
+
+struct PlyElement {
+  std::string name;
+  std::uint64_t count = 0;
+  std::vector<PlyProperty> properties;
+
+  bool has_lists() const;
+};
+
+struct PlyHeader {
+  PlyEncoding encoding = PlyEncoding::ascii;
+  std::vector<PlyElement> elements;
+  std::size_t size = 0;  ///< bytes; the data begin here
+};
+
+std::size_t ply_type_bytes(PlyType type);
+
+/// The least bytes that one row of the element can take (exact for binary rows without lists).
+std::uint64_t ply_row_bytes(const PlyElement& element, PlyEncoding encoding);
+
+/// Parse the header and check that the file is large enough for all that it promises.
+Expected<PlyHeader> parse_ply_header(std::span<const std::byte> bytes, const std::string& name);
+
+}  // namespace fluxgs::io

@@ -1,0 +1,387 @@
+#include <cmath>
+#include <limits>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "fluxgs/io/file.h"
+#include "fluxgs/io/ply.h"
+#include "fluxgs/math/projection.h"
+#include "fluxgs/math/spherical_harmonics.h"
+#include "glb_support.h"
+
+namespace fluxgs {
+namespace {
+
+using namespace test;
+
+// The largest differences between two clouds; rotations are compared as rotations.
+struct Worst {
+  double position = 0, log_scale = 0, rotation = 0, opacity = 0, sh = 0;
+};
+
+double opacity_of(float logit) { return 1 / (1 + std::exp(-double{logit})); }
+
+double rotation_difference(const glm::quat& a, const glm::quat& b) {
+  const glm::dquat p = glm::normalize(glm::dquat(a)), q = glm::normalize(glm::dquat(b));
+  return std::min(glm::length(p - q), glm::length(p + q));
+}
+
+Worst compare(const SplatCloud& a, const SplatCloud& b) {
+  Worst worst;
+  EXPECT_EQ(a.size(), b.size());
+  EXPECT_EQ(a.sh_degree, b.sh_degree);
+  if (a.size() != b.size() || a.sh_degree != b.sh_degree) return worst;
+  const auto raise = [](double& to, const glm::vec3& difference) {
+    for (int c = 0; c < 3; ++c) to = std::max(to, std::abs(double{difference[c]}));
+  };
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    raise(worst.position, a.positions[i] - b.positions[i]);
+    raise(worst.log_scale, a.log_scales[i] - b.log_scales[i]);
+    raise(worst.sh, a.sh_dc[i] - b.sh_dc[i]);
+    worst.rotation = std::max(worst.rotation, rotation_difference(a.rotations[i], b.rotations[i]));
+    worst.opacity = std::max(
+        worst.opacity, std::abs(opacity_of(a.opacity_logits[i]) - opacity_of(b.opacity_logits[i])));
+  }
+  for (std::size_t i = 0; i < a.sh_rest.size(); ++i) raise(worst.sh, a.sh_rest[i] - b.sh_rest[i]);
+  return worst;
+}
+
+void print(const char* what, const Worst& w) {
+  std::printf("%s: position %.1e, log-scale %.1e, rotation %.1e, opacity %.1e, SH %.1e\n", what,
+              w.position, w.log_scale, w.rotation, w.opacity, w.sh);
+}
+
+TEST(Glb, RoundTripWithinFloat) {
+  for (const int degree : {0, 1, 2, 3}) {
+    for (const std::size_t count : {1, 1000}) {
+      const SplatCloud cloud = random_cloud(count, degree, 11);
+      FLUXGS_UNWRAP(bytes, encode_glb(cloud, "x.glb"));
+      FLUXGS_UNWRAP(scene, read_glb(bytes, "x.glb"));
+      const Worst worst = compare(cloud, scene.cloud);
+      if (degree == 3 && count > 1) print("glb round trip", worst);
+      EXPECT_EQ(worst.position, 0);  // only signs change
+      EXPECT_EQ(worst.sh, 0);
+      EXPECT_LT(worst.log_scale, 2e-6);
+      EXPECT_LT(worst.rotation, 2e-7);
+      EXPECT_LT(worst.opacity, 1e-7);
+      EXPECT_EQ(scene.format, "glb");
+      EXPECT_EQ(scene.extensions, std::vector<std::string>{"KHR_gaussian_splatting"});
+    }
+  }
+}
+
+TEST(Glb, ASecondRoundTripChangesNoPositionsAndNoBands) {
+  FLUXGS_UNWRAP(first, encode_glb(random_cloud(50, 3), "x"));
+  FLUXGS_UNWRAP(once, read(first));
+  FLUXGS_UNWRAP(second, encode_glb(once.cloud, "x"));
+  FLUXGS_UNWRAP(twice, read(second));
+  const Worst worst = compare(once.cloud, twice.cloud);
+  EXPECT_EQ(worst.position + worst.sh, 0);
+  EXPECT_LT(worst.log_scale + worst.rotation + worst.opacity, 1e-5);
+}
+
+TEST(Glb, EmptySceneIsAValidFile) {
+  SplatCloud cloud;
+  cloud.sh_degree = 3;
+  FLUXGS_UNWRAP(bytes, encode_glb(cloud, "x.glb"));
+  FLUXGS_UNWRAP(scene, read(bytes));
+  EXPECT_EQ(scene.cloud.size(), 0u);
+}
+
+TEST(Glb, EndsOfTheRangeStayFinite) {
+  SplatCloud cloud = random_cloud(1, 0);
+  cloud.opacity_logits[0] = 40;  // rounds to 1
+  cloud.log_scales[0] = {-200, 200, 15};
+  cloud.rotations[0] = glm::quat(0, 0, 0, 0);
+  FLUXGS_UNWRAP(high_bytes, encode_glb(cloud, "x"));
+  FLUXGS_UNWRAP(high, read(high_bytes));
+  EXPECT_EQ(high.dropped, 0u);
+  EXPECT_NEAR(high.cloud.opacity_logits[0], 17.33, 0.01);
+  EXPECT_NEAR(high.cloud.log_scales[0].x, -87.34, 0.01);
+  EXPECT_NEAR(high.cloud.log_scales[0].y, 88.72, 0.01);
+  EXPECT_NEAR(high.cloud.log_scales[0].z, 15, 1e-6);
+  EXPECT_LT(rotation_difference(high.cloud.rotations[0], glm::quat(1, 0, 0, 0)), 1e-7);
+  cloud.opacity_logits[0] = -500;
+  FLUXGS_UNWRAP(low_bytes, encode_glb(cloud, "x"));
+  FLUXGS_UNWRAP(low, read(low_bytes));
+  EXPECT_NEAR(low.cloud.opacity_logits[0], -87.34, 0.01);
+  cloud.opacity_logits[0] = -30;
+  FLUXGS_UNWRAP(small_bytes, encode_glb(cloud, "x"));
+  FLUXGS_UNWRAP(small, read(small_bytes));
+  EXPECT_NEAR(small.cloud.opacity_logits[0], -30, 1e-5);
+}
+
+TEST(Glb, WritesWhatTheSpecificationAsks) {
+  SplatCloud cloud = random_cloud(3, 1);
+  cloud.positions = {{1, 2, 3}, {-4, 5, -6}, {7, -8, 9}};
+  cloud.rotations[0] = glm::quat(2, 0, 0, 0);
+  FLUXGS_UNWRAP(bytes, encode_glb(cloud, "x"));
+  const std::string json = json_of(bytes);
+  for (const char* part :
+       {R"("extensionsUsed":["KHR_gaussian_splatting"])", R"("mode":0)", R"("kernel":"ellipse")",
+        R"("colorSpace":"srgb_rec709_display")", R"("min":[-7.0,-5.0,-6.0])",
+        R"("max":[4.0,8.0,9.0])", R"("nodes":[{"mesh":0}])", R"("scenes":[{"nodes":[0]}])",
+        R"("scene":0)", R"("version":"2.0")", R"("normalized":true)",
+        R"("KHR_gaussian_splatting:SH_DEGREE_1_COEF_2":)"}) {
+    EXPECT_NE(json.find(part), std::string::npos) << part << " in " << json;
+  }
+  EXPECT_EQ(bytes.size() % 4, 0u);
+  // Stored rotations are unit (w x y z = 2 0 0 0, turned: x y z w = 0 0 1 0).
+  const Bytes bin = bin_of(bytes);
+  float rotation[4];
+  std::memcpy(rotation, bin.data() + 3 * 16, sizeof rotation);
+  EXPECT_EQ(std::abs(rotation[2]), 1);
+  EXPECT_EQ(rotation[3], 0);
+}
+
+// COLOR_0 is linear: mid-grey 0.5 in sRGB is 0.214.
+TEST(Glb, FallbackColourIsLinear) {
+  SplatCloud cloud = random_cloud(1, 0);
+  cloud.sh_dc[0] = {0, 10, -10};
+  cloud.opacity_logits[0] = 0;
+  FLUXGS_UNWRAP(bytes, encode_glb(cloud, "x"));
+  const Bytes bin = bin_of(bytes);
+  EXPECT_EQ(int(bin[12]), 55);
+  EXPECT_EQ(int(bin[13]), 255);
+  EXPECT_EQ(int(bin[14]), 0);
+  EXPECT_EQ(int(bin[15]), 128);
+}
+
+TEST(Glb, AgreesWithAnIndependentWriter) {
+  const auto ply = data_file("splats/plush-dog/point_cloud_29999_clean.ply");
+  const auto glb = data_file("splats/plush-dog/converted/plush-dog.glb");
+  if (!ply || !glb) GTEST_SKIP() << "set FLUXGS_DATA to run on real scenes";
+  FLUXGS_UNWRAP(ply_bytes, read_file(*ply));
+  FLUXGS_UNWRAP(glb_bytes, read_file(*glb));
+  FLUXGS_UNWRAP(original, read_ply(ply_bytes, ply->string()));
+  FLUXGS_UNWRAP(converted, read_glb(glb_bytes, glb->string()));
+  const Worst worst = compare(original.cloud, converted.cloud);
+  print("plush-dog .ply against splat-transform's .glb", worst);
+  EXPECT_EQ(worst.position, 0);
+  EXPECT_LT(worst.log_scale, 2e-6);
+  EXPECT_LT(worst.rotation, 1e-6);
+  EXPECT_LT(worst.opacity, 1e-6);
+  EXPECT_LT(worst.sh, 1e-6);
+  FLUXGS_UNWRAP(own_bytes, encode_glb(original.cloud, "own.glb"));
+  FLUXGS_UNWRAP(own, read(own_bytes));
+  print("plush-dog .ply against our .glb", compare(original.cloud, own.cloud));
+  EXPECT_LT(compare(own.cloud, converted.cloud).rotation, 1e-6);
+}
+
+// Two splats with integer attributes of every kind that the specification allows.
+TEST(Glb, ReadsQuantisedAttributes) {
+  Bytes bin;
+  const auto put = [&](std::initializer_list<int> values, std::size_t bytes_each) {
+    for (const int v : values) {
+      const auto* raw = reinterpret_cast<const std::byte*>(&v);
+      bin.insert(bin.end(), raw, raw + bytes_each);
+    }
+  };
+  put({1, -2, 3, 0, -4, 5, -6, 0}, 2);      // 0: POSITION, short, stride 8
+  put({0, 0, 0, 127, 127, 0, 0, -128}, 1);  // 16: ROTATION, normalised byte
+  put({1, 2, 3, 0, 255, 128, 0, 0}, 1);     // 24: SCALE, unsigned byte, stride 4
+  put({0, 65535}, 2);                       // 32: OPACITY, normalised ushort
+  for (const float f : {0.5f, 0.25f, -1.0f, 1.0f, 2.0f, 3.0f}) append(bin, f);  // 36: SH 0
+  const auto document = [](bool scale_normalized) {
+    return fmt::format(
+        R"({{"asset":{{"version":"2.0"}},"extensionsUsed":["KHR_gaussian_splatting","KHR_mesh_quantization"],
+"extensionsRequired":["KHR_mesh_quantization"],"buffers":[{{"byteLength":60}}],
+"bufferViews":[{{"buffer":0,"byteLength":16,"byteStride":8}},{{"buffer":0,"byteOffset":16,"byteLength":8}},
+{{"buffer":0,"byteOffset":24,"byteLength":8,"byteStride":4}},{{"buffer":0,"byteOffset":32,"byteLength":4}},
+{{"buffer":0,"byteOffset":36,"byteLength":24}}],
+"accessors":[{{"bufferView":0,"componentType":5122,"count":2,"type":"VEC3"}},
+{{"bufferView":1,"componentType":5120,"normalized":true,"count":2,"type":"VEC4"}},
+{{"bufferView":2,"componentType":5121,"normalized":{},"count":2,"type":"VEC3"}},
+{{"bufferView":3,"componentType":5123,"normalized":true,"count":2,"type":"SCALAR"}},
+{{"bufferView":4,"componentType":5126,"count":2,"type":"VEC3"}}],
+"meshes":[{{"primitives":[{{"mode":0,"attributes":{{"POSITION":0,"KHR_gaussian_splatting:ROTATION":1,
+"KHR_gaussian_splatting:SCALE":2,"KHR_gaussian_splatting:OPACITY":3,"KHR_gaussian_splatting:SH_DEGREE_0_COEF_0":4}},
+"extensions":{{"KHR_gaussian_splatting":{{"kernel":"ellipse","colorSpace":"srgb_rec709_display"}}}}}}]}}],
+"nodes":[{{"mesh":0}}]}})",
+        scale_normalized);
+  };
+  FLUXGS_UNWRAP(scene, read(make_glb(document(false), bin)));
+  ASSERT_EQ(scene.cloud.size(), 2u);
+  EXPECT_EQ(scene.cloud.positions[0], glm::vec3(-1, 2, 3));
+  EXPECT_EQ(scene.cloud.positions[1], glm::vec3(4, -5, -6));
+  EXPECT_FLOAT_EQ(scene.cloud.log_scales[0].z, std::log(3.0f));
+  EXPECT_FLOAT_EQ(scene.cloud.log_scales[1].x, std::log(255.0f));
+  EXPECT_NEAR(scene.cloud.log_scales[1].z, -87.34, 0.01);
+  EXPECT_NEAR(scene.cloud.opacity_logits[0], -87.34, 0.01);
+  EXPECT_NEAR(scene.cloud.opacity_logits[1], 17.33, 0.01);
+  EXPECT_EQ(scene.cloud.sh_dc[1], glm::vec3(1, 2, 3));
+  // Identity in glTF is half a turn about z here; −128 counts as −1.
+  EXPECT_LT(rotation_difference(scene.cloud.rotations[0], glm::quat(0, 0, 0, 1)), 1e-6);
+  EXPECT_LT(rotation_difference(scene.cloud.rotations[1], glm::quat(0, 0, -1, 1)), 1e-6);
+  FLUXGS_UNWRAP(normalised, read(make_glb(document(true), bin)));
+  EXPECT_FLOAT_EQ(normalised.cloud.log_scales[1].x, 0);
+  EXPECT_FLOAT_EQ(normalised.cloud.log_scales[1].y, std::log(128 / 255.0f));
+}
+
+// What a splat looks like from outside, in glTF's frame: its covariance and its colour along a
+// direction. Written from the specification's formulas, independent of the reader.
+glm::dmat3 covariance(const SplatCloud& cloud, std::size_t i) {
+  const glm::dmat3 r = glm::mat3_cast(glm::normalize(glm::dquat(cloud.rotations[i])));
+  glm::dmat3 m = r;
+  for (int c = 0; c < 3; ++c) m[c] *= std::exp(double{cloud.log_scales[i][c]});
+  return m * glm::transpose(m);
+}
+
+glm::dvec3 colour(const SplatCloud& cloud, std::size_t i, const glm::dvec3& direction) {
+  std::array<double, 15> basis{};
+  math::sh_basis(cloud.sh_degree, {direction.x, direction.y, direction.z}, basis.data());
+  glm::dvec3 sum = math::kSh0 * glm::dvec3(cloud.sh_dc[i]);
+  const auto rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
+  for (std::size_t k = 0; k < rest; ++k) sum += basis[k] * glm::dvec3(cloud.sh_rest[i * rest + k]);
+  return sum;
+}
+
+const glm::dmat3 kTurn(-1, 0, 0, 0, -1, 0, 0, 0, 1);  // cloud ↔ glTF
+
+// `moved` must be `still` under p ↦ linear·p + shift in glTF's frame, linear = scale·rotation.
+void expect_transformed(const SplatCloud& still, const SplatCloud& moved, const glm::dmat3& linear,
+                        const glm::dvec3& shift) {
+  ASSERT_EQ(still.size(), moved.size());
+  const double scale = std::cbrt(glm::determinant(linear));
+  const glm::dmat3 all = kTurn * linear * kTurn;
+  const glm::dmat3 back = glm::transpose(all) / scale;  // inverse rotation
+  double worst_position = 0, worst_covariance = 0, worst_colour = 0;
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  for (std::size_t i = 0; i < still.size(); ++i) {
+    const glm::dvec3 expected = all * glm::dvec3(still.positions[i]) + kTurn * shift;
+    worst_position =
+        std::max(worst_position, glm::length(expected - glm::dvec3(moved.positions[i])));
+    const glm::dmat3 s = all * covariance(still, i) * glm::transpose(all);
+    const glm::dmat3 difference = s - covariance(moved, i);
+    for (int c = 0; c < 3; ++c) {
+      worst_covariance = std::max(worst_covariance, glm::length(difference[c]) / glm::length(s[0]));
+    }
+    const glm::dvec3 d = glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
+    worst_colour =
+        std::max(worst_colour, glm::length(colour(moved, i, d) - colour(still, i, back * d)));
+  }
+  EXPECT_LT(worst_position, 1e-5);
+  EXPECT_LT(worst_covariance, 1e-3);
+  EXPECT_LT(worst_colour, 1e-5);
+}
+
+TEST(Glb, AppliesTranslationRotationAndUniformScale) {
+  const SplatCloud still = random_cloud(40, 3, 21);
+  FLUXGS_UNWRAP(bytes, encode_glb(still, "x"));
+  const double h = std::sqrt(0.5);
+  const Bytes moved = edited(
+      bytes, R"({"mesh":0})",
+      fmt::format(R"({{"mesh":0,"translation":[1,2,3],"rotation":[0,{},0,{}],"scale":[2,2,2]}})", h,
+                  h));
+  FLUXGS_UNWRAP(scene, read(moved));
+  const glm::dmat3 quarter(0, 0, -1, 0, 1, 0, 1, 0, 0);  // about y, columns
+  expect_transformed(still, scene.cloud, 2.0 * quarter, {1, 2, 3});
+}
+
+TEST(Glb, AppliesMatricesAlongTheTree) {
+  const SplatCloud still = random_cloud(40, 2, 22);
+  FLUXGS_UNWRAP(bytes, encode_glb(still, "x"));
+  // Parent: a turn of 0.7 rad about (1,1,1)/√3, half size and a shift; child: a shift.
+  const glm::dmat4 parent =
+      glm::translate(glm::dmat4(1), glm::dvec3(-1, 0.5, 2)) *
+      glm::scale(glm::rotate(glm::dmat4(1), 0.7, glm::dvec3(1, 1, 1)), glm::dvec3(0.5));
+  std::string matrix;
+  for (int i = 0; i < 16; ++i) {
+    matrix += fmt::format("{}{}", i == 0 ? "" : ",", static_cast<float>(parent[i / 4][i % 4]));
+  }
+  Bytes moved = edited(bytes, R"({"mesh":0})",
+                       fmt::format(R"({{"children":[1],"matrix":[{}]}},)"
+                                   R"({{"mesh":0,"translation":[10,0,0]}})",
+                                   matrix));
+  FLUXGS_UNWRAP(scene, read(moved));
+  const glm::dmat3 linear(parent);
+  expect_transformed(still, scene.cloud, linear, glm::dvec3(parent * glm::dvec4(10, 0, 0, 1)));
+}
+
+TEST(Glb, RefusesTransformsThatSplatsCannotFollow) {
+  const Bytes bytes = small_glb();
+  const auto with = [&](const std::string& transform) {
+    return read(edited(bytes, R"({"mesh":0})", R"({"mesh":0,)" + transform + "}"));
+  };
+  expect_error(with(R"("scale":[1,1,2])"), {"nodes[0]", "uniform scale"});
+  expect_error(with(R"("scale":[-1,1,1])"), {"nodes[0]", "mirrors"});
+  expect_error(with(R"("scale":[0,0,0])"), {"nodes[0]", "flattens"});
+  expect_error(with(R"("matrix":[1,0,0,0,0.5,1,0,0,0,0,1,0,0,0,0,1])"), {"nodes[0]", "shear"});
+  expect_error(
+      with(
+          R"("translation":[1e308,1e308,0],"matrix":[1e300,0,0,0,0,1e300,0,0,0,0,1e300,0,0,0,0,1])"),
+      {"nodes[0]"});
+  expect_error(with(R"("matrix":[1,2,3])"), {"nodes[0].matrix", "16 numbers"});
+  expect_error(with(R"("rotation":[0,0,1])"), {"nodes[0].rotation", "4 numbers"});
+  expect_error(with(R"("translation":"up")"), {"nodes[0].translation", "3 numbers"});
+  EXPECT_TRUE(with(R"("scale":[1.00001,1,1])"));  // rounding of single precision
+}
+
+TEST(Glb, ConcatenatesPrimitivesAndPadsBands) {
+  const SplatCloud cloud = random_cloud(5, 1, 31);
+  FLUXGS_UNWRAP(bytes, encode_glb(cloud, "x"));
+  // A second mesh: the same splats without their first degree.
+  std::string json = json_of(bytes);
+  const std::size_t begin = json.find(R"("primitives":[)") + 14, end = json.find("]}],\"nodes\"");
+  ASSERT_NE(end, std::string::npos) << json;
+  std::string plain = json.substr(begin, end - begin);
+  for (int i = 0; i < 3; ++i) {
+    const std::size_t at =
+        plain.find(fmt::format("\"KHR_gaussian_splatting:SH_DEGREE_1_COEF_{}\":", i));
+    ASSERT_NE(at, std::string::npos);
+    plain.erase(at,
+                plain.find_first_of(",}", at) - at + (plain[plain.find_first_of(",}", at)] == ','));
+  }
+  if (const std::size_t comma = plain.find(",}"); comma != std::string::npos) plain.erase(comma, 1);
+  json.insert(end + 2, R"(,{"primitives":[)" + plain + "]}");
+  const Bytes two = edited(make_glb(json, bin_of(bytes)), R"("nodes":[{"mesh":0}])",
+                           R"("nodes":[{"children":[1],"mesh":1},{"mesh":0}])");
+  FLUXGS_UNWRAP(scene, read(two));
+  ASSERT_EQ(scene.cloud.size(), 10u);
+  EXPECT_EQ(scene.cloud.sh_degree, 1);
+  EXPECT_EQ(scene.cloud.positions[7], cloud.positions[2]);
+  EXPECT_EQ(scene.cloud.positions[2], cloud.positions[2]);
+  EXPECT_EQ(scene.cloud.sh_rest[2 * 3 + 1], glm::vec3(0));
+  EXPECT_EQ(scene.cloud.sh_rest[7 * 3 + 1], cloud.sh_rest[2 * 3 + 1]);
+}
+
+TEST(Glb, OtherContentIsIgnored) {
+  const Bytes bytes = small_glb();
+  const Bytes busy = edited(
+      bytes, R"("meshes":[)",
+      R"("images":[{"bufferView":77,"mimeType":"image/png"}],"materials":[{"name":"m","pbrMetallicRoughness":{"baseColorTexture":{"index":5}}}],)"
+      R"("textures":[{"source":9}],"animations":[{"channels":[],"samplers":[]}],"skins":[{"joints":[9]}],"cameras":[{"type":"perspective"}],)"
+      R"("extras":{"a":[1,{"b":null}]},"extensions":{"VENDOR_x":{"y":1}},"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":99}]},)");
+  FLUXGS_UNWRAP(scene,
+                read(edited(busy, R"("nodes":[{"mesh":0}])",
+                            R"("nodes":[{"mesh":1,"skin":0,"extras":{},"name":"n"},{"mesh":0}])")));
+  EXPECT_EQ(scene.cloud.size(), 2u);
+  // Only the default scene counts.
+  FLUXGS_UNWRAP(none, read(edited(bytes, R"("scenes":[{"nodes":[0]}])", R"("scenes":[{}])")));
+  EXPECT_EQ(none.cloud.size(), 0u);
+}
+
+TEST(Glb, NonFiniteAndInvalidSplatsAreDroppedAndCounted) {
+  const SplatCloud cloud = random_cloud(6, 1);
+  FLUXGS_UNWRAP(bytes, encode_glb(cloud, "x"));
+  Bytes bin = bin_of(bytes);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float negative = -1;
+  std::memcpy(&bin[0], &nan, 4);                     // POSITION of splat 0
+  std::memcpy(&bin[6 * 16 + 1 * 16], &nan, 4);       // ROTATION of 1
+  std::memcpy(&bin[6 * 32 + 2 * 12], &negative, 4);  // SCALE of 2: invalid
+  std::memcpy(&bin[6 * 44 + 3 * 4], &nan, 4);        // OPACITY of 3
+  FLUXGS_UNWRAP(scene, read(make_glb(json_of(bytes), bin)));
+  EXPECT_EQ(scene.dropped, 4u);
+  ASSERT_EQ(scene.cloud.size(), 2u);
+  EXPECT_EQ(scene.cloud.positions[0], cloud.positions[4]);
+  SplatCloud broken = cloud;
+  broken.sh_dc[5].x = nan;
+  FLUXGS_UNWRAP(clean, encode_glb(broken, "x"));
+  FLUXGS_UNWRAP(left, read(clean));
+  EXPECT_EQ(left.cloud.size(), 5u);
+}
+
+}  // namespace
+}  // namespace fluxgs

@@ -1,0 +1,74 @@
+#include "fluxgs/io/scene.h"
+
+#include "fluxgs/io/file.h"
+#include "support.h"
+
+namespace fluxgs {
+namespace {
+
+using namespace test;
+
+TEST(Scene, FormatIsFoundByContentNotByName) {
+  const TemporaryFolder folder;
+  const SplatCloud cloud = random_cloud(3, 2);
+  for (const SceneFormat& format : scene_formats()) {
+    const auto path = folder / ("scene" + std::string(format.extension));
+    ASSERT_TRUE(write_scene(path, cloud));
+    std::filesystem::rename(path, folder / "renamed.bin");
+    FLUXGS_UNWRAP(scene, read_scene(folder / "renamed.bin"));
+    EXPECT_EQ(scene.format, format.name);
+    EXPECT_EQ(scene.bytes, std::filesystem::file_size(folder / "renamed.bin"));
+    EXPECT_EQ(scene.cloud.size(), 3u);
+    EXPECT_EQ(scene.cloud.sh_degree, 2);
+  }
+}
+
+TEST(Scene, ExtensionDecidesWhatIsWritten) {
+  const TemporaryFolder folder;
+  const SplatCloud cloud = random_cloud(1, 0);
+  EXPECT_TRUE(write_scene(folder / "A.PLY", cloud));
+  for (const char* name : {"a.obj", "a", "a.ply.tmp", ".ply"}) {
+    expect_error(write_scene(folder / name, cloud), {name, "extension", ".ply, .glb"});
+  }
+  EXPECT_EQ(folder.entries(), 1u);
+  EXPECT_TRUE(scene_format_for("x.glb"));
+  EXPECT_FALSE(scene_format_for("x.png"));
+}
+
+TEST(Scene, UnknownContentAndMissingFilesAreExplained) {
+  const TemporaryFolder folder;
+  expect_error(read_scene(folder / "none.ply"), {"none.ply", "No such file"});
+  ASSERT_TRUE(write_file_atomic(folder / "a.ply", bytes_of("PK\x03\x04 something")));
+  expect_error(read_scene(folder / "a.ply"), {"a.ply", "format", "3DGS .ply", "glTF binary"});
+  ASSERT_TRUE(write_file_atomic(folder / "b.ply", {}));
+  expect_error(read_scene(folder / "b.ply"), {"b.ply", "empty"});
+  expect_error(read_scene(folder.path()), {"folder"});
+}
+
+TEST(Scene, FailedWriteLeavesNothing) {
+  const TemporaryFolder folder;
+  const SplatCloud cloud = random_cloud(1, 0);
+  expect_error(write_scene(folder / "no/a.glb", cloud), {"no/a.glb", "No such file"});
+  SplatCloud broken = cloud;
+  broken.rotations.clear();
+  expect_error(write_scene(folder / "a.glb", broken), {"a.glb", "arrays disagree"});
+  EXPECT_EQ(folder.entries(), 0u);
+}
+
+// Cutting a file anywhere gives an error that names it, whatever the format.
+TEST(Scene, CutFilesAreErrorsOfTheirFile) {
+  for (const SceneFormat& format : scene_formats()) {
+    const auto bytes = format.encode(random_cloud(2, 0), "x");
+    ASSERT_TRUE(bytes);
+    for (std::size_t size = 0; size < bytes->size(); ++size) {
+      const Bytes cut(bytes->begin(), bytes->begin() + std::ptrdiff_t(size));
+      const auto scene = read_scene(cut, "cut.file");
+      ASSERT_FALSE(scene) << format.name << ' ' << size;
+      EXPECT_EQ(scene.error().file, "cut.file");
+      EXPECT_FALSE(scene.error().what.empty());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace fluxgs
