@@ -20,7 +20,8 @@ struct PointCloud {
 
 /// The data set's sparse points; without any, image features triangulated from the training photos'
 /// known poses; where fewer than 500 of those are found, random points in the cameras' frustums.
-/// Deterministic for a seed, whatever the number of threads. Errors: no training photos.
+/// Deterministic for a seed, whatever the number of threads (TBB's; limit it with a
+/// tbb::global_control or task_arena). Errors: no training photos.
 Expected<PointCloud> initial_points(const Dataset& dataset, std::uint64_t seed);
 
 }  // namespace fluxgs

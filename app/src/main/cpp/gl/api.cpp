@@ -1,0 +1,86 @@
+#include "gl/api.h"
+
+#include <string>
+
+namespace fluxgs::gl {
+namespace {
+
+template <class Function>
+void load(Function& function, const ProcLoader& loader, const char* name) {
+  function = reinterpret_cast<Function>(loader(name));
+}
+
+// Extension entry points carry a suffix on ES and none in desktop GL, where they are core.
+template <class Function>
+void load_extension(Function& function, const ProcLoader& loader, const char* name,
+                    const char* suffix, bool is_es) {
+  load(function, loader, (name + std::string(is_es ? suffix : "")).c_str());
+}
+
+std::string error_name(GLenum error) {
+  switch (error) {
+    case GL_INVALID_ENUM:
+      return "GL_INVALID_ENUM";
+    case GL_INVALID_VALUE:
+      return "GL_INVALID_VALUE";
+    case GL_INVALID_OPERATION:
+      return "GL_INVALID_OPERATION";
+    case GL_INVALID_FRAMEBUFFER_OPERATION:
+      return "GL_INVALID_FRAMEBUFFER_OPERATION";
+    case GL_OUT_OF_MEMORY:
+      return "out of graphics memory";
+    default:
+      return "GL error " + std::to_string(error);
+  }
+}
+
+Expected<void> load_core(Api& api, const ProcLoader& loader) {
+  std::string missing;
+#define FLUXGS_GL_LOAD(name)          \
+  load(api.name, loader, "gl" #name); \
+  if (!api.name) missing += " gl" #name;
+  FLUXGS_GL_FUNCTIONS(FLUXGS_GL_LOAD)
+#undef FLUXGS_GL_LOAD
+  if (missing.empty()) return {};
+  return fail("OpenGL", "functions", "missing:" + missing + "; OpenGL ES 3.1 is needed");
+}
+
+void load_extensions(Api& api, const ProcLoader& loader) {
+  const Capabilities& has = api.capabilities;
+  if (has.timestamps) {
+    load_extension(api.QueryCounter, loader, "glQueryCounter", "EXT", has.is_es);
+    load_extension(api.GetQueryObjectui64v, loader, "glGetQueryObjectui64v", "EXT", has.is_es);
+  }
+  if (has.debug) {
+    load_extension(api.DebugMessageCallback, loader, "glDebugMessageCallback", "KHR", has.is_es);
+  }
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<Api>> load_api(const ProcLoader& loader) {
+  auto api = std::make_unique<Api>();
+  if (auto loaded = load_core(*api, loader); !loaded) return std::unexpected(loaded.error());
+  auto capabilities = query_capabilities(*api);
+  if (!capabilities) return std::unexpected(capabilities.error());
+  api->capabilities = std::move(*capabilities);
+  api->quirks = find_quirks(api->capabilities);
+  load_extensions(*api, loader);
+  hook_debug_messages(*api);
+  return api;
+}
+
+void clear_errors(Api& api) {
+  // Bounded: a lost context may report errors for ever.
+  for (int i = 0; i < 64 && api.GetError() != GL_NO_ERROR; ++i) {
+  }
+}
+
+Expected<void> check_errors(Api& api, const char* where) {
+  const GLenum error = api.GetError();
+  if (error == GL_NO_ERROR) return {};
+  clear_errors(api);
+  return fail("OpenGL", where, error_name(error));
+}
+
+}  // namespace fluxgs::gl

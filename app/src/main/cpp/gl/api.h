@@ -1,0 +1,77 @@
+// OpenGL ES 3.1 as a table of functions that the platform's getProcAddress filled. Nothing here is
+// linked against GL, so that one program can talk to several implementations (EGL, OSMesa, ANGLE).
+#pragma once
+
+#include <functional>
+#include <memory>
+
+// clang-format off
+#include <GLES3/gl31.h>   // before the extensions: it declares the types they use
+#include <GLES2/gl2ext.h>
+// clang-format on
+
+#include "fluxgs/error.h"
+#include "gl/capabilities.h"
+#include "gl/debug_log.h"
+#include "gl/quirks.h"
+
+// Every function that the renderer calls; all belong to ES 3.1 and to desktop GL 4.5.
+#define FLUXGS_GL_FUNCTIONS(X)                                                                     \
+  X(AttachShader)                                                                                  \
+  X(BindBuffer)                                                                                    \
+  X(BindBufferBase) X(BindFramebuffer) X(BindTexture) X(BindVertexArray) X(BlendFunc)              \
+      X(BufferData) X(BufferSubData) X(CheckFramebufferStatus) X(ClearBufferfv) X(CompileShader)   \
+          X(CreateProgram) X(CreateShader) X(DeleteBuffers) X(DeleteFramebuffers) X(DeleteProgram) \
+              X(DeleteQueries) X(DeleteShader) X(DeleteTextures) X(DeleteVertexArrays) X(Disable)  \
+                  X(DispatchCompute) X(DispatchComputeIndirect) X(DrawArrays)                      \
+                      X(DrawElementsIndirect) X(Enable) X(Finish) X(FramebufferTexture2D)          \
+                          X(GenBuffers) X(GenFramebuffers) X(GenQueries) X(GenTextures)            \
+                              X(GenVertexArrays) X(GetError) X(GetInteger64v) X(GetIntegeri_v)     \
+                                  X(GetIntegerv) X(GetProgramInfoLog) X(GetProgramiv)              \
+                                      X(GetQueryObjectuiv) X(GetShaderInfoLog) X(GetShaderiv)      \
+                                          X(GetString) X(GetStringi) X(LinkProgram)                \
+                                              X(MapBufferRange) X(MemoryBarrier) X(PixelStorei)    \
+                                                  X(ReadPixels) X(ShaderSource) X(TexParameteri)   \
+                                                      X(TexStorage2D) X(Uniform1ui) X(UnmapBuffer) \
+                                                          X(UseProgram) X(Viewport)                \
+                                                              X(ActiveTexture)
+
+namespace fluxgs::gl {
+
+/// The functions of one context and what is known about it. Every function must be called on the
+/// thread on which that context is current. Neither copied nor moved: the driver holds a pointer
+/// to `debug`.
+struct Api {
+#define FLUXGS_GL_MEMBER(name) decltype(&::gl##name) name = nullptr;
+  FLUXGS_GL_FUNCTIONS(FLUXGS_GL_MEMBER)
+#undef FLUXGS_GL_MEMBER
+
+  // Extensions: null where the driver has none.
+  PFNGLQUERYCOUNTEREXTPROC QueryCounter = nullptr;
+  PFNGLGETQUERYOBJECTUI64VEXTPROC GetQueryObjectui64v = nullptr;
+  PFNGLDEBUGMESSAGECALLBACKKHRPROC DebugMessageCallback = nullptr;
+
+  Capabilities capabilities;
+  Quirks quirks;
+  DebugLog debug;
+
+  Api() = default;
+  Api(const Api&) = delete;
+  Api& operator=(const Api&) = delete;
+};
+
+/// Returns the address of the GL function of that name ("gl…"), or null.
+using ProcLoader = std::function<void*(const char* name)>;
+
+/// Fills the table for the context that is current on this thread, asks the driver for its
+/// capabilities and hooks its debug messages (KHR_debug) where it offers them. Fails if a function
+/// is missing or the context is older than ES 3.1 (or desktop GL 4.5 with ARB_ES3_1_compatibility).
+Expected<std::unique_ptr<Api>> load_api(const ProcLoader& loader);
+
+/// Forgets earlier errors of the context.
+void clear_errors(Api& api);
+
+/// Fails with `where` and the error's name if a GL error is pending.
+Expected<void> check_errors(Api& api, const char* where);
+
+}  // namespace fluxgs::gl

@@ -1,0 +1,36 @@
+// What the driver says it can do. Asked once, right after the context was made.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "fluxgs/error.h"
+
+namespace fluxgs::gl {
+
+struct Api;
+
+struct Capabilities {
+  std::string vendor, renderer, version;
+  bool is_es = true;                ///< an ES context; otherwise desktop GL with ES 3.1 shaders
+  int major = 0, minor = 0;         ///< of the context's version
+  bool half_float_targets = false;  ///< RGBA16F can be rendered to and blended
+  bool float_targets = false;       ///< RGBA32F can be rendered to and blended (EXT_float_blend)
+  bool timestamps = false;          ///< glQueryCounter (EXT_disjoint_timer_query)
+  bool debug = false;               ///< KHR_debug
+
+  std::int64_t max_storage_block_bytes = 0;
+  int max_compute_storage_blocks = 0, max_vertex_storage_blocks = 0;
+  int max_work_group_invocations = 0, max_work_groups_x = 0;
+  int max_shared_memory_bytes = 0;
+  int max_texture_size = 0;
+  int max_viewport_width = 0, max_viewport_height = 0;
+};
+
+/// Fails if the context is older than ES 3.1, or a desktop one without ARB_ES3_1_compatibility.
+Expected<Capabilities> query_capabilities(Api& api);
+
+/// Fails, naming the limit, where the driver offers less than the renderer needs.
+Expected<void> check_limits(const Capabilities& capabilities);
+
+}  // namespace fluxgs::gl

@@ -1,0 +1,32 @@
+// The driver's own messages about our use of it (KHR_debug).
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace fluxgs::gl {
+
+struct Api;
+
+enum class Severity { notification, low, medium, high };
+
+struct DebugMessage {
+  Severity severity;
+  bool is_error;  ///< the driver calls it an error or undefined behaviour, whatever its severity
+  std::string text;
+};
+
+/// Messages in the order in which they came. At most kCapacity are kept, so that a message in
+/// every frame cannot fill the memory.
+struct DebugLog {
+  static constexpr std::size_t kCapacity = 256;
+  std::vector<DebugMessage> messages;
+
+  /// The messages that mean a mistake of ours: errors, and anything of medium or high severity.
+  std::vector<DebugMessage> mistakes() const;
+};
+
+/// Has the driver report into api.debug, synchronously; does nothing without KHR_debug.
+void hook_debug_messages(Api& api);
+
+}  // namespace fluxgs::gl

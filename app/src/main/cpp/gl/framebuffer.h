@@ -1,0 +1,23 @@
+// A framebuffer object with one colour texture.
+#pragma once
+
+#include "gl/handle.h"
+#include "gl/texture.h"
+
+namespace fluxgs::gl {
+
+class Framebuffer {
+ public:
+  Framebuffer() = default;
+
+  /// The texture must outlive the framebuffer. Fails when the driver cannot render to its format.
+  static Expected<Framebuffer> create(Api& api, const Texture& color);
+
+  void bind() const { handle_.api().BindFramebuffer(GL_FRAMEBUFFER, handle_.name()); }
+
+ private:
+  static void destroy(Api& api, GLuint name) { api.DeleteFramebuffers(1, &name); }
+  Handle<destroy> handle_;
+};
+
+}  // namespace fluxgs::gl

@@ -1,0 +1,94 @@
+#include "render/draw_pass.h"
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "gl/steps.h"
+#include "shaders/shaders.h"
+
+namespace fluxgs::render {
+namespace {
+
+constexpr int kMostPerBatch = 128;           // the work group of shaders/draw_arguments.comp
+constexpr std::size_t kArgumentsBytes = 20;  // DrawElementsIndirectCommand
+
+// Two triangles per quad of corners 4q … 4q + 3 (bit 0: right, bit 1: bottom).
+std::vector<std::uint16_t> quad_indices(int quads) {
+  std::vector<std::uint16_t> indices;
+  for (int q = 0; q < quads; ++q)
+    for (const int corner : {0, 1, 2, 2, 1, 3})
+      indices.push_back(static_cast<std::uint16_t>(4 * q + corner));
+  return indices;
+}
+
+}  // namespace
+
+Expected<DrawPass> DrawPass::create(gl::Api& api, int batch) {
+  if (batch < 1 || batch > kMostPerBatch) {
+    return fail("renderer", "batch", std::to_string(batch) + " quads; 1…128 were expected");
+  }
+  DrawPass pass;
+  pass.batch_ = batch;
+  const std::string defines[] = {"BATCH " + std::to_string(batch)};
+  const gl::ShaderSource arguments{GL_COMPUTE_SHADER, "draw_arguments.comp",
+                                   shaders::draw_arguments_comp};
+  const std::array<gl::ShaderSource, 2> splat = {
+      {{GL_VERTEX_SHADER, "splat.vert", shaders::splat_vert},
+       {GL_FRAGMENT_SHADER, "splat.frag", shaders::splat_frag}}};
+  const std::vector<std::uint16_t> corners = quad_indices(batch);
+  const std::size_t corner_bytes = corners.size() * sizeof(corners[0]);
+  auto made = gl::in_turn(
+      [&] {
+        return gl::take(gl::Program::create(api, {&arguments, 1}, defines),
+                        pass.arguments_program_);
+      },
+      [&] { return gl::take(gl::Program::create(api, splat, defines), pass.splat_program_); },
+      [&] {
+        return gl::take(gl::Buffer::create(api, corner_bytes, corners.data(), GL_STATIC_DRAW),
+                        pass.indices_);
+      },
+      [&] { return gl::take(gl::Buffer::create(api, kArgumentsBytes), pass.arguments_); });
+  if (!made) return std::unexpected(made.error());
+  pass.vertex_array_ = gl::VertexArray(api);
+  pass.vertex_array_.bind();
+  pass.indices_.bind(GL_ELEMENT_ARRAY_BUFFER);
+  api.BindVertexArray(0);
+  return pass;
+}
+
+void DrawPass::write_arguments(gl::Api& api, const sort::Sorter& sorter) const {
+  sorter.count().bind_base(GL_SHADER_STORAGE_BUFFER, 0);
+  sorter.order().bind_base(GL_SHADER_STORAGE_BUFFER, 1);
+  arguments_.bind_base(GL_SHADER_STORAGE_BUFFER, 2);
+  arguments_program_.use();
+  api.DispatchCompute(1, 1, 1);
+  api.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+}
+
+void clear(gl::Api& api, const glm::dvec3& background, const RenderTarget& target) {
+  target.blend_framebuffer().bind();
+  const std::array<GLfloat, 4> color = {static_cast<float>(background.r),
+                                        static_cast<float>(background.g),
+                                        static_cast<float>(background.b), 0.0F};
+  api.ClearBufferfv(GL_COLOR, 0, color.data());
+}
+
+void DrawPass::run(gl::Api& api, const gl::Buffer& records, const sort::Sorter& sorter,
+                   const glm::dvec3& background, const RenderTarget& target) const {
+  write_arguments(api, sorter);
+  clear(api, background, target);
+  api.Viewport(0, 0, target.width(), target.height());
+  api.Enable(GL_BLEND);
+  api.BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  records.bind_base(GL_SHADER_STORAGE_BUFFER, 0);
+  sorter.order().bind_base(GL_SHADER_STORAGE_BUFFER, 1);
+  arguments_.bind(GL_DRAW_INDIRECT_BUFFER);
+  splat_program_.use();
+  vertex_array_.bind();
+  api.DrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT, nullptr);
+  api.BindVertexArray(0);
+  api.Disable(GL_BLEND);
+}
+
+}  // namespace fluxgs::render

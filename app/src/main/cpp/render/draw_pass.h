@@ -1,0 +1,38 @@
+// The last pass over the splats: batches of quads, blended back to front.
+#pragma once
+
+#include <glm/vec3.hpp>
+
+#include "gl/program.h"
+#include "gl/vertex_array.h"
+#include "render/render_target.h"
+#include "sort/sorter.h"
+
+namespace fluxgs::render {
+
+class DrawPass {
+ public:
+  /// `batch`: quads per instance, 1…128. Instances of one quad are slow on every driver tried.
+  static Expected<DrawPass> create(gl::Api& api, int batch);
+
+  /// Clears the target to the background and blends the sorted splats over it. The frame's uniforms
+  /// must be bound at 0; the sorter must have room for batch() spare entries.
+  void run(gl::Api& api, const gl::Buffer& records, const sort::Sorter& sorter,
+           const glm::dvec3& background, const RenderTarget& target) const;
+
+  int batch() const { return batch_; }
+
+ private:
+  void write_arguments(gl::Api& api, const sort::Sorter& sorter) const;
+
+  int batch_ = 0;
+  gl::Program arguments_program_, splat_program_;
+  gl::Buffer arguments_, indices_;
+  gl::VertexArray vertex_array_;
+};
+
+/// Clears the buffer that the target's layers are blended in: the background's colour, no coverage.
+/// Blending over it leaves C + T·background in RGB and 1 − T in A.
+void clear(gl::Api& api, const glm::dvec3& background, const RenderTarget& target);
+
+}  // namespace fluxgs::render

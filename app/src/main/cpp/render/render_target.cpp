@@ -1,0 +1,111 @@
+#include "render/render_target.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+
+#include "gl/steps.h"
+
+namespace fluxgs::render {
+namespace {
+
+GLenum internal_format(TargetFormat format) {
+  return format == TargetFormat::rgba8 ? GL_RGBA8 : GL_RGBA16F;
+}
+
+Expected<void> check_size(const gl::Capabilities& driver, int width, int height) {
+  const int widest = std::min(driver.max_texture_size, driver.max_viewport_width);
+  const int highest = std::min(driver.max_texture_size, driver.max_viewport_height);
+  if (width >= 1 && height >= 1 && width <= widest && height <= highest) return {};
+  return fail("render target", "size",
+              std::to_string(width) + "×" + std::to_string(height) + " pixels; 1×1 to " +
+                  std::to_string(widest) + "×" + std::to_string(highest) + " are possible on " +
+                  driver.renderer);
+}
+
+Expected<void> check_formats(const gl::Capabilities& driver, TargetFormat format,
+                             Accumulation accumulation) {
+  const bool half = format == TargetFormat::rgba16f || accumulation == Accumulation::half_float;
+  if (half && !driver.half_float_targets) {
+    return fail("render target", "RGBA16F", driver.renderer + " cannot render to it");
+  }
+  if (accumulation == Accumulation::single_float && !driver.float_targets) {
+    return fail("render target", "RGBA32F", driver.renderer + " cannot blend in it");
+  }
+  return {};
+}
+
+Expected<void> attach(gl::Api& api, GLenum format, int width, int height, gl::Texture& texture,
+                      gl::Framebuffer& framebuffer) {
+  auto made = gl::Texture::create(api, format, width, height);
+  if (!made) return std::unexpected(made.error());
+  auto attached = gl::Framebuffer::create(api, *made);
+  if (!attached) return std::unexpected(attached.error());
+  texture = std::move(*made);
+  framebuffer = std::move(*attached);
+  return {};
+}
+
+}  // namespace
+
+Accumulation accurate_accumulation(const gl::Capabilities& driver) {
+  if (driver.float_targets) return Accumulation::single_float;
+  return driver.half_float_targets ? Accumulation::half_float : Accumulation::direct;
+}
+
+Expected<RenderTarget> RenderTarget::create(gl::Api& api, int width, int height,
+                                            TargetFormat format) {
+  return create(api, width, height, format, accurate_accumulation(api.capabilities));
+}
+
+Expected<RenderTarget> RenderTarget::create(gl::Api& api, int width, int height,
+                                            TargetFormat format, Accumulation accumulation) {
+  const gl::Capabilities& driver = api.capabilities;
+  auto possible = gl::in_turn([&] { return check_size(driver, width, height); },
+                              [&] { return check_formats(driver, format, accumulation); });
+  if (!possible) return std::unexpected(possible.error());
+  // Half-float accumulation of a half-float target is the target itself.
+  if (format == TargetFormat::rgba16f && accumulation == Accumulation::half_float)
+    accumulation = Accumulation::direct;
+
+  RenderTarget target;
+  target.width_ = width;
+  target.height_ = height;
+  target.format_ = format;
+  target.accumulation_ = accumulation;
+  auto made =
+      attach(api, internal_format(format), width, height, target.color_, target.framebuffer_);
+  if (made && accumulation != Accumulation::direct) {
+    const GLenum blend = accumulation == Accumulation::half_float ? GL_RGBA16F : GL_RGBA32F;
+    made = attach(api, blend, width, height, target.blend_color_, target.blend_framebuffer_);
+  }
+  if (!made) return std::unexpected(made.error());
+  return target;
+}
+
+const gl::Framebuffer& RenderTarget::blend_framebuffer() const {
+  return needs_resolve() ? blend_framebuffer_ : framebuffer_;
+}
+
+const gl::Texture& RenderTarget::blend_texture() const {
+  return needs_resolve() ? blend_color_ : color_;
+}
+
+Expected<Image<float>> read_pixels(gl::Api& api, const RenderTarget& target) {
+  Image<float> image(target.width(), target.height(), 4);
+  target.framebuffer().bind();
+  api.PixelStorei(GL_PACK_ALIGNMENT, 4);
+  gl::clear_errors(api);
+  if (target.format() == TargetFormat::rgba8) {
+    std::vector<std::uint8_t> bytes(image.pixels.size());
+    api.ReadPixels(0, 0, image.width, image.height, GL_RGBA, GL_UNSIGNED_BYTE, bytes.data());
+    std::ranges::transform(bytes, image.pixels.begin(),
+                           [](std::uint8_t b) { return static_cast<float>(b) / 255.0F; });
+  } else {
+    api.ReadPixels(0, 0, image.width, image.height, GL_RGBA, GL_FLOAT, image.pixels.data());
+  }
+  if (auto ok = gl::check_errors(api, "glReadPixels"); !ok) return std::unexpected(ok.error());
+  return image;
+}
+
+}  // namespace fluxgs::render

@@ -1,0 +1,56 @@
+// Off-screen pictures that the renderer draws into.
+#pragma once
+
+#include "fluxgs/image.h"
+#include "gl/framebuffer.h"
+#include "gl/texture.h"
+
+namespace fluxgs::render {
+
+enum class TargetFormat { rgba8, rgba16f };
+
+/// Where the layers are blended before the target holds the picture.
+enum class Accumulation {
+  direct,        ///< in the target itself: the least memory traffic, rounds at every layer
+  half_float,    ///< in RGBA16F
+  single_float,  ///< in RGBA32F (needs Capabilities::float_targets)
+};
+
+/// The accumulation that keeps rounding below what the format can show, or the nearest to it that
+/// the driver has.
+Accumulation accurate_accumulation(const gl::Capabilities& capabilities);
+
+/// A colour texture with premultiplied RGBA: RGB over the background, A = 1 − transmittance.
+/// Row 0 of its memory is the top of the picture. GL objects: see gl::Handle about lifetimes.
+class RenderTarget {
+ public:
+  /// Fails on sizes below 1×1 or above the driver's limit and on formats it cannot render to.
+  static Expected<RenderTarget> create(gl::Api& api, int width, int height, TargetFormat format,
+                                       Accumulation accumulation);
+  /// With accurate_accumulation().
+  static Expected<RenderTarget> create(gl::Api& api, int width, int height, TargetFormat format);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  TargetFormat format() const { return format_; }
+  Accumulation accumulation() const { return accumulation_; }
+
+  /// What the splats are blended into: the target itself for Accumulation::direct.
+  const gl::Framebuffer& blend_framebuffer() const;
+  const gl::Texture& blend_texture() const;
+  bool needs_resolve() const { return accumulation_ != Accumulation::direct; }
+  const gl::Framebuffer& framebuffer() const { return framebuffer_; }
+
+ private:
+  int width_ = 0, height_ = 0;
+  TargetFormat format_ = TargetFormat::rgba8;
+  Accumulation accumulation_ = Accumulation::direct;
+  // The framebuffers come last: they must go before their textures.
+  gl::Texture color_, blend_color_;
+  gl::Framebuffer framebuffer_, blend_framebuffer_;
+};
+
+/// Waits for the GPU and copies the picture: RGBA, top row first, 0…1 for rgba8.
+Expected<Image<float>> read_pixels(gl::Api& api, const RenderTarget& target);
+
+}  // namespace fluxgs::render

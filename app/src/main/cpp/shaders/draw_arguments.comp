@@ -1,0 +1,30 @@
+#version 310 es
+// Turns the sorter's count into the draw: BATCH quads per instance, the last instance's spare
+// quads marked as empty. Keeps the count on the GPU.
+precision highp int;
+
+layout(local_size_x = 128) in;
+
+layout(std430, binding = 0) readonly buffer State { uint drawn; };
+layout(std430, binding = 1) writeonly buffer Order { uint order[]; };
+layout(std430, binding = 2) writeonly buffer Arguments {  // DrawElementsIndirectCommand
+  uint index_count, instance_count, first_index;
+  int base_vertex;
+  uint reserved;
+};
+
+const uint NOTHING = 0xFFFFFFFFu;
+
+void main() {
+  uint batch = uint(BATCH);
+  uint instances = (drawn + batch - 1u) / batch;
+  uint spare = drawn + gl_LocalInvocationIndex;
+  if (spare < instances * batch) order[spare] = NOTHING;
+  if (gl_LocalInvocationIndex == 0u) {
+    index_count = batch * 6u;
+    instance_count = instances;
+    first_index = 0u;
+    base_vertex = 0;
+    reserved = 0u;
+  }
+}

@@ -1,0 +1,16 @@
+// The constants of a frame: the twin of FrameUniforms in render/frame_uniforms.h.
+layout(std140, binding = 0) uniform Frame {
+  highp vec4 rotation_row0;  // world → camera, xyz; w unused
+  highp vec4 rotation_row1;
+  highp vec4 rotation_row2;
+  highp vec4 camera_centre;  // xyz, relative to the scene's origin
+  highp vec4 focal_centre;   // fx, fy, cx, cy in pixels
+  highp vec4 slope_limits;   // x/z at least and at most, y/z at least and at most
+  highp vec2 target_size;    // pixels
+  highp float alpha_min;
+  highp float alpha_max;
+  highp float dilation;  // px²
+  highp float near_plane;
+  highp uint splat_count;
+  highp uint sh_degree;  // to evaluate
+} frame;

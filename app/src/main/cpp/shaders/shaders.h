@@ -1,0 +1,11 @@
+// The shaders of this folder as text, embedded by CMake: foo.comp is shaders::foo_comp.
+#pragma once
+
+#include <string_view>
+
+namespace fluxgs::shaders {
+
+extern const std::string_view draw_arguments_comp, project_comp, resolve_frag, screen_vert,
+    sort_count_comp, sort_scan_comp, sort_scatter_comp, splat_frag, splat_vert;
+
+}  // namespace fluxgs::shaders

@@ -1,0 +1,95 @@
+#version 310 es
+// Sort, step 3 of 3: every key goes to its place: behind the smaller digits, behind its own digit
+// in the blocks before, behind its own digit earlier in the block. That keeps equal keys in order.
+// Within a block the rank comes from bit masks: 256 keys at a time set their bit in the mask of
+// their digit, and a key's rank is the number of bits below its own.
+precision highp int;
+
+#include "sort.glsl"
+#include "sort_source.glsl"
+
+#ifdef LAST_PASS
+layout(std430, binding = 2) writeonly buffer Target { uint order[]; };
+#else
+layout(std430, binding = 2) writeonly buffer Target { uvec2 pairs[]; };
+#endif
+
+const uint WORDS = THREADS / 32u;
+
+shared uint masks[WORDS * RADIX];  // [word][digit]: neighbouring digits lie in different banks
+shared uint next[RADIX];           // where the next key of each digit goes
+
+// next[digit] = the number of keys with a smaller digit, plus those in the blocks before.
+// Returns the number of all keys. The masks, not yet in use, hold the totals and their sums by 16.
+uint find_starts(uint thread, uint block) {
+  const uint GROUPS = RADIX / 16u;
+  if (thread < RADIX) masks[thread] = state.totals[thread];
+  barrier();
+  if (thread < GROUPS) {
+    uint sum = 0u;
+    for (uint d = 0u; d < 16u; ++d) sum += masks[thread * 16u + d];
+    masks[RADIX + thread] = sum;
+  }
+  barrier();
+  uint start = 0u, total = 0u;
+  for (uint g = 0u; g < GROUPS; ++g) {
+    if (g == thread / 16u) start = total;
+    total += masks[RADIX + g];
+  }
+  if (thread < RADIX) {
+    for (uint d = thread & ~15u; d < thread; ++d) start += masks[d];
+    next[thread] = start + state.counts[block * RADIX + thread];
+  }
+  barrier();
+  return total;
+}
+
+void put(uint place, uint total, uint key, uint i) {
+#ifdef FIRST_PASS
+  uint index = i;
+#else
+  uint index = source_pairs[i].y;
+#endif
+#ifdef LAST_PASS
+  order[total - 1u - place] = index;
+#else
+  pairs[place] = uvec2(key, index);
+#endif
+}
+
+void main() {
+  uint thread = gl_LocalInvocationIndex, block = gl_WorkGroupID.x;
+  uint word = thread >> 5u, bit = 1u << (thread & 31u);
+  uint total = find_starts(thread, block);
+
+  for (uint k = 0u; k < KEYS_PER_THREAD; ++k) {
+    for (uint i = thread; i < WORDS * RADIX; i += THREADS) masks[i] = 0u;
+    barrier();
+    uint i = block * BLOCK + k * THREADS + thread;
+    uint key = source_key(i), digit = digit_of(key);
+    bool valid = key != DROPPED;
+    if (valid) atomicOr(masks[word * RADIX + digit], bit);
+    barrier();
+    uint rank = 0u, same = 0u;
+    if (valid) {
+      for (uint w = 0u; w < WORDS; ++w) {
+        uint mask = masks[w * RADIX + digit];
+        same += uint(bitCount(mask));
+        if (w == word) mask &= bit - 1u;
+        if (w <= word) rank += uint(bitCount(mask));
+      }
+      put(next[digit] + rank, total, key, i);
+    }
+    barrier();
+    if (valid && rank + 1u == same) next[digit] += same;  // The last of its digit moves it on
+  }
+
+#ifdef FIRST_PASS
+  if (block == 0u && thread == 0u) {  // The passes that follow see only what was not dropped
+    state.count = total;
+    state.blocks[0] = (total + BLOCK - 1u) / BLOCK;
+    state.blocks[1] = 1u;
+    state.blocks[2] = 1u;
+  }
+#endif
+}

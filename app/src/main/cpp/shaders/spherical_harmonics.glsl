@@ -1,0 +1,34 @@
+// Real spherical harmonics of degrees 1…3: the twin of fluxgs/math/spherical_harmonics.h.
+// Coefficients are stored in groups of four RGB triples, three vec4 each; `weights` are the four
+// basis functions that belong to a group.
+
+vec3 sh_group(uint first, vec4 weights) {
+  vec4 a = coefficients[first], b = coefficients[first + 1u], c = coefficients[first + 2u];
+  return a.xyz * weights.x + vec3(a.w, b.xy) * weights.y + vec3(b.zw, c.x) * weights.z +
+         c.yzw * weights.w;
+}
+
+vec3 sh_rest(uint first, uint degree, vec3 d) {
+  if (degree < 1u) return vec3(0.0);
+  float x = d.x, y = d.y, z = d.z;
+  float xx = x * x, yy = y * y, zz = z * z;
+  vec4 weights = vec4(-0.4886025119029199 * y, 0.4886025119029199 * z, -0.4886025119029199 * x, 0.0);
+  if (degree < 2u) return sh_group(first, weights);
+
+  weights.w = 1.0925484305920792 * (x * y);
+  vec3 sum = sh_group(first, weights);
+  sum += sh_group(first + 3u, vec4(-1.0925484305920792 * (y * z),
+                                   0.31539156525252005 * (2.0 * zz - xx - yy),
+                                   -1.0925484305920792 * (x * z),
+                                   0.5462742152960396 * (xx - yy)));
+  if (degree < 3u) return sum;
+
+  sum += sh_group(first + 6u, vec4(-0.5900435899266435 * y * (3.0 * xx - yy),
+                                   2.890611442640554 * (x * y) * z,
+                                   -0.4570457994644658 * y * (4.0 * zz - xx - yy),
+                                   0.3731763325901154 * z * (2.0 * zz - 3.0 * xx - 3.0 * yy)));
+  sum += sh_group(first + 9u, vec4(-0.4570457994644658 * x * (4.0 * zz - xx - yy),
+                                   1.445305721320277 * z * (xx - yy),
+                                   -0.5900435899266435 * x * (xx - 3.0 * yy), 0.0));
+  return sum;
+}

@@ -1,0 +1,196 @@
+// The renderer's behaviour at the edges: what it refuses, what it repeats exactly, what it counts.
+#include "render/renderer.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "gl_fixture.h"
+#include "scenes.h"
+
+namespace fluxgs::test {
+namespace {
+
+using render::Accumulation;
+using render::RenderTarget;
+using render::TargetFormat;
+using testing::HasSubstr;
+
+class RendererTest : public GlTest {
+ protected:
+  RenderTarget target(int width, int height, TargetFormat format = TargetFormat::rgba16f) {
+    return must(RenderTarget::create(api(), width, height, format));
+  }
+  Image<float> picture(render::Renderer& with, const Camera& camera,
+                       const RenderOptions& options = {}) {
+    const RenderTarget made = target(camera.width, camera.height);
+    must(with.draw(camera, options, made));
+    return must(with.read(made));
+  }
+};
+
+TEST_P(RendererTest, AnEmptySceneIsTheBackground) {
+  const auto fresh = must(render::Renderer::create(api()));
+  const RenderOptions options{.background = {0.25, 0.5, 1.0}};
+  for (int round = 0; round < 2; ++round) {  // Before any upload, and after an empty one
+    const Image<float> image = picture(*fresh, front_camera(5, 3, 1), options);
+    for (std::size_t i = 0; i < image.pixels.size(); i += 4) {
+      EXPECT_EQ(image.pixels[i], 0.25F);
+      EXPECT_EQ(image.pixels[i + 1], 0.5F);
+      EXPECT_EQ(image.pixels[i + 2], 1.0F);
+      EXPECT_EQ(image.pixels[i + 3], 0.0F);
+    }
+    EXPECT_EQ(must(fresh->stats()).drawn, 0U);
+    must(fresh->upload({}));
+  }
+}
+
+// Each splat its own pixel: a splat lost or drawn twice at a work group's or batch's edge shows.
+TEST_P(RendererTest, EveryCountDrawsEverySplat) {
+  constexpr int kSide = 64;
+  const Camera camera = front_camera(kSide, kSide, 1);
+  for (const int count : {1, 2, 127, 128, 129, 255, 256, 257, 2047, 2048, 2049, 4096}) {
+    SplatCloud cloud;
+    for (int i = 0; i < count; ++i) {
+      const float x = (static_cast<float>(i % kSide) + 0.5F) / kSide - 0.5F;
+      const float y = (static_cast<float>(i / kSide) + 0.5F) / kSide - 0.5F;
+      add(cloud, {.position = {x, y, 0}, .scale = glm::vec3(1e-6F), .color = {1, 1, 1}});
+    }
+    must(renderer().upload(cloud));
+    // So little dilation that a splat is gone at its neighbour's centre.
+    const Image<float> image = picture(renderer(), camera, {.dilation = 0.04});
+    for (int i = 0; i < kSide * kSide; ++i)
+      ASSERT_NEAR(image.at(i % kSide, i / kSide)[0], i < count ? 0.8F : 0.0F, 1e-3F)
+          << "splat " << i << " of " << count;
+    EXPECT_EQ(must(renderer().stats()).drawn, static_cast<std::uint32_t>(count));
+  }
+}
+
+TEST_P(RendererTest, TheSamePictureAgainBitForBit) {
+  must(renderer().upload(random_cloud(4000, 2, 1)));
+  const Camera camera = orbit_camera(160, 120, {}, 2, 1, 4);
+  const Image<float> first = picture(renderer(), camera);
+  static_cast<void>(picture(renderer(), orbit_camera(90, 70, {}, 2, 2, 4)));
+  EXPECT_EQ(picture(renderer(), camera).pixels, first.pixels);
+}
+
+TEST_P(RendererTest, BatchAndDigitWidthChangeNothing) {
+  const SplatCloud cloud = random_cloud(3001, 1, 2);
+  must(renderer().upload(cloud));
+  const Camera camera = orbit_camera(160, 120, {}, 2, 1, 4);
+  const Image<float> expected = picture(renderer(), camera);
+  for (const render::RendererSettings& settings : {render::RendererSettings{.batch = 1},
+                                                   {.batch = 3},
+                                                   {.batch = 32},
+                                                   {.batch = 64},
+                                                   {.batch = 128, .sort_digit_bits = 4}}) {
+    const auto other = must(render::Renderer::create(api(), settings));
+    must(other->upload(cloud));
+    EXPECT_EQ(picture(*other, camera).pixels, expected.pixels) << settings.batch;
+  }
+}
+
+TEST_P(RendererTest, ScenesReplaceEachOther) {
+  const Camera camera = orbit_camera(100, 80, {}, 2, 1, 4);
+  const SplatCloud small = random_cloud(100, 3, 3), large = random_cloud(5000, 0, 4);
+  must(renderer().upload(small));
+  const Image<float> expected = picture(renderer(), camera);
+  must(renderer().upload(large));
+  EXPECT_NE(picture(renderer(), camera).pixels, expected.pixels);
+  must(renderer().upload(small));
+  EXPECT_EQ(picture(renderer(), camera).pixels, expected.pixels);
+}
+
+TEST_P(RendererTest, StatsCountAndTimeTheFrame) {
+  SplatCloud cloud = random_cloud(1000, 0, 5);
+  for (std::size_t i = 0; i < 400; ++i) cloud.positions[i].z = -50;
+  for (std::size_t i = 400; i < 500; ++i) cloud.opacity_logits[i] = -10;
+  for (std::size_t i = 500; i < 1000; ++i) cloud.opacity_logits[i] = 1;
+  must(renderer().upload(cloud));
+  static_cast<void>(picture(renderer(), front_camera(100, 100, 3)));
+  const render::FrameStats stats = must(renderer().stats());
+  EXPECT_EQ(stats.drawn, 500U);
+  ASSERT_EQ(stats.stages.has_value(), api().capabilities.timestamps);
+  if (!stats.stages) return;
+  for (const double ms :
+       {stats.stages->project, stats.stages->sort, stats.stages->draw, stats.stages->resolve}) {
+    EXPECT_GE(ms, 0);
+    EXPECT_LT(ms, 60'000);
+  }
+}
+
+TEST_P(RendererTest, RefusesWhatMakesNoPicture) {
+  must(renderer().upload(random_cloud(10, 0, 6)));
+  const RenderTarget made = target(20, 10);
+  const auto refusal = [&](auto change) {
+    Camera camera = front_camera(20, 10, 2);
+    RenderOptions options;
+    change(camera, options);
+    const auto drawn = renderer().draw(camera, options, made);
+    return drawn ? std::string("was drawn") : drawn.error().message();
+  };
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(refusal([](Camera&, RenderOptions&) {}), "was drawn");
+  const auto names = [&](const char* field, auto change) {
+    EXPECT_THAT(refusal(change), HasSubstr(field));
+  };
+  names("size", [](Camera& c, RenderOptions&) { c.width = 0; });
+  names("target has 20×10", [](Camera& c, RenderOptions&) { c.width = 21; });
+  names("focal length", [](Camera& c, RenderOptions&) { c.fx = 0; });
+  names("focal length", [](Camera& c, RenderOptions&) { c.fy = kNan; });
+  names("principal point", [](Camera& c, RenderOptions&) { c.cx = kNan; });
+  names("pose", [](Camera& c, RenderOptions&) { c.rotation[1][2] = kNan; });
+  names("pose", [](Camera& c, RenderOptions&) { c.translation.z = INFINITY; });
+  names("alpha_min", [](Camera&, RenderOptions& o) { o.alpha_min = 0; });
+  names("alpha_max", [](Camera&, RenderOptions& o) { o.alpha_max = kNan; });
+  names("dilation", [](Camera&, RenderOptions& o) { o.dilation = -1; });
+  names("near_plane", [](Camera&, RenderOptions& o) { o.near_plane = 0; });
+  names("frustum_margin", [](Camera&, RenderOptions& o) { o.frustum_margin = kNan; });
+  names("sh_degree", [](Camera&, RenderOptions& o) { o.sh_degree = 4; });
+  names("background", [](Camera&, RenderOptions& o) { o.background.g = kNan; });
+}
+
+TEST_P(RendererTest, RefusesCloudsThatDoNotFit) {
+  SplatCloud torn = random_cloud(10, 1, 7);
+  torn.rotations.pop_back();
+  EXPECT_THAT(renderer().upload(torn).error().message(), HasSubstr("every splat"));
+  SplatCloud degree = random_cloud(10, 1, 7);
+  degree.sh_degree = 4;
+  EXPECT_THAT(renderer().upload(degree).error().message(), HasSubstr("sh_degree"));
+
+  // A driver with small buffers: the cloud is refused before anything is allocated, and the scene
+  // that was there stays.
+  must(renderer().upload(random_cloud(10, 0, 7)));
+  const Camera camera = front_camera(20, 20, 2);
+  const Image<float> before = picture(renderer(), camera);
+  const auto limit = api().capabilities.max_storage_block_bytes;
+  api().capabilities.max_storage_block_bytes = 1000;
+  const auto refused = renderer().upload(random_cloud(16, 0, 8));
+  api().capabilities.max_storage_block_bytes = limit;
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message(), HasSubstr("it can hold 15"));
+  EXPECT_EQ(picture(renderer(), camera).pixels, before.pixels);
+}
+
+TEST_P(RendererTest, RefusesTargetsAndSettingsThatCannotBe) {
+  const auto refusal = [&](int width, int height) {
+    const auto made = RenderTarget::create(api(), width, height, TargetFormat::rgba8);
+    return made ? std::string("was made") : made.error().message();
+  };
+  EXPECT_THAT(refusal(0, 0), HasSubstr("0×0"));
+  EXPECT_THAT(refusal(-1, 5), HasSubstr("-1×5"));
+  EXPECT_THAT(refusal(1 << 24, 1), HasSubstr("16777216×1"));
+  const auto batch = render::Renderer::create(api(), {.batch = 129});
+  EXPECT_THAT(batch.error().message(), HasSubstr("129"));
+
+  gl::Capabilities weak = api().capabilities;
+  weak.max_vertex_storage_blocks = 0;
+  EXPECT_THAT(gl::check_limits(weak).error().message(), HasSubstr("VERTEX_SHADER_STORAGE"));
+  weak = api().capabilities;
+  weak.half_float_targets = weak.float_targets = false;
+  EXPECT_EQ(render::accurate_accumulation(weak), Accumulation::direct);
+}
+
+FLUXGS_GL_TEST_SUITE(RendererTest);
+
+}  // namespace
+}  // namespace fluxgs::test

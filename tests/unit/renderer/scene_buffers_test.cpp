@@ -1,0 +1,61 @@
+// How a cloud is laid out for the GPU; no GL is needed for that.
+#include "render/scene_buffers.h"
+
+#include <gtest/gtest.h>
+
+#include "scenes.h"
+
+namespace fluxgs::test {
+namespace {
+
+TEST(PackScene, StridesHoldWholeGroupsOfFourCoefficients) {
+  EXPECT_EQ(render::harmonics_stride(0), 0U);
+  EXPECT_EQ(render::harmonics_stride(1), 3U);
+  EXPECT_EQ(render::harmonics_stride(2), 6U);
+  EXPECT_EQ(render::harmonics_stride(3), 12U);
+}
+
+TEST(PackScene, PutsEveryAttributeInItsPlace) {
+  SplatCloud cloud;
+  cloud.sh_degree = 1;
+  add(cloud, {.position = {1, 2, 3},
+              .scale = {0.5F, 0.25F, 2},
+              .rotation = {0, 0, 3, 4},
+              .opacity = 0.75F,
+              .color = {0.25F, 0.5F, 1}});
+  cloud.sh_rest = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}};
+  const render::PackedScene scene = render::pack_scene(cloud);
+  ASSERT_EQ(scene.geometry.size(), 4U);
+  EXPECT_EQ(scene.origin, glm::dvec3(1, 2, 3));
+  const auto near = [&](std::size_t row, std::array<float, 4> wanted) {
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(scene.geometry[row][i], wanted[i], 1e-6F);
+  };
+  near(0, {0, 0, 0, 0.75F});
+  near(1, {0.5F, 0.25F, 2, 0.25F});
+  near(2, {0, 0.6F, 0.8F, 0});  // x y z w, of length 1
+  near(3, {0.5F, 1, 0, 0});
+  const std::vector<std::array<float, 4>> wanted = {{1, 2, 3, 4}, {5, 6, 7, 8}, {9, 0, 0, 0}};
+  EXPECT_EQ(scene.harmonics, wanted);
+}
+
+TEST(PackScene, OriginIgnoresStraysAndKeepsBits) {
+  SplatCloud cloud;
+  for (const float x : {1e5F, 1e5F + 1, 1e5F + 2, 1e30F, std::nanf("")})
+    add(cloud, {.position = {x, 0, 0}});
+  const render::PackedScene scene = render::pack_scene(cloud);
+  EXPECT_EQ(scene.origin.x, 1e5 + 1);
+  EXPECT_EQ(scene.geometry[0][0], -1.0F);
+  EXPECT_EQ(scene.geometry[8][0], 1.0F);
+  EXPECT_EQ(scene.undrawable, 2U);
+  EXPECT_EQ(scene.geometry[12][3], 0.0F);
+  EXPECT_EQ(scene.geometry[16][3], 0.0F);
+}
+
+TEST(PackScene, AnEmptyCloudIsEmpty) {
+  const render::PackedScene scene = render::pack_scene({});
+  EXPECT_TRUE(scene.geometry.empty());
+  EXPECT_TRUE(scene.harmonics.empty());
+}
+
+}  // namespace
+}  // namespace fluxgs::test

@@ -1,0 +1,182 @@
+// Image files: what comes back, and what is refused.
+#include <sys/stat.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "test_files.h"
+#include "trainer/data/image_io.h"
+
+namespace fluxgs {
+namespace {
+
+using namespace test;
+
+/// A JPEG of a smooth picture, optionally with restart markers or progressive.
+std::string jpeg(int width, int height, std::vector<int> parameters = {}) {
+  auto image = pattern(width, height);
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".jpg", cv::Mat(height, width, CV_8UC3, image.pixels.data()), bytes, parameters);
+  return {bytes.begin(), bytes.end()};
+}
+
+TEST(ImageIo, PngRoundTrip) {
+  const TempFolder folder;
+  for (const int channels : {3, 4}) {
+    const auto image = pattern(31, 17, channels);
+    write_image(folder.path() / "a.png", image);
+    const auto back = read_image(folder.path() / "a.png");
+    ASSERT_TRUE(back) << back.error().message();
+    EXPECT_EQ(back->width, 31);
+    EXPECT_EQ(back->height, 17);
+    EXPECT_EQ(back->channels, channels);
+    EXPECT_EQ(back->pixels, image.pixels);
+  }
+}
+
+TEST(ImageIo, FloatsAreClampedAndRounded) {
+  const TempFolder folder;
+  Image<float> image(2, 1, 3);
+  image.pixels = {-1.0F, 0.5F, 2.0F, NAN, 0.998F, 1.0F / 255};
+  ASSERT_TRUE(write_png(folder.path() / "a.png", image));
+  EXPECT_THAT(read_image(folder.path() / "a.png")->pixels,
+              testing::ElementsAre(0, 128, 255, 0, 254, 1));
+}
+
+TEST(ImageIo, GreyPaletteAndSixteenBits) {
+  const TempFolder folder;
+  const std::string file = (folder.path() / "a.png").string();
+  cv::imwrite(file, cv::Mat(2, 3, CV_8UC1, cv::Scalar(77)));
+  EXPECT_THAT(read_image(file)->pixels, testing::Each(77));
+  EXPECT_EQ(read_image(file)->channels, 3);
+  cv::imwrite(file, cv::Mat(2, 3, CV_16UC3, cv::Scalar(0, 32768, 65535)));
+  const auto deep = read_image(file);
+  ASSERT_TRUE(deep);
+  EXPECT_THAT(std::vector<int>(deep->pixels.begin(), deep->pixels.begin() + 3),
+              testing::ElementsAre(255, 128, 0));
+}
+
+TEST(ImageIo, SizeWithoutDecoding) {
+  const TempFolder folder;
+  write_image(folder.path() / "a.png", pattern(31, 17));
+  write_text(folder.path() / "a.jpg", jpeg(45, 23));
+  EXPECT_EQ(read_image_size(folder.path() / "a.png")->width, 31);
+  EXPECT_EQ(read_image_size(folder.path() / "a.png")->height, 17);
+  EXPECT_EQ(read_image_size(folder.path() / "a.jpg")->width, 45);
+  EXPECT_EQ(read_image_size(folder.path() / "a.jpg")->height, 23);
+}
+
+TEST(ImageIo, SizeBehindLongMetadata) {
+  const TempFolder folder;
+  std::string text = jpeg(45, 23);
+  std::string segment("\xff\xe2\xff\xff", 4);  // APP2 of 65,535 bytes, as ICC profiles and previews
+  segment.resize(2 + 65535, '\x42');
+  for (int i = 0; i < 8; ++i) text.insert(2, segment);
+  write_text(folder.path() / "a.jpg", text);
+  const auto size = read_image_size(folder.path() / "a.jpg");
+  ASSERT_TRUE(size) << size.error().message();
+  EXPECT_EQ(size->width, 45);
+  EXPECT_TRUE(read_image(folder.path() / "a.jpg"));
+}
+
+TEST(ImageIo, ExifOrientationIsIgnored) {
+  const TempFolder folder;
+  std::string text = jpeg(45, 23);
+  // APP1 "Exif", big-endian TIFF, one entry: orientation (0x0112) = 6, turn by 90 degrees.
+  const std::string tiff("MM\0\x2a\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0", 26);
+  const std::string app1 = std::string("\xff\xe1\0\x22", 4) + std::string("Exif\0\0", 6) + tiff;
+  text.insert(2, app1);
+  const fs::path file = folder.path() / "a.jpg";
+  write_text(file, text);
+  ASSERT_EQ(cv::imread(file.string()).rows, 45) << "the tag must be one that decoders heed";
+  const auto image = read_image(file);
+  ASSERT_TRUE(image) << image.error().message();
+  EXPECT_EQ(image->width, 45);
+  EXPECT_EQ(image->height, 23);
+}
+
+TEST(ImageIo, JpegKindsAreComplete) {
+  const TempFolder folder;
+  for (const auto& parameters :
+       {std::vector<int>{cv::IMWRITE_JPEG_PROGRESSIVE, 1},
+        std::vector<int>{cv::IMWRITE_JPEG_RST_INTERVAL, 2}, std::vector<int>{}}) {
+    // Trailing bytes, as phones append them, are no fault.
+    write_text(folder.path() / "a.jpg", jpeg(64, 48, parameters) + "trailer \xff\xd8");
+    const auto image = read_image(folder.path() / "a.jpg");
+    EXPECT_TRUE(image) << image.error().message();
+  }
+}
+
+TEST(ImageIoBadInput, CutAtAnyByteIsRefused) {
+  const TempFolder folder;
+  const fs::path png = folder.path() / "a.png", jpg = folder.path() / "a.jpg";
+  write_image(png, pattern(20, 10, 4));
+  write_text(jpg, jpeg(20, 10));
+  write_text(folder.path() / "p.jpg", jpeg(20, 10, {cv::IMWRITE_JPEG_PROGRESSIVE, 1}));
+  for (const fs::path& file : {png, jpg, folder.path() / "p.jpg"}) {
+    const std::string whole = read_all(file);
+    for (std::size_t length = 0; length < whole.size(); ++length) {
+      write_text(file, whole.substr(0, length));
+      const auto image = read_image(file);
+      ASSERT_FALSE(image) << file << " cut to " << length << " of " << whole.size();
+      ASSERT_THAT(image.error().message(), testing::HasSubstr(file.filename().string()));
+      (void)read_image_size(file);
+    }
+  }
+}
+
+TEST(ImageIoBadInput, HolesAndNoiseNeverCrash) {
+  const TempFolder folder;
+  const fs::path file = folder.path() / "a.png";
+  write_image(file, pattern(20, 10));
+  const std::string whole = read_all(file);
+  std::size_t refused = 0;
+  for (std::size_t at = 8; at < whole.size(); ++at) {
+    std::string changed = whole;
+    changed[at] = static_cast<char>(~changed[at]);
+    write_text(file, changed);
+    refused += !read_image(file).has_value();
+  }
+  EXPECT_GT(refused, whole.size() / 2) << "PNG has checksums";
+}
+
+TEST(ImageIoBadInput, WhatIsNoImageIsNamed) {
+  const TempFolder folder;
+  expect_failure(read_image(folder.path() / "none.png"), "none.png");
+  expect_failure(read_image(folder.path()), folder.path().string());
+  write_text(folder.path() / "empty.jpg", "");
+  expect_failure(read_image(folder.path() / "empty.jpg"), "empty.jpg", "is empty");
+  write_text(folder.path() / "text.jpg", "this is no image");
+  expect_failure(read_image(folder.path() / "text.jpg"), "text.jpg", "expected JPEG or PNG");
+  expect_failure(read_image_size(folder.path() / "text.jpg"), "expected JPEG or PNG");
+  const fs::path pipe = folder.path() / "pipe.png";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  expect_failure(read_image(pipe), "pipe.png");
+  expect_failure(read_image_size(pipe), "pipe.png");
+}
+
+TEST(ImageIoBadInput, HugeSizesAreRefusedFromTheHeader) {
+  const TempFolder folder;
+  write_image(folder.path() / "a.png", pattern(20, 10));
+  std::string png = read_all(folder.path() / "a.png");
+  png.replace(16, 8, std::string("\x7f\xff\xff\xff\x7f\xff\xff\xff", 8));
+  write_text(folder.path() / "a.png", png);
+  expect_failure(read_image(folder.path() / "a.png"), "2147483647x2147483647", "expected 1 to");
+  std::string jpg = jpeg(20, 10);
+  const std::size_t frame = jpg.find(std::string("\xff\xc0", 2));
+  jpg.replace(frame + 5, 4, "\xff\xff\xff\xff");
+  write_text(folder.path() / "a.jpg", jpg);
+  expect_failure(read_image(folder.path() / "a.jpg"), "65535x65535");
+  jpg.replace(frame + 5, 4, std::string(4, '\0'));
+  write_text(folder.path() / "a.jpg", jpg);
+  expect_failure(read_image(folder.path() / "a.jpg"), "0x0");
+}
+
+TEST(ImageIoBadInput, WritingWhereNothingCanBeWritten) {
+  const TempFolder folder;
+  expect_failure(write_png(folder.path() / "none" / "a.png", pattern(2, 2)), "a.png");
+  expect_failure(write_png(folder.path() / "a.png", Image<std::uint8_t>()), "0x0");
+  EXPECT_FALSE(fs::exists(folder.path() / "a.png"));
+}
+
+}  // namespace
+}  // namespace fluxgs

@@ -1,0 +1,44 @@
+// make_capture: photos with known poses, made by ray-tracing, for the quickstart and the tests.
+#include <cstdio>
+
+#include <CLI/CLI.hpp>
+
+#include "tools/capture/capture.h"
+
+namespace {
+
+/// "320x240"; false if it is anything else.
+bool parse_size(const std::string& text, fluxgs::capture::CaptureOptions& options) {
+  char rest = 0;
+  return std::sscanf(text.c_str(), "%dx%d%c", &options.width, &options.height, &rest) == 2;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  fluxgs::capture::CaptureOptions options;
+  std::string folder, size = "320x240";
+  CLI::App app{
+      "Ray-trace a small posed image set: glossy spheres on a marble floor, in the layout of the "
+      "NeRF-synthetic scenes (train/, test/, transforms_train.json, transforms_test.json)."};
+  app.footer("Example:\n  make_capture /tmp/spheres --size 320x240 --train 40 --test 8");
+  app.add_option("OUT_DIR", folder, "Folder to write to; created if missing")->required();
+  app.add_option("--size", size, "Pixels of each picture, WxH")->capture_default_str();
+  app.add_option("--train", options.train, "Training views")->capture_default_str();
+  app.add_option("--test", options.test, "Test views")->capture_default_str();
+  app.add_option("--seed", options.seed, "Seed of poses and textures")->capture_default_str();
+  app.add_option("--samples", options.samples, "NxN rays a pixel")->capture_default_str();
+  try {
+    app.parse(argc, argv);
+    if (!parse_size(size, options)) throw CLI::ValidationError("--size", "expected WxH");
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  if (const auto ok = fluxgs::capture::write_capture(folder, options); !ok) {
+    std::fprintf(stderr, "make_capture: error: %s\n", ok.error().message().c_str());
+    return 1;
+  }
+  std::fprintf(stderr, "%s: %d training and %d test views of %dx%d\n", folder.c_str(),
+               options.train, options.test, options.width, options.height);
+  return 0;
+}

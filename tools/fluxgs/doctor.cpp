@@ -1,0 +1,107 @@
+// fluxgs doctor: what this machine has.
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <thread>
+
+#include <draco/core/draco_version.h>
+#include <fmt/format.h>
+#include <tbb/version.h>
+#include <zstd.h>
+#include <CLI/Version.hpp>
+#include <opencv2/core/version.hpp>
+
+#include "platform/host/host_context.h"
+#include "tools/fluxgs/command.h"
+#include "tools/fluxgs/renderers.h"
+#include "trainer/simd/isa.h"
+
+namespace fluxgs::cli {
+namespace {
+
+using nlohmann::json;
+
+json gl_implementations() {
+  json all = json::object();
+  for (const std::string& name : kGlNames) {
+    const auto context = host::HostContext::create(*host::parse_host_gl(name));
+    if (!context) {
+      all[name] = {{"available", false}, {"reason", context.error().message()}};
+      continue;
+    }
+    const gl::Capabilities& c = (*context)->api().capabilities;
+    all[name] = {{"available", true}, {"renderer", c.renderer}, {"version", c.version}};
+  }
+  return all;
+}
+
+/// The first program of that name on the PATH, or null.
+json find_program(const std::string& name) {
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path ? path : "");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    const std::string candidate = (std::filesystem::path(folder) / name).string();
+    if (access(candidate.c_str(), X_OK) == 0) return candidate;
+  }
+  return nullptr;
+}
+
+json examine() {
+  json sets = json::array();
+  for (Isa isa : available_isas()) sets.push_back(name_of(isa));
+  return {{"fluxgs", FLUXGS_VERSION},
+          {"cores", std::thread::hardware_concurrency()},
+          {"instruction_sets", sets},
+          {"gl", gl_implementations()},
+          {"cuda", {{"available", false}, {"reason", "this build has no CUDA backend"}}},
+          {"colmap", find_program("colmap")},
+          {"versions",
+           {{"compiler", __VERSION__},
+            {"opencv", CV_VERSION},
+            {"onetbb", fmt::format("{}.{}", TBB_VERSION_MAJOR, TBB_VERSION_MINOR)},
+            {"draco", draco::kDracoVersion},
+            {"zstd", ZSTD_versionString()},
+            {"cli11", CLI11_VERSION}}}};
+}
+
+void print_lines(const json& found) {
+  fmt::print("fluxgs {}\n", found["fluxgs"].get<std::string>());
+  fmt::print("processor   {} cores, kernels for", found["cores"].get<unsigned>());
+  for (const json& set : found["instruction_sets"]) fmt::print(" {}", set.get<std::string>());
+  fmt::print("\n");
+  for (const auto& [name, gl] : found["gl"].items())
+    fmt::print("GL {:<8} {}\n", name,
+               gl["available"].get<bool>()
+                   ? gl["renderer"].get<std::string>() + ", " + gl["version"].get<std::string>()
+                   : "missing: " + gl["reason"].get<std::string>());
+  fmt::print("CUDA        {}\n", found["cuda"]["reason"].get<std::string>());
+  fmt::print("COLMAP      {}\n", found["colmap"].is_null()
+                                     ? "not found; needed only for photos without poses"
+                                     : found["colmap"].get<std::string>());
+  for (const auto& [name, version] : found["versions"].items())
+    fmt::print("{:<11} {}\n", name, version.get<std::string>());
+}
+
+Expected<void> doctor(bool as_json) {
+  const json found = examine();
+  if (as_json)
+    print_json(found);
+  else
+    print_lines(found);
+  return {};
+}
+
+}  // namespace
+
+void add_doctor(CLI::App& app, Action& action) {
+  auto as_json = std::make_shared<bool>(false);
+  CLI::App* command =
+      app.add_subcommand("doctor", "What this machine has: GL, CUDA, COLMAP, versions");
+  command->footer("Example: fluxgs doctor");
+  command->add_flag("--json", *as_json, "print one JSON object");
+  command->callback([=, &action] { action = [=] { return doctor(*as_json); }; });
+}
+
+}  // namespace fluxgs::cli

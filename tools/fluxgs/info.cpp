@@ -1,0 +1,79 @@
+// fluxgs info: what is in a scene file.
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <glm/common.hpp>
+
+#include "fluxgs/io/scene.h"
+#include "tools/fluxgs/command.h"
+
+namespace fluxgs::cli {
+namespace {
+
+using nlohmann::json;
+
+/// Bits per splat of each attribute. Both formats so far store plain 32-bit floats.
+json attribute_bits(const SceneFile& scene) {
+  json bits = {{"position", 96}, {"scale", 96}, {"rotation", 128}, {"opacity", 32}, {"sh_dc", 96}};
+  if (scene.cloud.sh_degree > 0) bits["sh_rest"] = 96 * sh_rest_count(scene.cloud.sh_degree);
+  return bits;
+}
+
+json bounds_of(const SplatCloud& cloud) {
+  if (cloud.size() == 0) return nullptr;
+  glm::vec3 low = cloud.positions[0], high = low;
+  for (const glm::vec3& p : cloud.positions) low = glm::min(low, p), high = glm::max(high, p);
+  return {{"min", {low.x, low.y, low.z}}, {"max", {high.x, high.y, high.z}}};
+}
+
+json describe(const SceneFile& scene) {
+  const double splats = static_cast<double>(std::max<std::size_t>(scene.cloud.size(), 1));
+  return {{"format", scene.format},
+          {"splats", scene.cloud.size()},
+          {"dropped", scene.dropped},
+          {"sh_degree", scene.cloud.sh_degree},
+          {"bytes", scene.bytes},
+          {"bits_per_splat", 8.0 * static_cast<double>(scene.bytes) / splats},
+          {"attributes", attribute_bits(scene)},
+          {"bounds", bounds_of(scene.cloud)},
+          {"extensions", scene.extensions}};
+}
+
+void print_lines(const std::string& path, const json& d) {
+  fmt::print("{}: {}\n", path, d["format"].get<std::string>());
+  fmt::print("  splats      {} ({} left out for NaN or infinity)\n", d["splats"].get<std::size_t>(),
+             d["dropped"].get<std::size_t>());
+  fmt::print("  SH degree   {}\n", d["sh_degree"].get<int>());
+  fmt::print("  size        {} bytes, {:.1f} bits a splat\n", d["bytes"].get<std::size_t>(),
+             d["bits_per_splat"].get<double>());
+  for (const auto& [name, bits] : d["attributes"].items())
+    fmt::print("    {:<10}{} bits\n", name, bits.get<int>());
+  if (!d["bounds"].is_null())
+    fmt::print("  bounds      {} to {}\n", d["bounds"]["min"].dump(), d["bounds"]["max"].dump());
+  for (const json& e : d["extensions"]) fmt::print("  extension   {}\n", e.get<std::string>());
+}
+
+Expected<void> info(const std::string& path, bool as_json) {
+  const auto scene = read_scene(path);
+  if (!scene) return std::unexpected(scene.error());
+  if (as_json)
+    print_json(describe(*scene));
+  else
+    print_lines(path, describe(*scene));
+  return {};
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, Action& action) {
+  auto scene = std::make_shared<std::string>();
+  auto as_json = std::make_shared<bool>(false);
+  CLI::App* command = app.add_subcommand("info", "What is in a scene file");
+  command->footer("Example: fluxgs info garden.glb --json");
+  command->add_option("scene", *scene, "the scene file")->required();
+  command->add_flag("--json", *as_json, "print one JSON object");
+  command->callback([=, &action] { action = [=] { return info(*scene, *as_json); }; });
+}
+
+}  // namespace fluxgs::cli

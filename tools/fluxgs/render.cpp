@@ -1,0 +1,256 @@
+// fluxgs render: pictures of a scene, and how exact they are.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "fluxgs/io/scene.h"
+#include "tools/fluxgs/command.h"
+#include "tools/fluxgs/renderers.h"
+#include "tools/fluxgs/views.h"
+#include "trainer/data/image_io.h"
+#include "trainer/loss/photometric.h"
+
+namespace fluxgs::cli {
+namespace {
+
+using nlohmann::json;
+
+struct RenderSettings {
+  std::string scene, out, data, camera_file, size, view, split = "test";
+  RendererChoice choice;
+  std::vector<double> background{0, 0, 0};
+  int orbit = 0, downscale = 1, threads = 0, sh_degree = 3;
+  bool check = false, as_json = false;
+};
+
+/// A picture to take, and the photo taken from the same place if there is one.
+struct Shot {
+  Camera camera;
+  std::optional<Photo> photo;
+};
+
+Expected<std::vector<Shot>> shots_of_data(const RenderSettings& s, const Dataset& data,
+                                          const PictureSize& size) {
+  const std::vector<Photo>& photos =
+      s.split == "train" || data.test.empty() ? data.train : data.test;
+  std::vector<Shot> shots;
+  if (s.view == "all") {
+    for (const Photo& p : photos) shots.push_back({resized(p.camera, size), p});
+  } else {
+    std::size_t index = photos.size();
+    try {
+      index = std::stoul(s.view);
+    } catch (const std::exception&) {
+    }
+    if (index >= photos.size())
+      return fail(
+          s.data, "--view",
+          fmt::format("'{}' is not a view, expected 0 to {} or all", s.view, photos.size() - 1));
+    shots.push_back({resized(photos[index].camera, size), photos[index]});
+  }
+  if (size.width > 0)
+    for (Shot& shot : shots) shot.photo.reset();  // another size has nothing to be compared with
+  return shots;
+}
+
+Expected<std::vector<Shot>> choose_shots(const RenderSettings& s, const SplatCloud& cloud) {
+  PictureSize size;
+  if (!s.size.empty()) {
+    const auto parsed = parse_size(s.size);
+    if (!parsed) return std::unexpected(parsed.error());
+    size = *parsed;
+  }
+  std::optional<Dataset> data;
+  if (!s.data.empty()) {
+    LoadOptions load;
+    load.downscale = s.downscale;
+    load.background = {s.background[0], s.background[1], s.background[2]};
+    load.threads = s.threads;
+    auto loaded = load_dataset(s.data, load);
+    if (!loaded) return std::unexpected(loaded.error());
+    data = std::move(*loaded);
+  }
+  if (data && !s.view.empty()) return shots_of_data(s, *data, size);
+
+  if (size.width == 0)
+    size = data ? PictureSize{data->train[0].camera.width, data->train[0].camera.height}
+                : PictureSize{1280, 720};
+  std::vector<Camera> cameras;
+  if (!s.camera_file.empty()) {
+    auto read = cameras_from_file(s.camera_file, size);
+    if (!read) return std::unexpected(read.error());
+    cameras = std::move(*read);
+  } else {
+    cameras = orbit(cloud, data ? data->train : std::vector<Photo>{}, std::max(s.orbit, 1), size);
+  }
+  std::vector<Shot> shots;
+  for (Camera& camera : cameras) shots.push_back({std::move(camera), std::nullopt});
+  return shots;
+}
+
+/// OUT.png for one picture; OUT_000.png, … for several, or OUT_<name>.png with --camera.
+std::string file_name(const RenderSettings& s, const std::vector<Shot>& shots, std::size_t i) {
+  if (shots.size() == 1) return s.out;
+  const std::filesystem::path path(s.out);
+  const std::string tag = s.camera_file.empty() ? fmt::format("{:03}", i) : shots[i].camera.name;
+  return (path.parent_path() /
+          fmt::format("{}_{}{}", path.stem().string(), tag, path.extension().string()))
+      .string();
+}
+
+Image<float> interleaved(const PlanarImage& planes) {
+  Image<float> image(planes.width(), planes.height(), 3);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (int c = 0; c < 3; ++c) image.at(x, y)[c] = planes.row(c, y)[x];
+  return image;
+}
+
+double largest_difference(const PlanarImage& a, const PlanarImage& b) {
+  double worst = 0;
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < a.height(); ++y)
+      for (int x = 0; x < a.width(); ++x)
+        worst =
+            std::max(worst, static_cast<double>(std::abs(std::clamp(a.row(c, y)[x], 0.0f, 1.0f) -
+                                                         std::clamp(b.row(c, y)[x], 0.0f, 1.0f))));
+  return worst;
+}
+
+/// Renders, writes and measures one picture.
+Expected<json> take(const Shot& shot, const std::string& file, const ViewRenderer& render,
+                    const std::optional<ViewRenderer>& reference, const Threads& threads) {
+  const auto picture = render(shot.camera);
+  if (!picture) return std::unexpected(picture.error());
+  if (auto written = write_png(file, interleaved(*picture)); !written)
+    return std::unexpected(written.error());
+  json entry = {
+      {"file", file}, {"name", shot.camera.name}, {"size", {picture->width(), picture->height()}}};
+  if (shot.photo) {
+    PlanarImage target;
+    to_planar(shot.photo->rgb, threads, target);
+    entry["psnr"] = psnr(*picture, target);
+  }
+  if (reference) {
+    const auto exact = (*reference)(shot.camera);
+    if (!exact) return std::unexpected(exact.error());
+    entry["reference_psnr"] = psnr(*picture, *exact);
+    entry["reference_max_error"] = largest_difference(*picture, *exact);
+  }
+  return entry;
+}
+
+void print_entry(const json& entry) {
+  std::string line = fmt::format("{}", entry["file"].get<std::string>());
+  if (entry.contains("psnr"))
+    line += fmt::format("  {:.2f} dB to the photo", entry["psnr"].get<double>());
+  if (entry.contains("reference_psnr"))
+    line += fmt::format("  {:.2f} dB to the float64 reference, largest error {:.5f}",
+                        entry["reference_psnr"].get<double>(),
+                        entry["reference_max_error"].get<double>());
+  fmt::print("{}\n", line);
+}
+
+double mean_of(const json& pictures, const char* key) {
+  double total = 0;
+  for (const json& p : pictures) total += p[key].get<double>();
+  return total / static_cast<double>(pictures.size());
+}
+
+Expected<void> render(const RenderSettings& s) {
+  if (s.data.empty() && !s.view.empty())
+    return fail("", "--view", "needs --data, whose photos it counts");
+  const auto scene = read_scene(s.scene);
+  if (!scene) return std::unexpected(scene.error());
+  const auto shots = choose_shots(s, scene->cloud);
+  if (!shots) return std::unexpected(shots.error());
+
+  const Threads threads(s.threads);
+  RenderOptions options;
+  options.background = {s.background[0], s.background[1], s.background[2]};
+  options.sh_degree = s.sh_degree;
+  const auto renderer = make_renderer(s.choice, scene->cloud, options, threads);
+  if (!renderer) return std::unexpected(renderer.error());
+  std::optional<ViewRenderer> reference;
+  if (s.check)
+    reference = *make_renderer({.renderer = "reference"}, scene->cloud, options, threads);
+
+  json pictures = json::array();
+  for (std::size_t i = 0; i < shots->size(); ++i) {
+    const auto entry = take((*shots)[i], file_name(s, *shots, i), *renderer, reference, threads);
+    if (!entry) return std::unexpected(entry.error());
+    pictures.push_back(*entry);
+    if (!s.as_json) print_entry(*entry);
+  }
+  json result = {{"renderer", s.choice.renderer}, {"pictures", pictures}};
+  if (s.check) {
+    double worst = 0;
+    for (const json& p : pictures) worst = std::max(worst, p["reference_max_error"].get<double>());
+    result["reference_psnr"] = mean_of(pictures, "reference_psnr");
+    result["reference_max_error"] = worst;
+  }
+  if (s.as_json)
+    print_json(result);
+  else if (s.check)
+    fmt::print("mean {:.2f} dB to the float64 reference, largest error {:.5f}\n",
+               result["reference_psnr"].get<double>(), result["reference_max_error"].get<double>());
+  return {};
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, Action& action) {
+  auto s = std::make_shared<RenderSettings>();
+  CLI::App* command = app.add_subcommand("render", "Pictures of a scene");
+  command->footer(
+      "Views come from --data and --view, from --camera, or from --orbit (the default: one view).\n"
+      "Example: fluxgs render garden.glb --data captures/garden --view 0 -o view.png\n"
+      "Example: fluxgs render garden.glb --orbit 8 --size 1280x720 -o orbit.png");
+  command->add_option("scene", s->scene, "the scene file")->required();
+  command->add_option("-o,--out", s->out, "the PNG to write; several become OUT_000.png and so on")
+      ->required();
+  CLI::Option* data =
+      command->add_option("--data", s->data, "a data set: its views, or an orbit along them");
+  CLI::Option* view =
+      command->add_option("--view", s->view, "index of a photo of the split, or all");
+  CLI::Option* orbit = command->add_option("--orbit", s->orbit, "this many views around the scene")
+                           ->check(CLI::Range(1, 10000));
+  CLI::Option* camera = command->add_option("--camera", s->camera_file,
+                                            "JSON list of {name, position, target, up, fovY}");
+  view->excludes(orbit)->excludes(camera)->needs(data);
+  orbit->excludes(camera);
+  command->add_option("--split", s->split, "test or train")
+      ->check(CLI::IsMember({"test", "train"}))
+      ->capture_default_str();
+  command->add_option("--downscale", s->downscale, "reduce the photos by this factor")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command->add_option("--size", s->size, "WIDTHxHEIGHT (default: the photos', otherwise 1280x720)");
+  command
+      ->add_option("--renderer", s->choice.renderer,
+                   "gles (the phone's), cpu (the trainer's) or reference (float64)")
+      ->check(CLI::IsMember(kRendererNames))
+      ->capture_default_str();
+  command->add_option("--gl", s->choice.gl, "for gles: egl, osmesa or angle")
+      ->check(CLI::IsMember(kGlNames))
+      ->capture_default_str();
+  command->add_option("--format", s->choice.format, "for gles: rgba8 or rgba16f")
+      ->check(CLI::IsMember(kFormatNames))
+      ->capture_default_str();
+  command->add_option("--sh-degree", s->sh_degree, "evaluate no more than this degree")
+      ->check(CLI::Range(0, 3));
+  command->add_option("--background", s->background, "colour behind the scene, r,g,b in 0..1")
+      ->delimiter(',')
+      ->expected(3)
+      ->check(CLI::Range(0.0, 1.0));
+  command->add_flag("--check", s->check,
+                    "measure each picture against the float64 reference (slow)");
+  command->add_option("--threads", s->threads, "0: all cores")->check(CLI::Range(0, 1024));
+  command->add_flag("--json", s->as_json, "print one JSON object");
+  command->callback([s, &action] { action = [s] { return render(*s); }; });
+}
+
+}  // namespace fluxgs::cli

@@ -1,0 +1,77 @@
+#include "tools/fluxgs/renderers.h"
+
+#include <memory>
+#include <optional>
+
+#include <spdlog/spdlog.h>
+
+#include "platform/host/host_context.h"
+#include "render/renderer.h"
+#include "tools/reference/reference_renderer.h"
+
+namespace fluxgs::cli {
+namespace {
+
+/// The first three channels of interleaved pixels.
+template <class T>
+PlanarImage planes_of(const Image<T>& image) {
+  PlanarImage out(image.width, image.height, 3);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (int c = 0; c < 3; ++c) out.row(c, y)[x] = static_cast<float>(image.at(x, y)[c]);
+  return out;
+}
+
+/// The phone's renderer on this machine. Members in the order in which they depend on each other.
+struct Gles {
+  std::unique_ptr<host::HostContext> context;
+  std::unique_ptr<render::Renderer> renderer;
+  std::optional<render::RenderTarget> target;
+  render::TargetFormat format = render::TargetFormat::rgba8;
+
+  Expected<PlanarImage> picture(const Camera& camera, const RenderOptions& options) {
+    if (auto current = context->make_current(); !current) return std::unexpected(current.error());
+    if (!target || target->width() != camera.width || target->height() != camera.height) {
+      auto made = render::RenderTarget::create(context->api(), camera.width, camera.height, format);
+      if (!made) return std::unexpected(made.error());
+      target = std::move(*made);
+    }
+    if (auto drawn = renderer->draw(camera, options, *target); !drawn)
+      return std::unexpected(drawn.error());
+    auto pixels = renderer->read(*target);
+    if (!pixels) return std::unexpected(pixels.error());
+    return planes_of(*pixels);
+  }
+};
+
+Expected<ViewRenderer> make_gles(const RendererChoice& choice, const SplatCloud& cloud,
+                                 const RenderOptions& options) {
+  const auto implementation = host::parse_host_gl(choice.gl);
+  if (!implementation) return std::unexpected(implementation.error());
+  const auto gles = std::make_shared<Gles>();
+  gles->format =
+      choice.format == "rgba16f" ? render::TargetFormat::rgba16f : render::TargetFormat::rgba8;
+  auto context = host::HostContext::create(*implementation);
+  if (!context) return std::unexpected(context.error());
+  gles->context = std::move(*context);
+  auto renderer = render::Renderer::create(gles->context->api());
+  if (!renderer) return std::unexpected(renderer.error());
+  gles->renderer = std::move(*renderer);
+  if (auto uploaded = gles->renderer->upload(cloud); !uploaded)
+    return std::unexpected(uploaded.error());
+  spdlog::info("GL renderer: {}", gles->context->renderer_string());
+  return [gles, options](const Camera& camera) { return gles->picture(camera, options); };
+}
+
+}  // namespace
+
+Expected<ViewRenderer> make_renderer(const RendererChoice& choice, const SplatCloud& cloud,
+                                     const RenderOptions& options, const Threads& threads) {
+  if (choice.renderer == "gles") return make_gles(choice, cloud, options);
+  if (choice.renderer == "cpu") return cpu_view_renderer(cloud, options, threads);
+  return [cloud, options](const Camera& camera) -> Expected<PlanarImage> {
+    return planes_of(render_reference(cloud, camera, options).color);
+  };
+}
+
+}  // namespace fluxgs::cli

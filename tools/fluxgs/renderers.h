@@ -1,0 +1,27 @@
+// The renderers that a sub-command can choose from, behind one call.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "fluxgs/splat_cloud.h"
+#include "trainer/train/evaluate.h"
+
+namespace fluxgs::cli {
+
+struct RendererChoice {
+  std::string renderer = "gles";  ///< gles, cpu (the trainer's own) or reference (float64)
+  std::string gl = "egl";         ///< for gles: egl, osmesa or angle
+  std::string format = "rgba8";   ///< for gles: rgba8 or rgba16f
+};
+
+inline const std::vector<std::string> kRendererNames = {"gles", "cpu", "reference"};
+inline const std::vector<std::string> kGlNames = {"egl", "osmesa", "angle"};
+inline const std::vector<std::string> kFormatNames = {"rgba8", "rgba16f"};
+
+/// A renderer with the scene loaded. `threads` must outlive it. Errors: no such GL implementation
+/// on this machine, or a scene too large for it.
+Expected<ViewRenderer> make_renderer(const RendererChoice& choice, const SplatCloud& cloud,
+                                     const RenderOptions& options, const Threads& threads);
+
+}  // namespace fluxgs::cli
