@@ -148,8 +148,8 @@ TEST_P(PictureTest, OpaqueWalls) {
   expect_like_reference("opaque", cloud, orbit_camera(160, 120, {}, 2, 1, 4));
 }
 
-// About 200 faint layers a pixel: what rounding in every layer does. Half floats and bytes are
-// printed, float32 must hold.
+// About 200 faint layers a pixel: what rounding in every layer does. Blended in float32 nothing is
+// lost; half floats are good enough where the driver rounds them to the nearest; bytes are not.
 TEST_P(PictureTest, Haze) {
   SplatCloud cloud = random_cloud(20'000, 1, 6);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -163,15 +163,19 @@ TEST_P(PictureTest, Haze) {
     const char* name;
     TargetFormat format;
     Accumulation accumulation;
+    double least;  // dB
   };
+  const bool truncates = api().quirks.half_float_blending_truncates;
+  const double half = truncates ? 39 : 60, half_then_bytes = truncates ? 39 : 55, bytes = 35;
   for (const Way& way :
-       {Way{"haze, blended in RGBA16F", TargetFormat::rgba16f, Accumulation::half_float},
-        Way{"haze, blended in RGBA16F, RGBA8", TargetFormat::rgba8, Accumulation::half_float},
-        Way{"haze, blended in RGBA8", TargetFormat::rgba8, Accumulation::direct}}) {
+       {Way{"haze, RGBA16F direct", TargetFormat::rgba16f, Accumulation::direct, half},
+        Way{"haze, RGBA8 from RGBA16F", TargetFormat::rgba8, Accumulation::half_float,
+            half_then_bytes},
+        Way{"haze, RGBA8 direct", TargetFormat::rgba8, Accumulation::direct, bytes}}) {
     const Image<float> image = picture(camera, kRose, way.format, way.accumulation);
     const Difference d = compare(image, reference, way.format == TargetFormat::rgba8);
     print(way.name, d);
-    EXPECT_GT(d.psnr, 30) << way.name;
+    EXPECT_GE(d.psnr, way.least) << way.name;
   }
 }
 
