@@ -1,0 +1,257 @@
+// The command as people call it: results, exit statuses, and one clear line for bad input.
+#include <gtest/gtest.h>
+
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "fluxgs/io/file.h"
+#include "fluxgs/io/scene.h"
+#include "support/scenes.h"
+#include "support/temp_folder.h"
+#include "tools/capture/capture.h"
+
+namespace fluxgs {
+namespace {
+
+using nlohmann::json;
+
+struct Outcome {
+  int status;
+  std::string out, err;
+};
+
+std::string text_of(const std::filesystem::path& path) {
+  std::ifstream in(path);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+/// Runs `fluxgs ARGUMENTS` in a shell, after `before` (limits, say).
+Outcome fluxgs(const std::string& arguments, const std::string& before = "") {
+  const test::TempFolder folder;
+  const std::string command =
+      fmt::format("{} '{}' {} >'{}' 2>'{}'", before, FLUXGS_BINARY, arguments,
+                  (folder / "out").string(), (folder / "err").string());
+  const int status = std::system(command.c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(folder / "out"),
+          text_of(folder / "err")};
+}
+
+/// The command failed as it should: status 1, nothing on standard output, a last line that says
+/// "fluxgs: error: " and has all of `parts`.
+void expect_error(const Outcome& o, const std::vector<std::string>& parts) {
+  EXPECT_EQ(o.status, 1) << o.err;
+  EXPECT_EQ(o.out, "");
+  const std::size_t at = o.err.rfind("fluxgs: error: ");
+  ASSERT_NE(at, std::string::npos) << o.err;
+  const std::string line = o.err.substr(at);
+  EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
+  for (const std::string& part : parts)
+    EXPECT_NE(line.find(part), std::string::npos) << part << " in: " << line;
+}
+
+std::string quoted(const std::filesystem::path& path) { return fmt::format("'{}'", path.string()); }
+
+std::size_t files_in(const std::filesystem::path& folder) {
+  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder),
+                                                std::filesystem::directory_iterator()));
+}
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path) << text;
+}
+
+/// A small capture in a folder of its own, kept for the whole program.
+const std::filesystem::path& capture_folder() {
+  static const test::TempFolder folder;
+  static const bool made = [] {
+    capture::CaptureOptions options;
+    options.width = 64, options.height = 48, options.train = 12, options.test = 2,
+    options.samples = 1;
+    return capture::write_capture(folder.path(), options).has_value();
+  }();
+  if (!made) throw std::runtime_error("cannot make a capture");
+  return folder.path();
+}
+
+std::string train(const std::filesystem::path& out, const std::string& more) {
+  return fmt::format("train {} -o {} --max-splats 2000 {}", quoted(capture_folder()), quoted(out),
+                     more);
+}
+
+TEST(Command, TrainsEvaluatesRendersConvertsAndInforms) {
+  const test::TempFolder folder;
+  const auto scene = folder / "scene.glb", report = folder / "report.json";
+  const Outcome trained = fluxgs(train(scene, "--iterations 60 --json " + quoted(report)));
+  ASSERT_EQ(trained.status, 0) << trained.err;
+  EXPECT_EQ(trained.out, "");
+  const json run = json::parse(text_of(report));
+  for (const char* key : {"options", "iterations", "seconds", "cpu_seconds", "splats", "psnr",
+                          "ssim", "curves", "stages", "backend", "versions"})
+    EXPECT_TRUE(run.contains(key)) << key;
+  EXPECT_EQ(run["iterations"], 60);
+
+  const Outcome scored =
+      fluxgs(fmt::format("eval {} --data {} --json", quoted(scene), quoted(capture_folder())));
+  ASSERT_EQ(scored.status, 0) << scored.err;
+  const json score = json::parse(scored.out);
+  EXPECT_EQ(score["views"].size(), 2u);
+  EXPECT_NEAR(score["psnr"].get<double>(), run["psnr"].get<double>(), 1e-3);
+  EXPECT_EQ(score["bytes"], std::filesystem::file_size(scene));
+
+  const Outcome info = fluxgs(fmt::format("info {} --json", quoted(scene)));
+  const json facts = json::parse(info.out);
+  EXPECT_EQ(facts["splats"], run["splats"]);
+  EXPECT_EQ(facts["sh_degree"], 3);
+  EXPECT_EQ(facts["format"], "glb");
+  EXPECT_EQ(facts["extensions"], json::array({"KHR_gaussian_splatting"}));
+
+  ASSERT_EQ(
+      fluxgs(fmt::format("convert {} {}", quoted(scene), quoted(folder / "scene.ply"))).status, 0);
+  EXPECT_EQ(json::parse(
+                fluxgs(fmt::format("info {} --json", quoted(folder / "scene.ply"))).out)["splats"],
+            run["splats"]);
+
+  write_text(folder / "cameras.json",
+             R"([{"name":"a","position":[0,0,-3],"target":[0,0,0],"up":[0,-1,0],"fovY":40},
+                 {"name":"b","position":[1,0,-3],"target":[0,0,0],"up":[0,-1,0],"fovY":40}])");
+  const Outcome drawn = fluxgs(
+      fmt::format("render {} --camera {} --size 33x21 --renderer cpu --check --json -o {}",
+                  quoted(scene), quoted(folder / "cameras.json"), quoted(folder / "view.png")));
+  ASSERT_EQ(drawn.status, 0) << drawn.err;
+  EXPECT_GT(json::parse(drawn.out)["reference_psnr"].get<double>(), 80.0);
+  EXPECT_TRUE(std::filesystem::exists(folder / "view_a.png"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "view_b.png"));
+  EXPECT_EQ(fluxgs("doctor --json").status, 0);
+}
+
+TEST(Command, WrongUsageIsStatusTwoAndHelpHasExamples) {
+  EXPECT_EQ(fluxgs("").status, 2);
+  EXPECT_EQ(fluxgs("fly").status, 2);
+  EXPECT_EQ(fluxgs("train").status, 2);
+  EXPECT_EQ(fluxgs("train x -o y.glb --iterations many").status, 2);
+  EXPECT_EQ(fluxgs("train x -o y.glb --preset best").status, 2);
+  for (const char* command : {"train", "eval", "render", "convert", "info", "doctor"}) {
+    const Outcome help = fluxgs(std::string(command) + " --help");
+    EXPECT_EQ(help.status, 0);
+    EXPECT_NE(help.out.find("Example: fluxgs " + std::string(command)), std::string::npos)
+        << command;
+  }
+}
+
+TEST(Command, BadDataSets) {
+  const test::TempFolder folder;
+  const auto out = folder / "out.glb";
+  const auto attempt = [&](const std::string& data) {
+    return fluxgs(fmt::format("train {} -o {} --iterations 5", quoted(folder / data), quoted(out)));
+  };
+  expect_error(attempt("missing"), {"missing"});
+  std::filesystem::create_directory(folder / "empty");
+  expect_error(attempt("empty"), {"empty", "expected"});
+
+  std::filesystem::copy(capture_folder(), folder / "cut", std::filesystem::copy_options::recursive);
+  const auto image = folder / "cut/train/r_003.png";
+  std::filesystem::resize_file(image, std::filesystem::file_size(image) / 2);
+  expect_error(attempt("cut"), {"r_003.png"});
+
+  std::filesystem::copy(capture_folder(), folder / "nan", std::filesystem::copy_options::recursive);
+  json poses = json::parse(text_of(folder / "nan/transforms_train.json"));
+  poses["frames"][2]["transform_matrix"][0][3] = nullptr;
+  write_text(folder / "nan/transforms_train.json", poses.dump());
+  expect_error(attempt("nan"), {"transforms_train.json", "frame"});
+
+  std::filesystem::create_directory(folder / "none");
+  for (json& frame : poses["frames"])
+    frame["transform_matrix"][0][3] = 1.0,
+    frame["file_path"] = "gone/" + frame["file_path"].get<std::string>();
+  write_text(folder / "none/transforms_train.json", poses.dump());
+  expect_error(attempt("none"), {"none"});
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+TEST(Command, BadScenes) {
+  const test::TempFolder folder;
+  ASSERT_TRUE(write_scene(folder / "good.ply", test::random_cloud(10, 0, 1)));
+  std::filesystem::resize_file(folder / "good.ply",
+                               std::filesystem::file_size(folder / "good.ply") - 1);
+  expect_error(fluxgs("info " + quoted(folder / "good.ply")), {"good.ply"});
+  write_text(folder / "text.glb", "hello");
+  expect_error(fluxgs("info " + quoted(folder / "text.glb")), {"text.glb"});
+  expect_error(fluxgs("info " + quoted(folder / "no.ply")), {"no.ply"});
+  expect_error(
+      fluxgs(fmt::format("convert {} {}", quoted(folder / "no.ply"), quoted(folder / "x.obj"))),
+      {"x.obj"});
+}
+
+TEST(Command, OutputThatCannotBeWrittenFailsBeforeTraining) {
+  expect_error(fluxgs(train("/no/such/folder/out.glb", "--iterations 100000")),
+               {"/no/such/folder"});
+  expect_error(fluxgs(train("out.obj", "--iterations 100000")), {"out.obj"});
+}
+
+TEST(Command, DiskFullLeavesNothingBehind) {
+  const test::TempFolder folder;
+  ASSERT_TRUE(write_scene(folder / "in.ply", test::random_cloud(3000, 3, 1)));
+  std::filesystem::create_directory(folder / "out");
+  const Outcome o =
+      fluxgs(fmt::format("convert {} {}", quoted(folder / "in.ply"), quoted(folder / "out/x.glb")),
+             "trap '' XFSZ; ulimit -f 64;");
+  expect_error(o, {"x.glb"});
+  EXPECT_EQ(files_in(folder / "out"), 0u);
+}
+
+TEST(Command, OutOfMemoryIsALine) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "AddressSanitizer needs the address space that this test takes away";
+#endif
+  const test::TempFolder folder;
+  const std::size_t count = 20'000'000;
+  write_text(folder / "huge.ply",
+             fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n"
+                         "property float x\nproperty float y\nproperty float z\n"
+                         "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\n"
+                         "property float opacity\nproperty float scale_0\nproperty float scale_1\n"
+                         "property float scale_2\nproperty float rot_0\nproperty float rot_1\n"
+                         "property float rot_2\nproperty float rot_3\nend_header\n",
+                         count));
+  std::filesystem::resize_file(folder / "huge.ply",
+                               std::filesystem::file_size(folder / "huge.ply") + 56 * count);
+  expect_error(fluxgs("info " + quoted(folder / "huge.ply"), "ulimit -v 900000;"),
+               {"huge.ply", "memory"});
+}
+
+TEST(Command, InterruptedTrainingResumesToTheSameBytes) {
+  const test::TempFolder folder;
+  const std::string length = "--iterations 400 --threads 1";
+  ASSERT_EQ(fluxgs(train(folder / "straight.ply", length)).status, 0);
+  // set -m: a background job of a shell without job control would ignore the interrupt
+  write_text(
+      folder / "interrupt.sh",
+      fmt::format(
+          "set -m\n'{}' {} --checkpoint-every 20 2>{} &\npid=$!\n"
+          "while [ ! -e {} ] && kill -0 $pid; do sleep 0.02; done\nkill -INT $pid\nwait $pid\n",
+          FLUXGS_BINARY, train(folder / "stopped.ply", length), quoted(folder / "err"),
+          quoted(folder / "stopped.ply.ckpt")));
+  const int status = std::system(fmt::format("bash {}", quoted(folder / "interrupt.sh")).c_str());
+  const std::string said = text_of(folder / "err");
+  ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 1) << said;
+  EXPECT_NE(said.find("--resume"), std::string::npos) << said;
+  ASSERT_TRUE(std::filesystem::exists(folder / "stopped.ply.ckpt")) << said;
+  EXPECT_FALSE(std::filesystem::exists(folder / "stopped.ply"));
+  const Outcome resumed =
+      fluxgs(fmt::format("train {} -o {} --resume {}", quoted(capture_folder()),
+                         quoted(folder / "stopped.ply"), quoted(folder / "stopped.ply.ckpt")));
+  ASSERT_EQ(resumed.status, 0) << resumed.err;
+  EXPECT_EQ(*read_file(folder / "straight.ply"), *read_file(folder / "stopped.ply"));
+}
+
+}  // namespace
+}  // namespace fluxgs
