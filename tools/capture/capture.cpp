@@ -21,7 +21,8 @@ constexpr int kBounces = 3;
 
 /// The light through sample i of the n×n of a pixel, in the display's linear range.
 glm::vec3 sample_color(const Scene& scene, const Camera& camera, int x, int y, int i, int n) {
-  const double px = x + (i % n + 0.5) / n, py = y + (i / n + 0.5) / n;
+  const int column = i % n, row = i / n;
+  const double px = x + (column + 0.5) / n, py = y + (row + 0.5) / n;
   const glm::dvec3 direction(
       glm::transpose(camera.rotation) *
       glm::dvec3((px - camera.cx) / camera.fx, (py - camera.cy) / camera.fy, 1.0));

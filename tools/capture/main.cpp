@@ -1,5 +1,6 @@
 // make_capture: photos with known poses, made by ray-tracing, for the quickstart and the tests.
 #include <cstdio>
+#include <exception>
 
 #include <CLI/CLI.hpp>
 
@@ -13,9 +14,7 @@ bool parse_size(const std::string& text, fluxgs::capture::CaptureOptions& option
   return std::sscanf(text.c_str(), "%dx%d%c", &options.width, &options.height, &rest) == 2;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   fluxgs::capture::CaptureOptions options;
   std::string folder, size = "320x240";
   CLI::App app{
@@ -41,4 +40,15 @@ int main(int argc, char** argv) {
   std::fprintf(stderr, "%s: %d training and %d test views of %dx%d\n", folder.c_str(),
                options.train, options.test, options.width, options.height);
   return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {  // Out of memory, at most
+    std::fprintf(stderr, "make_capture: error: %s\n", error.what());
+    return 1;
+  }
 }

@@ -98,9 +98,8 @@ std::string_view take_word(std::string_view& line) {
 template <class T>
 bool take(std::string_view& line, T& value) {
   const std::string_view word = take_word(line);
-  const char* end = word.data() + word.size();
-  const auto result = std::from_chars(word.data(), end, value);
-  return !word.empty() && result.ec == std::errc{} && result.ptr == end;
+  const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
+  return !word.empty() && result.ec == std::errc{} && result.ptr == word.data() + word.size();
 }
 
 template <class... T>

@@ -45,6 +45,7 @@ Expected<Source> read_photos_source(const fs::path& folder) {
     if (const auto ok = run_colmap(images, work); !ok) return std::unexpected(ok.error());
     model = largest_model(work / "sparse");
   }
+  if (!model) return fail((work / "sparse").string(), "", "holds no COLMAP model");
   return read_colmap_source(*model, folder);
 }
 
@@ -70,16 +71,12 @@ void split(Source& source, int test_every) {
     return std::tie(a.name, a.file) < std::tie(b.name, b.file);
   };
   std::ranges::sort(source.frames, by_name);
-  if (source.test_frames) {
-    std::ranges::sort(*source.test_frames, by_name);
-    return;
-  }
-  source.test_frames.emplace();
-  if (test_every == 0 || source.frames.size() < 2) return;
+  std::ranges::sort(source.test_frames, by_name);
+  if (source.has_split || test_every == 0 || source.frames.size() < 2) return;
   std::vector<SourceFrame> train;
   for (std::size_t i = 0; i < source.frames.size(); ++i) {
     const bool test = i % static_cast<std::size_t>(test_every) == 0;
-    (test ? *source.test_frames : train).push_back(std::move(source.frames[i]));
+    (test ? source.test_frames : train).push_back(std::move(source.frames[i]));
   }
   source.frames = std::move(train);
 }
@@ -109,11 +106,11 @@ Expected<Dataset> load_dataset(const fs::path& folder, const LoadOptions& option
   if (source.frames.empty())
     return fail(folder.string(), "",
                 fmt::format("no training images: {} listed without a file, {} for testing",
-                            source.skipped_images, source.test_frames->size()));
+                            source.skipped_images, source.test_frames.size()));
 
   auto train = load_photos(source.frames, options);
   if (!train) return std::unexpected(train.error());
-  auto test = load_photos(*source.test_frames, options);
+  auto test = load_photos(source.test_frames, options);
   if (!test) return std::unexpected(test.error());
   Dataset dataset{.kind = found->kind,
                   .train = std::move(*train),

@@ -126,6 +126,7 @@ std::vector<std::pair<int, int>> match_features(const Photo& photo_a,
   const glm::dmat3 to_a = glm::transpose(to_b);
   const double tolerance_a = feature_tolerance(photo_a), tolerance_b = feature_tolerance(photo_b);
   std::vector<glm::dvec3> lines_in_a;
+  lines_in_a.reserve(features_b.size());
   for (const Feature& b : features_b)
     lines_in_a.push_back(normalized_line(to_a * glm::dvec3(b.pixel, 1)));
 

@@ -27,9 +27,7 @@ Expected<std::vector<std::byte>> read_prefix(const std::filesystem::path& file, 
   std::vector<std::byte> bytes(count);
   std::ifstream stream(file, std::ios::binary);
   if (!stream) return fail(file.string(), "", "cannot be opened");
-  // std::ifstream only takes char*.
-  stream.read(static_cast<char*>(static_cast<void*>(bytes.data())),
-              static_cast<std::streamsize>(count));
+  stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(count));
   bytes.resize(static_cast<std::size_t>(stream.gcount()));
   return bytes;
 }

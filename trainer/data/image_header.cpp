@@ -47,7 +47,7 @@ ImageHeader parse_jpeg(Bytes bytes) {
     }
     const std::uint8_t marker = bytes[at + 1];
     if (marker == kEndOfImage) {
-      header.complete = header.width.has_value();
+      header.complete = header.width >= 0;
       return header;
     }
     const bool alone = marker == 0xff || marker <= 0x01 || (marker >= 0xd0 && marker <= 0xd8);
@@ -57,7 +57,7 @@ ImageHeader parse_jpeg(Bytes bytes) {
     }
     if (at + 4 > bytes.size()) return header;
     const std::size_t length = big_endian(bytes, at + 2, 2);
-    if (is_start_of_frame(marker) && length >= 7 && at + 9 <= bytes.size() && !header.width) {
+    if (is_start_of_frame(marker) && length >= 7 && at + 9 <= bytes.size() && header.width < 0) {
       header.height = big_endian(bytes, at + 5, 2);
       header.width = big_endian(bytes, at + 7, 2);
     }
@@ -82,7 +82,7 @@ ImageHeader parse_png(Bytes bytes) {
     }
     if (length > left) break;
     if (is("IEND")) {
-      header.complete = header.width.has_value();
+      header.complete = header.width >= 0;
       break;
     }
     at += 12 + length;

@@ -12,8 +12,8 @@ enum class ImageFormat { kJpeg, kPng };
 
 struct ImageHeader {
   ImageFormat format = ImageFormat::kJpeg;
-  std::optional<std::int64_t> width{}, height{};  ///< if the bytes reach as far as the frame header
-  bool complete = false;                          ///< the end marker (EOI, IEND) is in its place
+  std::int64_t width = -1, height = -1;  ///< −1: the bytes do not reach as far as the frame header
+  bool complete = false;                 ///< the end marker (EOI, IEND) is in its place
 };
 
 /// Nothing if the bytes start like neither format.

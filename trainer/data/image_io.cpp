@@ -25,13 +25,13 @@ Expected<ImageHeader> checked_header(std::span<const std::byte> bytes, const std
   if (bytes.empty()) return fail(file, "", "is empty, expected a JPEG or PNG image");
   const auto header = parse_image_header(bytes);
   if (!header) return fail(file, "", "not an image that can be read, expected JPEG or PNG");
-  if (!header->width) return fail(file, "", "the image is truncated: its header is incomplete");
+  if (header->width < 0) return fail(file, "", "the image is truncated: its header is incomplete");
   // Neither product can overflow: JPEG has 16 bits for a side, PNG 32.
-  if (*header->width < 1 || *header->height < 1 ||
-      *header->width > kMaxPixels / std::max<std::int64_t>(*header->height, 1))
+  if (header->width < 1 || header->height < 1 ||
+      header->width > kMaxPixels / std::max<std::int64_t>(header->height, 1))
     return fail(file, "header",
-                fmt::format("image size {}x{}, expected 1 to {} pixels", *header->width,
-                            *header->height, kMaxPixels));
+                fmt::format("image size {}x{}, expected 1 to {} pixels", header->width,
+                            header->height, kMaxPixels));
   return *header;
 }
 
@@ -63,10 +63,10 @@ Expected<Image<std::uint8_t>> decode(std::vector<std::byte>& bytes, const ImageH
     const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U, bytes.data());
     const cv::Mat rgb = to_rgb8(cv::imdecode(encoded, cv::IMREAD_UNCHANGED));
     if (rgb.empty()) return fail(file, "", "the image is corrupt: it cannot be decoded");
-    if (rgb.cols != *header.width || rgb.rows != *header.height)
+    if (rgb.cols != header.width || rgb.rows != header.height)
       return fail(file, "",
                   fmt::format("decoded to {}x{}, expected {}x{} as its header says", rgb.cols,
-                              rgb.rows, *header.width, *header.height));
+                              rgb.rows, header.width, header.height));
     Image<std::uint8_t> image(rgb.cols, rgb.rows, rgb.channels());
     rgb.copyTo(cv::Mat(rgb.rows, rgb.cols, rgb.type(), image.pixels.data()));
     return image;
@@ -107,13 +107,13 @@ Expected<ImageSize> read_image_size(const std::filesystem::path& file) {
   auto bytes = read_prefix(file, kUsual);
   if (!bytes) return std::unexpected(bytes.error());
   const auto header = parse_image_header(*bytes);
-  if (header && !header->width && bytes->size() == kUsual) {
+  if (header && header->width < 0 && bytes->size() == kUsual) {
     bytes = read_file(file, kLargestFile);
     if (!bytes) return std::unexpected(bytes.error());
   }
   const auto checked = checked_header(*bytes, file.string());
   if (!checked) return std::unexpected(checked.error());
-  return ImageSize{static_cast<int>(*checked->width), static_cast<int>(*checked->height)};
+  return ImageSize{static_cast<int>(checked->width), static_cast<int>(checked->height)};
 }
 
 Expected<void> write_png(const std::filesystem::path& file, const Image<std::uint8_t>& image) {

@@ -1,10 +1,10 @@
 #include "trainer/data/load_photos.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <new>
-#include <optional>
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -38,7 +38,7 @@ void composite(Image<std::uint8_t>& image, const glm::vec3& background) {
   if (image.channels != 4) return;
   int under[3];
   for (int c = 0; c < 3; ++c)
-    under[c] = static_cast<int>(std::clamp(background[c], 0.0F, 1.0F) * 255.0F + 0.5F);
+    under[c] = static_cast<int>(std::lround(std::clamp(background[c], 0.0F, 1.0F) * 255.0F));
   const std::size_t count = image.pixels.size() / 4;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint8_t* in = &image.pixels[4 * i];
@@ -114,7 +114,7 @@ Expected<Photo> load_photo(const SourceFrame& frame, const SharedLenses& shared,
 
 Expected<std::vector<Photo>> load_photos(const std::vector<SourceFrame>& frames,
                                          const LoadOptions& options) {
-  std::vector<std::optional<Expected<Photo>>> loaded(frames.size());
+  std::vector<Expected<Photo>> loaded(frames.size());
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   arena.execute([&] {
     const SharedLenses shared = make_shared_lenses(frames);
@@ -124,8 +124,8 @@ Expected<std::vector<Photo>> load_photos(const std::vector<SourceFrame>& frames,
   std::vector<Photo> photos;
   photos.reserve(frames.size());
   for (auto& photo : loaded) {
-    if (!*photo) return std::unexpected((*photo).error());
-    photos.push_back(std::move(**photo));
+    if (!photo) return std::unexpected(photo.error());
+    photos.push_back(std::move(*photo));
   }
   return photos;
 }

@@ -78,16 +78,19 @@ bool maps_inside(const Rectification& r) {
 
 Expected<Rectification> make_rectification(const Lens& lens, const std::string& file) {
   if (!is_distorted(lens)) return Rectification{.pinhole = lens, .map_x = {}, .map_y = {}};
+  const auto impossible = [&] {
+    return fail(file, "distortion",
+                "cannot be undone, expected coefficients that bend the picture only moderately "
+                "(a view of less than 180 degrees)");
+  };
   try {
     auto result =
         lens.model == LensModel::kFisheye ? rectify_fisheye(lens) : rectify_perspective(lens);
-    if (!result.map_x.empty() && maps_inside(result)) return result;
-  } catch (const cv::Exception&) {
-    // Falls through: OpenCV found the numbers impossible as well.
+    if (result.map_x.empty() || !maps_inside(result)) return impossible();
+    return result;
+  } catch (const cv::Exception&) {  // OpenCV finds the numbers impossible as well.
+    return impossible();
   }
-  return fail(file, "distortion",
-              "cannot be undone, expected coefficients that bend the picture only moderately "
-              "(a view of less than 180 degrees)");
 }
 
 cv::Mat rectify(const cv::Mat& photo, const Rectification& rectification) {

@@ -52,6 +52,7 @@ Ray pixel_ray(const Camera& camera, const glm::dvec2& pixel) {
 
 std::vector<double> focus_distances(const std::vector<Photo>& photos) {
   std::vector<Ray> views;
+  views.reserve(photos.size());
   for (const Photo& photo : photos)
     views.push_back({photo.camera.center(), photo.camera.forward()});
   const auto focus = nearest_point_to_rays(views);

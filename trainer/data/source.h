@@ -25,8 +25,9 @@ struct SourceFrame {
 
 struct Source {
   std::vector<SourceFrame> frames;
-  std::optional<std::vector<SourceFrame>> test_frames;  ///< where the data set has its own split
-  std::vector<glm::vec3> points;                        ///< finite
+  bool has_split = false;  ///< the data set says itself which frames are for testing
+  std::vector<SourceFrame> test_frames;
+  std::vector<glm::vec3> points;  ///< finite
   std::vector<glm::u8vec3> point_colors;
   std::size_t skipped_images = 0;
   std::vector<std::string> warnings;

@@ -199,6 +199,7 @@ Expected<Source> read_transforms_source(const fs::path& folder) {
   if (!test) return std::unexpected(test.error());
   note_skipped(*test, test_file, source);
   source.test_frames = std::move(test->frames);
+  source.has_split = true;
   return source;
 }
 
