@@ -74,7 +74,8 @@ void read_header(const json& header, Checkpoint& c) {
     if (f.natural) c.options.*f.natural = value.get<std::uint64_t>();
   }
   for (int i = 0; i < 3; ++i)
-    c.options.render.background[i] = header.at("background").at(static_cast<std::size_t>(i)).get<double>();
+    c.options.render.background[i] =
+        header.at("background").at(static_cast<std::size_t>(i)).get<double>();
   c.preset = header.at("preset").get<std::string>();
   c.downscale = header.at("downscale").get<int>();
   c.train_photos = header.at("train_photos").get<std::size_t>();
@@ -96,8 +97,8 @@ std::uint64_t rows_size(std::uint64_t splats, int sh_degree) {
 Expected<void> write_checkpoint(const std::filesystem::path& path, const Checkpoint& c) {
   const std::string header = header_of(c).dump();
   std::vector<std::byte> out;
-  out.reserve(kPrefix + header.size() +
-              rows_size(c.state.parameters.size(), c.options.sh_degree) + sizeof(std::uint64_t));
+  out.reserve(kPrefix + header.size() + rows_size(c.state.parameters.size(), c.options.sh_degree) +
+              sizeof(std::uint64_t));
   for (std::size_t i = 0; i < kMagicSize; ++i) out.push_back(static_cast<std::byte>(kMagic[i]));
   append(out, kVersion);
   append(out, static_cast<std::uint32_t>(header.size()));
@@ -141,7 +142,8 @@ Expected<Checkpoint> read_checkpoint(const std::filesystem::path& path) {
     return bad("header", fmt::format("is not the expected JSON ({})", e.what()));
   }
   if (auto valid = validate(c.options); !valid) return std::unexpected(valid.error());
-  if (c.state.view_order.size() != c.train_photos || rows_size(splats, c.options.sh_degree) != body - header_size)
+  if (c.state.view_order.size() != c.train_photos ||
+      rows_size(splats, c.options.sh_degree) != body - header_size)
     return bad("header", "counts disagree with the size of the file");
 
   const int rows = row::count(c.options.sh_degree);

@@ -17,12 +17,14 @@ struct TrainOptions {
   std::uint64_t seed = 1;
 
   // Appearance
-  int sh_degree = 3;              ///< 0…3
-  int sh_degree_interval = 1000;  ///< iterations until the degree in use grows by one
+  int sh_degree = 3;           ///< 0…3
+  int sh_degree_interval = 0;  ///< iterations until the degree in use grows by one; 0: an eighth
+                               ///< of the run, at most 1,000 (3DGS)
 
   // Learning rates, per step
   double position_rate = 1.6e-4;        ///< × scene extent, at the start
-  double position_rate_final = 1.6e-6;  ///< × scene extent, at the end; log-linear in between
+  double position_rate_final = 1.6e-6;  ///< × scene extent, after position_decay steps; log-linear
+  int position_decay = 30000;  ///< steps; fixed in 3DGS, so short runs end with a higher rate
   double sh_dc_rate = 2.5e-3;
   double sh_rest_rate = 2.5e-3 / 20;
   double opacity_rate = 0.025;
@@ -35,9 +37,9 @@ struct TrainOptions {
   double lambda_dssim = 0.2;  ///< weight of 1 − SSIM in the loss, 0…1
 
   // Densification (3DGS, section 5.2)
-  int densify_from = 500;          ///< first iteration after which splats are added
+  int densify_from = 500;          ///< first iteration at which splats are added
   int densify_until = 0;           ///< last one; 0: half of the iterations, at most 15,000
-  int densify_interval = 100;      ///< iterations
+  int densify_interval = 500;      ///< iterations
   double densify_gradient = 2e-4;  ///< mean |∂L/∂centre| in normalised device coordinates
   double densify_size = 0.01;      ///< × scene extent: smaller splats are cloned, larger ones split
   double split_shrink = 1.6;       ///< a split splat's scale is divided by this
@@ -55,6 +57,10 @@ struct TrainOptions {
 
   RenderOptions render;
 
+  int effective_sh_degree_interval() const {
+    if (sh_degree_interval > 0) return sh_degree_interval;
+    return iterations / 8 < 1000 ? iterations / 8 + 1 : 1000;
+  }
   int effective_densify_until() const {
     if (densify_until > 0) return densify_until;
     return iterations / 2 < 15000 ? iterations / 2 : 15000;

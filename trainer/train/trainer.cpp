@@ -52,11 +52,11 @@ const Photo& Trainer::next_photo() {
 }
 
 int Trainer::sh_degree_in_use() const {
-  return std::min(options_.sh_degree, state_.iteration / options_.sh_degree_interval);
+  return std::min(options_.sh_degree, state_.iteration / options_.effective_sh_degree_interval());
 }
 
 LearningRates Trainer::rates() const {
-  const double t = std::min(1.0, static_cast<double>(state_.iteration) / options_.iterations);
+  const double t = std::min(1.0, static_cast<double>(state_.iteration) / options_.position_decay);
   const double position = std::exp((1 - t) * std::log(std::max(options_.position_rate, 1e-30)) +
                                    t * std::log(options_.position_rate_final));
   return {position * extent_,    options_.log_scale_rate, options_.rotation_rate,
@@ -67,7 +67,7 @@ DensifyCounts Trainer::control_density() {
   DensifyCounts counts;
   const int i = state_.iteration;
   if (i > options_.effective_densify_until()) return counts;
-  if (i > options_.densify_from && i % options_.densify_interval == 0)
+  if (i >= options_.densify_from && i % options_.densify_interval == 0)
     counts = densify_and_prune(state_, options_, extent_);
   if (options_.opacity_reset_interval > 0 && i % options_.opacity_reset_interval == 0)
     reset_opacity(state_, options_);
