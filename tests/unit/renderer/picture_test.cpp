@@ -148,6 +148,23 @@ TEST_P(PictureTest, OpaqueWalls) {
   expect_like_reference("opaque", cloud, orbit_camera(160, 120, {}, 2, 1, 4));
 }
 
+// Nothing hides more than alpha_max of what is behind it.
+TEST_P(PictureTest, NoSplatIsFullyOpaque) {
+  SplatCloud cloud;
+  add(cloud, {.scale = glm::vec3(1e4F), .color = {0, 0, 0}});
+  cloud.opacity_logits[0] = 30.0F;
+  must(renderer().upload(cloud));
+  for (const double alpha_max : {0.99, 0.5, 1.0}) {
+    const RenderOptions options{.alpha_max = alpha_max, .background = {1, 1, 1}};
+    const Image<float> image =
+        picture(front_camera(8, 8, 2), options, TargetFormat::rgba16f, accurate());
+    for (std::size_t i = 0; i < image.pixels.size(); i += 4) {
+      EXPECT_NEAR(image.pixels[i], 1 - alpha_max, 5e-4);
+      EXPECT_NEAR(image.pixels[i + 3], alpha_max, 1e-3);
+    }
+  }
+}
+
 // About 200 faint layers a pixel: what rounding in every layer does. Blended in float32 nothing is
 // lost; half floats are good enough where the driver rounds them to the nearest; bytes are not.
 TEST_P(PictureTest, Haze) {

@@ -51,8 +51,9 @@ TEST_P(RendererTest, EveryCountDrawsEverySplat) {
   for (const int count : {1, 2, 127, 128, 129, 255, 256, 257, 2047, 2048, 2049, 4096}) {
     SplatCloud cloud;
     for (int i = 0; i < count; ++i) {
-      const float x = (static_cast<float>(i % kSide) + 0.5F) / kSide - 0.5F;
-      const float y = (static_cast<float>(i / kSide) + 0.5F) / kSide - 0.5F;
+      const int column = i % kSide, row = i / kSide;
+      const float x = (static_cast<float>(column) + 0.5F) / kSide - 0.5F;
+      const float y = (static_cast<float>(row) + 0.5F) / kSide - 0.5F;
       add(cloud, {.position = {x, y, 0}, .scale = glm::vec3(1e-6F), .color = {1, 1, 1}});
     }
     must(renderer().upload(cloud));

@@ -21,16 +21,26 @@ Severity severity_of(GLenum value) {
   }
 }
 
+MessageKind kind_of(GLenum type) {
+  switch (type) {
+    case GL_DEBUG_TYPE_ERROR_KHR:
+    case GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR_KHR:
+      return MessageKind::error;
+    case GL_DEBUG_TYPE_PERFORMANCE_KHR:
+      return MessageKind::performance;
+    default:
+      return MessageKind::other;
+  }
+}
+
 void GL_APIENTRY receive(GLenum, GLenum type, GLuint, GLenum severity, GLsizei length,
                          const GLchar* text, const void* user) {
   // The API's user pointer is const; the object behind it is not: hook_debug_messages passed it.
   auto* log = const_cast<DebugLog*>(static_cast<const DebugLog*>(user));
   if (log->messages.size() >= DebugLog::kCapacity) return;
-  const bool is_error =
-      type == GL_DEBUG_TYPE_ERROR_KHR || type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR_KHR;
   // A negative length means that the text ends with a zero.
   log->messages.push_back(
-      {severity_of(severity), is_error,
+      {severity_of(severity), kind_of(type),
        length < 0 ? std::string(text) : std::string(text, static_cast<std::size_t>(length))});
 }
 
@@ -39,7 +49,8 @@ void GL_APIENTRY receive(GLenum, GLenum type, GLuint, GLenum severity, GLsizei l
 std::vector<DebugMessage> DebugLog::mistakes() const {
   std::vector<DebugMessage> found;
   std::ranges::copy_if(messages, std::back_inserter(found), [](const DebugMessage& m) {
-    return m.is_error || m.severity >= Severity::medium;
+    return m.kind == MessageKind::error ||
+           (m.kind == MessageKind::other && m.severity >= Severity::medium);
   });
   return found;
 }

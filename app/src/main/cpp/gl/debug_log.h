@@ -10,9 +10,11 @@ struct Api;
 
 enum class Severity { notification, low, medium, high };
 
+enum class MessageKind { other, error, performance };
+
 struct DebugMessage {
   Severity severity;
-  bool is_error;  ///< the driver calls it an error or undefined behaviour, whatever its severity
+  MessageKind kind;  ///< undefined behaviour counts as error
   std::string text;
 };
 
@@ -22,7 +24,8 @@ struct DebugLog {
   static constexpr std::size_t kCapacity = 256;
   std::vector<DebugMessage> messages;
 
-  /// The messages that mean a mistake of ours: errors, and anything of medium or high severity.
+  /// The messages that mean a mistake of ours: errors, and anything of medium or high severity but
+  /// advice on performance (reading a picture back is slow, and meant).
   std::vector<DebugMessage> mistakes() const;
 };
 

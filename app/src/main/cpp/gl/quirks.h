@@ -1,12 +1,23 @@
-// Known defects of drivers, each a named boolean with the reason beside it. Code that works around
-// one asks for the name, never for the driver.
+// Known defects of drivers, each a named boolean with the reason beside it. Code and tests that
+// make allowance for one ask for the name, never for the driver.
 #pragma once
+
+#include <string>
+#include <vector>
 
 #include "gl/capabilities.h"
 
 namespace fluxgs::gl {
 
-struct Quirks {};
+struct Quirks {
+  /// Blending into RGBA16F rounds every layer towards zero instead of to the nearest half, so faint
+  /// layers darken the picture: 200 of them cost 24 dB against a driver that rounds. Mesa's
+  /// llvmpipe (lp_build_float_to_half in gallivm/lp_bld_conv.c), measured on 22.3.6.
+  bool half_float_blending_truncates = false;
+
+  /// The names of those that are set.
+  std::vector<std::string> names() const;
+};
 
 Quirks find_quirks(const Capabilities& capabilities);
 
