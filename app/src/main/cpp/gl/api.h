@@ -15,7 +15,8 @@
 #include "gl/debug_log.h"
 #include "gl/quirks.h"
 
-// Every function that the renderer, and whoever times it, calls; all belong to ES 3.1 and to desktop GL 4.5.
+// Every function that the renderer, and whoever times it, calls; all belong to ES 3.1 and to
+// desktop GL 4.5.
 // clang-format off
 #define FLUXGS_GL_FUNCTIONS(X) \
   X(ActiveTexture) X(AttachShader) X(BindBuffer) X(BindBufferBase) X(BindFramebuffer) \
