@@ -58,11 +58,11 @@ void Progress::update(int done, const std::string& detail) {
   std::fflush(stderr);
 }
 
-void Progress::finish() {
+void Progress::finish(int done) {
   if (terminal_) fmt::print(stderr, "\r\x1b[K");
   const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-  fmt::print(stderr, "{} steps in {} ({:.1f} it/s)\n", last_done_ - first_, duration(seconds),
-             seconds > 0 ? (last_done_ - first_) / seconds : 0.0);
+  fmt::print(stderr, "{} steps in {} ({:.1f} it/s)\n", done - first_, duration(seconds),
+             seconds > 0 ? (done - first_) / seconds : 0.0);
 }
 
 }  // namespace fluxgs::cli

@@ -15,7 +15,8 @@ class Progress {
   void update(int done, const std::string& detail);
   /// Whether update() would show anything now, so that details need not be made for nothing.
   bool due() const;
-  void finish();
+  /// Says how many steps were done, in what time.
+  void finish(int done);
 
  private:
   using Clock = std::chrono::steady_clock;

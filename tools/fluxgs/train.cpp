@@ -224,7 +224,7 @@ Expected<void> train_to_end(const TrainSettings& settings, const Run& run, Train
                   fmt::format("saved; go on with: fluxgs train {} -o {} --resume {}.ckpt",
                               settings.data, settings.out, settings.out));
   }
-  progress.finish();
+  progress.finish(trainer.state().iteration);
   return {};
 }
 
