@@ -15,9 +15,7 @@ struct State {
 };
 
 void load_state(const TileArgs& args, State& s) {
-  clear_transmittance(args, s.t);
-  for (TilePlane* plane : {&s.behind, &s.gr, &s.gg, &s.gb})
-    for (float& v : plane->v) v = 0.0f;
+  start_transmittance(args, s.t);
   const std::size_t plane = plane_size(args);
   for_each_pixel_row(args, [&](std::size_t pixel, int at, int count) {
     for (int i = 0; i < count; ++i) {

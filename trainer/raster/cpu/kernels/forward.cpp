@@ -9,9 +9,7 @@ std::uint32_t forward(const TileArgs& args) {
   const RasterConstants& k = args.constants;
   const LaneOffsets lanes;
   TilePlane t, r, g, b;
-  clear_transmittance(args, t);
-  for (TilePlane* plane : {&r, &g, &b})
-    for (float& v : plane->v) v = 0.0f;
+  start_transmittance(args, t);
 
   std::uint32_t alive = blocks_inside(args);
   std::uint64_t pairs = 0;

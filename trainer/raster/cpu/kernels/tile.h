@@ -13,7 +13,7 @@ inline constexpr int kRowsPerPack = 4 / kPacks;
 
 /// Tile pixels are stored block by block, 16 pixels (row-major) each: index 16·block + 4·y + x.
 struct TilePlane {
-  alignas(64) float v[kTilePixels];
+  alignas(64) float v[kTilePixels] = {};
   Lanes load(int block, int pack) const { return Lanes::load(v + 16 * block + kLanes * pack); }
   void store(int block, int pack, Lanes x) { x.store(v + 16 * block + kLanes * pack); }
 };
@@ -33,9 +33,9 @@ inline void for_each_pixel_row(const TileArgs& args, const Copy& copy) {
   }
 }
 
-/// Transmittance at the start: 1 inside the image, 0 outside, where nothing is then drawn.
-inline void clear_transmittance(const TileArgs& args, TilePlane& t) {
-  for (float& v : t.v) v = 0.0f;
+/// Transmittance at the start: 1 inside the image; a fresh plane's 0 outside, where nothing is then
+/// drawn.
+inline void start_transmittance(const TileArgs& args, TilePlane& t) {
   for_each_pixel_row(args, [&](std::size_t, int at, int count) {
     for (int i = 0; i < count; ++i) t.v[at + i] = 1.0f;
   });
@@ -55,8 +55,11 @@ struct LaneOffsets {
   Lanes x[kPacks], y[kPacks];
   LaneOffsets() {
     alignas(64) float xs[16], ys[16];
-    for (int i = 0; i < 16; ++i)
-      xs[i] = static_cast<float>(i % 4), ys[i] = static_cast<float>(i / 4);
+    for (int i = 0; i < 16; ++i) {
+      const int column = i % 4, line = i / 4;
+      xs[i] = static_cast<float>(column);
+      ys[i] = static_cast<float>(line);
+    }
     for (int p = 0; p < kPacks; ++p) {
       x[p] = Lanes::load(xs + kLanes * p);
       y[p] = Lanes::load(ys + kLanes * p);
