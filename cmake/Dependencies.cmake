@@ -35,6 +35,7 @@ fluxgs_dependency(TBB ${_github}/oneapi-src/oneTBB v2021.13.0)
 fluxgs_dependency(nanoflann ${_github}/jlblancoc/nanoflann v1.5.5)
 fluxgs_dependency(zstd ${_github}/facebook/zstd v1.5.6)
 fluxgs_dependency(draco ${_github}/google/draco 1.5.7)
+find_package(JPEG REQUIRED)
 find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d)
 
 include(CTest)

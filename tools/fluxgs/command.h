@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -22,6 +23,9 @@ void add_render(CLI::App& app, Action& action);
 void add_convert(CLI::App& app, Action& action);
 void add_info(CLI::App& app, Action& action);
 void add_doctor(CLI::App& app, Action& action);
+
+/// Accepts "r,g,b", each a number from 0 to 1.
+CLI::Option* add_background(CLI::App& command, std::vector<double>& background);
 
 /// Results go to standard output: exactly one JSON object with --json.
 void print_json(const nlohmann::json& object);

@@ -83,10 +83,7 @@ void add_eval(CLI::App& app, Action& action) {
   command->add_option("--gl", s->choice.gl, "for gles: egl, osmesa or angle")
       ->check(CLI::IsMember(kGlNames))
       ->capture_default_str();
-  command->add_option("--background", s->background, "colour behind the scene, r,g,b in 0..1")
-      ->delimiter(',')
-      ->expected(3)
-      ->check(CLI::Range(0.0, 1.0));
+  add_background(*command, s->background);
   command->add_option("--threads", s->threads, "0: all cores")->check(CLI::Range(0, 1024));
   command->add_flag("--json", s->as_json, "print one JSON object");
   command->callback([s, &action] { action = [s] { return eval(*s); }; });

@@ -1,4 +1,5 @@
 // fluxgs: the one desktop command.
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -19,6 +20,7 @@ int report(const fluxgs::Error& error) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on file sizes shall be an error, not a death
   // Results belong to standard output, everything else to standard error.
   spdlog::set_default_logger(spdlog::stderr_logger_st("fluxgs"));
   spdlog::set_pattern("%v");
@@ -26,6 +28,9 @@ int main(int argc, char** argv) {
   CLI::App app("Train 3D Gaussian Splatting scenes from posed photos and look at them.");
   app.require_subcommand(1);
   app.set_version_flag("--version", FLUXGS_VERSION);
+  app.failure_message([](const CLI::App*, const CLI::Error& error) {
+    return fmt::format("fluxgs: error: {} (see --help)\n", error.what());
+  });
   app.footer("Example: fluxgs train captures/garden -o garden.glb");
   fluxgs::cli::Action action;
   fluxgs::cli::add_train(app, action);
@@ -44,7 +49,9 @@ int main(int argc, char** argv) {
     const fluxgs::Expected<void> done = action();
     return done ? 0 : report(done.error());
   } catch (const std::bad_alloc&) {
-    return report({"", "", "out of memory; try a larger --downscale or a smaller --max-splats"});
+    return report(
+        {"", "",
+         "out of memory; smaller pictures, a larger --downscale or fewer splats need less"});
   } catch (const std::exception& e) {
     return report({"", "", e.what()});
   }

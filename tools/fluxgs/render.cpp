@@ -1,5 +1,6 @@
 // fluxgs render: pictures of a scene, and how exact they are.
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -23,7 +24,7 @@ struct RenderSettings {
   RendererChoice choice;
   std::vector<double> background{0, 0, 0};
   int orbit = 0, downscale = 1, threads = 0, sh_degree = 3;
-  bool check = false, as_json = false;
+  bool check = false, as_json = false, view_given = false;
 };
 
 /// A picture to take, and the photo taken from the same place if there is one.
@@ -41,10 +42,8 @@ Expected<std::vector<Shot>> shots_of_data(const RenderSettings& s, const Dataset
     for (const Photo& p : photos) shots.push_back({resized(p.camera, size), p});
   } else {
     std::size_t index = photos.size();
-    try {
-      index = std::stoul(s.view);
-    } catch (const std::exception&) {
-    }
+    const char* end = s.view.data() + s.view.size();
+    if (std::from_chars(s.view.data(), end, index).ptr != end) index = photos.size();
     if (index >= photos.size())
       return fail(
           s.data, "--view",
@@ -73,7 +72,7 @@ Expected<std::vector<Shot>> choose_shots(const RenderSettings& s, const SplatClo
     if (!loaded) return std::unexpected(loaded.error());
     data = std::move(*loaded);
   }
-  if (data && !s.view.empty()) return shots_of_data(s, *data, size);
+  if (data && s.view_given) return shots_of_data(s, *data, size);
 
   if (size.width == 0)
     size = data ? PictureSize{data->train[0].camera.width, data->train[0].camera.height}
@@ -161,8 +160,8 @@ double mean_of(const json& pictures, const char* key) {
 }
 
 Expected<void> render(const RenderSettings& s) {
-  if (s.data.empty() && !s.view.empty())
-    return fail("", "--view", "needs --data, whose photos it counts");
+  if (std::filesystem::path(s.out).extension() != ".png")
+    return fail(s.out, "", "pictures are written as PNG, expected a name that ends in .png");
   const auto scene = read_scene(s.scene);
   if (!scene) return std::unexpected(scene.error());
   const auto shots = choose_shots(s, scene->cloud);
@@ -242,15 +241,15 @@ void add_render(CLI::App& app, Action& action) {
       ->capture_default_str();
   command->add_option("--sh-degree", s->sh_degree, "evaluate no more than this degree")
       ->check(CLI::Range(0, 3));
-  command->add_option("--background", s->background, "colour behind the scene, r,g,b in 0..1")
-      ->delimiter(',')
-      ->expected(3)
-      ->check(CLI::Range(0.0, 1.0));
+  add_background(*command, s->background);
   command->add_flag("--check", s->check,
                     "measure each picture against the float64 reference (slow)");
   command->add_option("--threads", s->threads, "0: all cores")->check(CLI::Range(0, 1024));
   command->add_flag("--json", s->as_json, "print one JSON object");
-  command->callback([s, &action] { action = [s] { return render(*s); }; });
+  command->callback([s, view, &action] {
+    s->view_given = view->count() > 0;
+    action = [s] { return render(*s); };
+  });
 }
 
 }  // namespace fluxgs::cli

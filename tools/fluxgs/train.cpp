@@ -1,8 +1,10 @@
 // fluxgs train: photos in, a scene file out.
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
 #include <ctime>
+#include <filesystem>
 #include <map>
 #include <optional>
 
@@ -135,6 +137,14 @@ Expected<void> check_writable(const std::string& path) {
   return {};
 }
 
+/// Whether a file would be inside a folder, whose own .json files must not be overwritten.
+bool lies_in(const std::string& file, const std::string& folder) {
+  std::error_code ignored;
+  const auto inside = std::filesystem::weakly_canonical(file, ignored).parent_path();
+  return inside == std::filesystem::weakly_canonical(std::filesystem::path(folder) / "x", ignored)
+                       .parent_path();
+}
+
 Expected<Dataset> load(const TrainSettings& settings, const glm::dvec3& background) {
   LoadOptions options;
   options.downscale = settings.downscale;
@@ -151,6 +161,7 @@ struct Run {
   TrainOptions options;
   Dataset data;
   TrainState state;
+  std::uint64_t photos_hash;
 };
 
 Expected<Run> resume_run(TrainSettings& settings) {
@@ -160,13 +171,15 @@ Expected<Run> resume_run(TrainSettings& settings) {
   settings.downscale = checkpoint->downscale;
   auto data = load(settings, checkpoint->options.render.background);
   if (!data) return std::unexpected(data.error());
-  if (data->train.size() != checkpoint->train_photos)
+  if (data->train.size() != checkpoint->train_photos ||
+      hash_photos(data->train) != checkpoint->photos_hash)
     return fail(settings.data, "",
-                fmt::format("has {} training photos, but the checkpoint was made with {}",
-                            data->train.size(), checkpoint->train_photos));
+                fmt::format("{} training photos, but not the {} that {} was made with",
+                            data->train.size(), checkpoint->train_photos, settings.resume));
   spdlog::info("resuming at iteration {} with {} splats", checkpoint->state.iteration,
                checkpoint->state.parameters.size());
-  return Run{checkpoint->options, std::move(*data), std::move(checkpoint->state)};
+  return Run{checkpoint->options, std::move(*data), std::move(checkpoint->state),
+             checkpoint->photos_hash};
 }
 
 Expected<Run> new_run(const TrainSettings& settings, const Threads& threads) {
@@ -190,13 +203,15 @@ Expected<Run> new_run(const TrainSettings& settings, const Threads& threads) {
   }
   spdlog::info("{} initial splats ({})", points->positions.size(), points->source);
   TrainState state = initial_state(*data, *points, *options, threads);
-  return Run{*options, std::move(*data), std::move(state)};
+  const std::uint64_t photos_hash = hash_photos(data->train);
+  return Run{*options, std::move(*data), std::move(state), photos_hash};
 }
 
 Expected<void> save_checkpoint(const TrainSettings& settings, const Run& run,
                                const Trainer& trainer) {
-  return write_checkpoint(settings.out + ".ckpt", {run.options, settings.preset, settings.downscale,
-                                                   run.data.train.size(), trainer.state()});
+  return write_checkpoint(settings.out + ".ckpt",
+                          {run.options, settings.preset, settings.downscale, run.data.train.size(),
+                           run.photos_hash, trainer.state()});
 }
 
 /// Trains to the end; an interruption saves a checkpoint and is an error that says how to go on.
@@ -258,6 +273,13 @@ Expected<void> train(TrainSettings settings) {
     return fail("", "--backend cuda", "this build has no CUDA backend; use --backend cpu");
   if (auto format = scene_format_for(settings.out); !format) return std::unexpected(format.error());
   if (auto ok = check_writable(settings.out); !ok) return ok;
+  if (!settings.report.empty() && settings.report != "-") {
+    if (std::filesystem::path(settings.report).extension() != ".json" ||
+        lies_in(settings.report, settings.data))
+      return fail(settings.report, "--json",
+                  "expected a name that ends in .json, outside of the data set");
+    if (auto ok = check_writable(settings.report); !ok) return ok;
+  }
 
   const Threads threads(settings.threads);
   auto run = settings.resume.empty() ? new_run(settings, threads) : resume_run(settings);
@@ -291,6 +313,38 @@ Expected<void> train(TrainSettings settings) {
   return {};
 }
 
+/// An option for one of the method's constants, which shows its default.
+void add_field(CLI::App& command, const OptionField& f,
+               const std::shared_ptr<TrainSettings>& settings) {
+  const std::string name = f.name;
+  const TrainOptions defaults;
+  const auto keep = [settings, name, low = f.low, high = f.high](double value) {
+    if (!(value >= low && value <= high))  // also refuses NaN
+      throw CLI::ValidationError("--" + name, fmt::format("expected {:g} to {:g}", low, high));
+    settings->overrides[name] = value;
+  };
+  CLI::Option* option = nullptr;
+  if (f.real) {
+    option = command.add_option_function<double>("--" + name, keep, f.help);
+    option->default_str(fmt::format("{:g}", defaults.*f.real));
+  } else {
+    option = command.add_option_function<std::int64_t>(
+        "--" + name, [keep](const std::int64_t& value) { keep(static_cast<double>(value)); },
+        f.help);
+    option->default_str(f.integer ? fmt::format("{}", defaults.*f.integer)
+                                  : fmt::format("{}", defaults.*f.natural));
+  }
+  option->group(name == "iterations" || name == "max-splats" ? "Options"
+                                                             : "Constants of the method");
+}
+
+/// A checkpoint brings every option but these.
+bool stays_free_on_resume(const std::string& name) {
+  const std::string_view free[] = {"data",    "out",  "resume",           "threads",
+                                   "backend", "json", "checkpoint-every", "help"};
+  return std::ranges::find(free, name) != std::end(free);
+}
+
 }  // namespace
 
 void add_train(CLI::App& app, Action& action) {
@@ -315,36 +369,25 @@ void add_train(CLI::App& app, Action& action) {
   command->add_option("--threads", settings->threads, "0: all cores; does not change the result")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  command
-      ->add_option("--background", settings->background, "colour behind the scene, r,g,b in 0..1")
-      ->delimiter(',')
-      ->expected(3)
-      ->check(CLI::Range(0.0, 1.0));
-  CLI::Option* resume =
-      command->add_option("--resume", settings->resume, "go on from a checkpoint, with its options")
-          ->excludes("--preset")
-          ->excludes("--downscale")
-          ->excludes("--background");
+  add_background(*command, settings->background);
+  command->add_option("--resume", settings->resume, "go on from a checkpoint, with its options");
   command
       ->add_option("--checkpoint-every", settings->checkpoint_every,
                    "steps between saves of OUT.ckpt (0: never)")
       ->check(CLI::NonNegativeNumber);
   command->add_option("--json", settings->report,
                       "write a report of the run here (-: standard output)");
-  command->add_option("--seed", settings->seed, "random seed")->excludes(resume);
-  for (const OptionField& f : option_fields()) {
-    if (std::string_view(f.name) == "seed") continue;
-    const std::string name = f.name;
-    command
-        ->add_option_function<double>(
-            "--" + name,
-            [settings, name](const double& value) { settings->overrides[name] = value; }, f.help)
-        ->excludes(resume)
-        ->check(CLI::Range(f.low, f.high))
-        ->group(name == "iterations" || name == "max-splats" ? "Options"
-                                                             : "Constants of the method");
-  }
-  command->callback([settings, &action] { action = [settings] { return train(*settings); }; });
+  command->add_option("--seed", settings->seed, "random seed");
+  for (const OptionField& f : option_fields())
+    if (std::string_view(f.name) != "seed") add_field(*command, f, settings);
+  command->callback([settings, command, &action] {
+    for (const CLI::Option* option : command->get_options())
+      if (!settings->resume.empty() && option->count() > 0 &&
+          !stays_free_on_resume(option->get_single_name()))
+        throw CLI::ValidationError("--" + option->get_single_name(),
+                                   "cannot be changed with --resume");
+    action = [settings] { return train(*settings); };
+  });
 }
 
 }  // namespace fluxgs::cli

@@ -45,8 +45,8 @@ Expected<Camera> camera_from_json(const json& entry, const std::string& path, st
     const bool good = it != entry.end() && it->is_array() && it->size() == 3 &&
                       std::ranges::all_of(*it, [](const json& v) { return v.is_number(); });
     const glm::dvec3 v = good ? glm::dvec3((*it)[0], (*it)[1], (*it)[2]) : glm::dvec3(NAN);
-    if (!std::isfinite(v.x + v.y + v.z))
-      return fail(path, fmt::format("{}: {}", where, key), "expected three finite numbers");
+    if (!(std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}) < 1e9))
+      return fail(path, fmt::format("{}: {}", where, key), "expected three numbers below 1e9");
     return v;
   };
   if (!entry.is_object()) return fail(path, where, "expected an object");
@@ -159,6 +159,9 @@ Expected<std::vector<Camera>> cameras_from_file(const std::string& path, const P
   for (std::size_t i = 0; i < list.size(); ++i) {
     auto camera = camera_from_json(list[i], path, i, size);
     if (!camera) return std::unexpected(camera.error());
+    if (std::ranges::count(cameras, camera->name, &Camera::name) > 0)
+      return fail(path, fmt::format("camera {}: name", i),
+                  fmt::format("'{}' is there twice, and would name the same file", camera->name));
     cameras.push_back(std::move(*camera));
   }
   return cameras;

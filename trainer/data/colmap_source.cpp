@@ -8,6 +8,7 @@
 
 #include "trainer/data/colmap_model.h"
 #include "trainer/data/file_bytes.h"
+#include "trainer/data/image_io.h"
 
 namespace fluxgs {
 namespace {
@@ -73,6 +74,11 @@ Expected<Source> read_colmap_source(const fs::path& model_folder, const fs::path
     auto frame = make_frame(image, *model, image_folder, file);
     if (!frame) return std::unexpected(frame.error());
     if (is_file(frame->file)) {
+      const auto size = read_image_size(frame->file);
+      if (!size) return std::unexpected(size.error());
+      auto odd = shape_warning(frame->lens, size->width, size->height, frame->file.string());
+      if (!odd.empty()) source.warnings.push_back(std::move(odd));
+      frame->lens = lens_for_image(frame->lens, size->width, size->height);
       source.frames.push_back(std::move(*frame));
     } else {
       if (source.skipped_images++ == 0) first_missing = frame->file.string();

@@ -14,6 +14,7 @@
 #include "fluxgs/io/file.h"
 #include "trainer/data/file_bytes.h"
 #include "trainer/data/image_header.h"
+#include "trainer/data/jpeg_check.h"
 #include "trainer/data/lens.h"
 
 namespace fluxgs {
@@ -95,6 +96,9 @@ Expected<Image<std::uint8_t>> read_image(const std::filesystem::path& file) {
                   header->format == ImageFormat::kJpeg
                       ? "the image is truncated: JPEG without its end marker (EOI)"
                       : "the image is truncated: PNG without its end chunk (IEND)");
+    if (header->format == ImageFormat::kJpeg)
+      if (const auto damage = jpeg_damage(*bytes))
+        return fail(file.string(), "", "the image is corrupt: " + *damage);
     return decode(*bytes, *header, file.string());
   } catch (const std::bad_alloc&) {
     return fail(file.string(), "", "not enough memory to read the image");

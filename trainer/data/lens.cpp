@@ -34,4 +34,25 @@ Expected<void> check_lens(const Lens& lens, const std::string& file, const std::
   return {};
 }
 
+Lens lens_for_image(const Lens& lens, int width, int height) {
+  Lens scaled = lens;
+  scaled.width = width;
+  scaled.height = height;
+  scaled.fx *= static_cast<double>(width) / lens.width;
+  scaled.cx *= static_cast<double>(width) / lens.width;
+  scaled.fy *= static_cast<double>(height) / lens.height;
+  scaled.cy *= static_cast<double>(height) / lens.height;
+  return scaled;
+}
+
+std::string shape_warning(const Lens& lens, int width, int height, const std::string& file) {
+  // One side may be rounded by up to a pixel while the other fits exactly.
+  const double skew =
+      std::abs(static_cast<double>(width) * lens.height - static_cast<double>(height) * lens.width);
+  if (skew <= std::max(lens.width, lens.height)) return {};
+  return fmt::format(
+      "{}: is {}x{}, not of the shape of its camera, {}x{}; scaled each way by itself", file, width,
+      height, lens.width, lens.height);
+}
+
 }  // namespace fluxgs

@@ -34,4 +34,11 @@ inline constexpr long long kMaxPixels = 1LL << 28;
 /// are not positive, anything not finite. `field` names the camera in the error.
 Expected<void> check_lens(const Lens& lens, const std::string& file, const std::string& field);
 
+/// The lens for an image of another size: everything in pixels is scaled, each way by itself.
+Lens lens_for_image(const Lens& lens, int width, int height);
+
+/// A warning if an image does not have the shape of its camera, but for rounding to whole pixels:
+/// it is then hardly the same photo reduced or enlarged. Empty if it does.
+std::string shape_warning(const Lens& lens, int width, int height, const std::string& file);
+
 }  // namespace fluxgs

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <glm/geometric.hpp>
 
 #include <opencv2/imgproc.hpp>
 
@@ -52,6 +53,9 @@ void composite(Image<std::uint8_t>& image, const glm::vec3& background) {
   image.channels = 3;
 }
 
+/// Farther away, single precision cannot tell a camera from its neighbours.
+constexpr double kFarthest = 1e9;  // scene units
+
 Camera make_camera(const SourceFrame& frame, const Lens& pinhole, int width, int height) {
   const double scale_x = static_cast<double>(width) / pinhole.width;
   const double scale_y = static_cast<double>(height) / pinhole.height;
@@ -69,6 +73,11 @@ Camera make_camera(const SourceFrame& frame, const Lens& pinhole, int width, int
 Expected<Photo> make_photo(const SourceFrame& frame, const Rectification& rectification,
                            const LoadOptions& options) {
   const std::string file = frame.file.string();
+  const glm::dvec3& t = frame.translation;
+  if (!(std::max({std::abs(t.x), std::abs(t.y), std::abs(t.z)}) < kFarthest))
+    return fail(file, "pose",
+                fmt::format("the camera is {:g} units away, expected less than {:g}",
+                            glm::length(t), kFarthest));
   auto image = read_image(frame.file);
   if (!image) return std::unexpected(image.error());
   if (image->width != frame.lens.width || image->height != frame.lens.height)

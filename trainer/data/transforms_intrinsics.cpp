@@ -70,6 +70,8 @@ Expected<void> parse_distortion(const Json& json, TransformsIntrinsics& in, cons
   return in.model == LensModel::kFisheye ? read(kFisheye) : read(kPerspective);
 }
 
+constexpr double kLargestSide = 1e5;  // pixels; what a w or h may claim
+
 /// Half the image over the tangent of half the angle; not positive for angles outside 0…180°.
 double focal_from_angle(double size, double angle) {
   const bool possible = angle > 0 && angle < std::numbers::pi;
@@ -112,14 +114,17 @@ Expected<Lens> make_lens(const TransformsIntrinsics& in, ImageSize image, const 
   std::optional<double> fx = in.focal_x, fy = in.focal_y;
   if (!fx && in.angle_x) fx = focal_from_angle(width, *in.angle_x);
   if (!fy && in.angle_y) fy = focal_from_angle(height, *in.angle_y);
-  const double scale_x = image.width / width, scale_y = image.height / height;
+  if (width > kLargestSide || height > kLargestSide)
+    return fail(
+        file, field + "w, h",
+        fmt::format("image size {:g}x{:g}, expected at most {:g}", width, height, kLargestSide));
   Lens lens{.model = in.model,
-            .width = image.width,
-            .height = image.height,
-            .fx = (fx ? *fx : *fy) * scale_x,
-            .fy = (fy ? *fy : *fx) * scale_y,
-            .cx = in.center_x.value_or(width / 2) * scale_x,
-            .cy = in.center_y.value_or(height / 2) * scale_y};
+            .width = static_cast<int>(std::lround(width)),
+            .height = static_cast<int>(std::lround(height)),
+            .fx = fx ? *fx : *fy,
+            .fy = fy ? *fy : *fx,
+            .cx = in.center_x.value_or(width / 2),
+            .cy = in.center_y.value_or(height / 2)};
   for (std::size_t i = 0; i < lens.distortion.size(); ++i)
     lens.distortion[i] = in.distortion[i].value_or(0);
   if (const auto ok = check_lens(lens, file, field + "intrinsics"); !ok)

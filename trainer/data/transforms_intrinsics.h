@@ -28,9 +28,9 @@ Expected<TransformsIntrinsics> parse_intrinsics(const nlohmann::json& json,
                                                 const TransformsIntrinsics& inherited,
                                                 const std::string& file, const std::string& field);
 
-/// The lens of an image file of the given size. Without a principal point the image's centre is
-/// taken, without a vertical focal length pixels are square. Errors: no focal length at all,
-/// intrinsics that no camera has.
+/// The lens in the resolution that the intrinsics are given for: that of the image if they do not
+/// say. Without a principal point the image's centre is taken, without a vertical focal length
+/// pixels are square. Errors: no focal length at all, intrinsics that no camera has.
 Expected<Lens> make_lens(const TransformsIntrinsics& intrinsics, ImageSize image,
                          const std::string& file, const std::string& field);
 

@@ -107,6 +107,7 @@ struct FrameList {
   std::vector<SourceFrame> frames;
   std::size_t skipped = 0;
   std::string first_missing;
+  std::vector<std::string> warnings;
 };
 
 /// One frame appended to the list, or counted as skipped.
@@ -128,7 +129,9 @@ Expected<void> add_frame(const Json& json, const TransformsIntrinsics& global, c
   if (!size) return std::unexpected(size.error());
   const auto lens = make_lens(*in, *size, file.string(), field);
   if (!lens) return std::unexpected(lens.error());
-  frame.lens = *lens;
+  frame.lens = lens_for_image(*lens, size->width, size->height);
+  if (auto odd = shape_warning(*lens, size->width, size->height, image->string()); !odd.empty())
+    list.warnings.push_back(std::move(odd));
   list.frames.push_back(std::move(frame));
   return {};
 }
@@ -151,7 +154,8 @@ Expected<FrameList> read_frames(const Json& json, const fs::path& file) {
   return list;
 }
 
-void note_skipped(const FrameList& list, const fs::path& file, Source& source) {
+void note_warnings(const FrameList& list, const fs::path& file, Source& source) {
+  source.warnings.insert(source.warnings.end(), list.warnings.begin(), list.warnings.end());
   source.skipped_images += list.skipped;
   if (list.skipped > 0)
     source.warnings.push_back(fmt::format(
@@ -187,7 +191,7 @@ Expected<Source> read_transforms_source(const fs::path& folder) {
   if (!train) return std::unexpected(train.error());
 
   Source source;
-  note_skipped(*train, file, source);
+  note_warnings(*train, file, source);
   source.frames = std::move(train->frames);
   if (const auto ok = read_ply(*json, file, source); !ok) return std::unexpected(ok.error());
 
@@ -197,7 +201,7 @@ Expected<Source> read_transforms_source(const fs::path& folder) {
   if (!test_json) return std::unexpected(test_json.error());
   auto test = read_frames(*test_json, test_file);
   if (!test) return std::unexpected(test.error());
-  note_skipped(*test, test_file, source);
+  note_warnings(*test, test_file, source);
   source.test_frames = std::move(test->frames);
   source.has_split = true;
   return source;

@@ -91,7 +91,7 @@ double psnr(const PlanarImage& a, const PlanarImage& b) {
         total += d * d;
       }
   const double mean = total / (3.0 * a.width() * a.height());
-  return mean > 0 ? -10 * std::log10(mean) : std::numeric_limits<double>::infinity();
+  return mean == 0 ? std::numeric_limits<double>::infinity() : -10 * std::log10(mean);
 }
 
 }  // namespace fluxgs

@@ -40,7 +40,8 @@ class PhotometricLoss {
   std::vector<double> row_ssim_, row_l1_;
 };
 
-/// Peak signal-to-noise ratio in dB over all channels, after limiting both pictures to 0…1.
+/// Peak signal-to-noise ratio in dB over all channels, after limiting both pictures to 0…1;
+/// infinite for equal pictures, NaN where either has one.
 double psnr(const PlanarImage& a, const PlanarImage& b);
 
 }  // namespace fluxgs

@@ -18,8 +18,8 @@ constexpr std::size_t kMagicSize = 8;
 constexpr std::uint32_t kVersion = 1;
 constexpr std::size_t kPrefix = kMagicSize + 2 * sizeof(std::uint32_t);
 
-std::uint64_t hash(std::span<const std::byte> bytes) {
-  std::uint64_t h = 0xcbf29ce484222325u;
+/// FNV-1a, continued from `h`.
+std::uint64_t hash(std::span<const std::byte> bytes, std::uint64_t h = 0xcbf29ce484222325u) {
   for (std::byte b : bytes) h = (h ^ static_cast<std::uint64_t>(b)) * 0x100000001b3u;
   return h;
 }
@@ -59,6 +59,7 @@ json header_of(const Checkpoint& c) {
           {"preset", c.preset},
           {"downscale", c.downscale},
           {"train_photos", c.train_photos},
+          {"photos_hash", c.photos_hash},
           {"splats", c.state.parameters.size()},
           {"iteration", c.state.iteration},
           {"random", random.str()},
@@ -79,6 +80,7 @@ void read_header(const json& header, Checkpoint& c) {
   c.preset = header.at("preset").get<std::string>();
   c.downscale = header.at("downscale").get<int>();
   c.train_photos = header.at("train_photos").get<std::size_t>();
+  c.photos_hash = header.at("photos_hash").get<std::uint64_t>();
   c.state.iteration = header.at("iteration").get<int>();
   std::istringstream(header.at("random").get<std::string>()) >> c.state.random;
   c.state.view_order = header.at("view_order").get<std::vector<std::uint32_t>>();
@@ -93,6 +95,21 @@ std::uint64_t rows_size(std::uint64_t splats, int sh_degree) {
 }
 
 }  // namespace
+
+std::uint64_t hash_photos(const std::vector<Photo>& photos) {
+  std::uint64_t h = hash({});
+  for (const Photo& photo : photos) {
+    const Camera& c = photo.camera;
+    double numbers[] = {
+        c.fx, c.fy, c.cx, c.cy, c.translation.x, c.translation.y, c.translation.z, 0, 0, 0, 0, 0,
+        0,    0,    0,    0};
+    for (int i = 0; i < 9; ++i) numbers[7 + i] = c.rotation[i / 3][i % 3];
+    h = hash(std::as_bytes(std::span(c.name)), h);
+    h = hash(std::as_bytes(std::span(numbers)), h);
+    h = hash(std::as_bytes(std::span(photo.rgb.pixels)), h);
+  }
+  return h;
+}
 
 Expected<void> write_checkpoint(const std::filesystem::path& path, const Checkpoint& c) {
   const std::string header = header_of(c).dump();

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "fluxgs/error.h"
+#include "trainer/data/dataset.h"
 #include "trainer/train/options.h"
 #include "trainer/train/state.h"
 
@@ -13,10 +14,14 @@ namespace fluxgs {
 struct Checkpoint {
   TrainOptions options;
   std::string preset;
-  int downscale = 1;             ///< of the photos, as they were loaded
-  std::size_t train_photos = 0;  ///< how many; checked when the run goes on
+  int downscale = 1;  ///< of the photos, as they were loaded
+  std::size_t train_photos = 0;
+  std::uint64_t photos_hash = 0;  ///< hash_photos() of them; checked when the run goes on
   TrainState state;
 };
+
+/// A hash of photos: their cameras and pixels.
+std::uint64_t hash_photos(const std::vector<Photo>& photos);
 
 /// File layout (little-endian): "FLUXGSCK", u32 version, u32 size of a JSON header, the header
 /// (options, counts, random state), then the rows of parameters, both moments and statistics as

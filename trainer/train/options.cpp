@@ -16,7 +16,7 @@ OptionField real(const char* name, const char* help, double TrainOptions::* fiel
   return {name, help, low, high, nullptr, field, nullptr};
 }
 OptionField natural(const char* name, const char* help, std::uint64_t TrainOptions::* field) {
-  return {name, help, 0, 1.8e19, nullptr, nullptr, field};
+  return {name, help, 0, 1.9e19, nullptr, nullptr, field};
 }
 
 double value_of(const TrainOptions& options, const OptionField& f) {

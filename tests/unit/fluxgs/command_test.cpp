@@ -139,6 +139,13 @@ TEST(Command, WrongUsageIsStatusTwoAndHelpHasExamples) {
   EXPECT_EQ(fluxgs("train").status, 2);
   EXPECT_EQ(fluxgs("train x -o y.glb --iterations many").status, 2);
   EXPECT_EQ(fluxgs("train x -o y.glb --preset best").status, 2);
+  EXPECT_EQ(fluxgs("train x -o y.glb --iterations 5.5").status, 2);
+  EXPECT_EQ(fluxgs("train x -o y.glb --position-rate nan").status, 2);
+  EXPECT_EQ(fluxgs("train x -o y.glb --background nan,0,0").status, 2);
+  EXPECT_EQ(fluxgs("train x -o y.glb --resume z.ckpt --iterations 9").status, 2);
+  EXPECT_NE(fluxgs("train x -o y.glb --iterations 0")
+                .err.find("fluxgs: error: --iterations: expected 1 to 1e+09"),
+            std::string::npos);
   for (const char* command : {"train", "eval", "render", "convert", "info", "doctor"}) {
     const Outcome help = fluxgs(std::string(command) + " --help");
     EXPECT_EQ(help.status, 0);
@@ -195,6 +202,48 @@ TEST(Command, OutputThatCannotBeWrittenFailsBeforeTraining) {
   expect_error(fluxgs(train("/no/such/folder/out.glb", "--iterations 100000")),
                {"/no/such/folder"});
   expect_error(fluxgs(train("out.obj", "--iterations 100000")), {"out.obj"});
+}
+
+TEST(Command, InputIsNeverOverwritten) {
+  const test::TempFolder folder;
+  ASSERT_TRUE(write_scene(folder / "s.ply", test::random_cloud(10, 0, 1)));
+  const std::vector<std::byte> scene = *read_file(folder / "s.ply");
+  expect_error(fluxgs(fmt::format("render {0} -o {0}", quoted(folder / "s.ply"))),
+               {"s.ply", ".png"});
+  EXPECT_EQ(*read_file(folder / "s.ply"), scene);
+  const auto poses = capture_folder() / "transforms_train.json";
+  const std::string before = text_of(poses);
+  expect_error(fluxgs(train(folder / "x.glb", "--iterations 1 --json " + quoted(poses))),
+               {"transforms_train.json"});
+  EXPECT_EQ(text_of(poses), before);
+}
+
+TEST(Command, ResumingOnOtherPhotosIsRefused) {
+  const test::TempFolder folder;
+  ASSERT_EQ(fluxgs(train(folder / "a.ply", "--iterations 20 --checkpoint-every 10")).status, 0);
+  std::filesystem::copy(capture_folder(), folder / "other",
+                        std::filesystem::copy_options::recursive);
+  std::filesystem::copy_file(folder / "other/train/r_001.png", folder / "other/train/r_002.png",
+                             std::filesystem::copy_options::overwrite_existing);
+  expect_error(fluxgs(fmt::format("train {} -o {} --resume {}", quoted(folder / "other"),
+                                  quoted(folder / "b.ply"), quoted(folder / "a.ply.ckpt"))),
+               {"other", "a.ply.ckpt"});
+}
+
+TEST(Command, BadViews) {
+  const test::TempFolder folder;
+  ASSERT_TRUE(write_scene(folder / "s.ply", test::random_cloud(10, 0, 1)));
+  const std::string call = fmt::format("render {} --renderer cpu -o {} ", quoted(folder / "s.ply"),
+                                       quoted(folder / "v.png"));
+  for (const char* view : {"1.5", "1e3", "0x1", "-1", "99", "''"})
+    EXPECT_NE(
+        fluxgs(call + fmt::format("--data {} --view {}", quoted(capture_folder()), view)).status, 0)
+        << view;
+  const std::string twice =
+      R"({"name":"a","position":[0,0,-3],"target":[0,0,0],"up":[0,-1,0],"fovY":40})";
+  write_text(folder / "c.json", "[" + twice + "," + twice + "]");
+  expect_error(fluxgs(call + "--camera " + quoted(folder / "c.json")), {"c.json", "twice"});
+  EXPECT_FALSE(std::filesystem::exists(folder / "v.png"));
 }
 
 TEST(Command, DiskFullLeavesNothingBehind) {

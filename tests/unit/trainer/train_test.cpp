@@ -125,13 +125,24 @@ TEST(Train, ResumingEqualsNeverHavingStopped) {
   for (int stop : {1, 47, 80}) {  // 47: in the middle of a densification interval and of an epoch
     const TrainState half = train(data, options, fresh(data, options), 2, stop);
     ASSERT_TRUE(
-        write_checkpoint(folder / "run.ckpt", {options, "3dgs", 1, data.train.size(), half}));
+        write_checkpoint(folder / "run.ckpt", {options, "3dgs", 1, data.train.size(), 7, half}));
     auto read = read_checkpoint(folder / "run.ckpt");
     ASSERT_TRUE(read) << read.error().message();
     EXPECT_EQ(read->options.max_splats, options.max_splats);
     expect_same(half, read->state);
     expect_same(straight, train(data, read->options, std::move(read->state), 1, 1000));
   }
+}
+
+TEST(Checkpoint, HashTellsPhotosApart) {
+  std::vector<Photo> photos = small_capture().train;
+  const std::uint64_t before = hash_photos(photos);
+  EXPECT_EQ(before, hash_photos(photos));
+  photos[3].rgb.pixels[100] ^= 1;
+  EXPECT_NE(before, hash_photos(photos));
+  photos = small_capture().train;
+  photos[5].camera.translation.x += 1e-6;
+  EXPECT_NE(before, hash_photos(photos));
 }
 
 TEST(Checkpoint, DamageIsAnErrorThatNamesTheFile) {
@@ -144,7 +155,7 @@ TEST(Checkpoint, DamageIsAnErrorThatNamesTheFile) {
   state.statistics = state.statistics.gather({0, 1, 2});
   const test::TempFolder folder;
   const auto path = folder / "run.ckpt";
-  ASSERT_TRUE(write_checkpoint(path, {options, "3dgs", 1, data.train.size(), state}));
+  ASSERT_TRUE(write_checkpoint(path, {options, "3dgs", 1, data.train.size(), 7, state}));
   const std::vector<std::byte> good = *read_file(path);
   for (std::size_t size = 0; size < good.size(); size += 61) {
     ASSERT_TRUE(write_file_atomic(path, std::span(good).first(size)));

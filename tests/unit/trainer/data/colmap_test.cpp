@@ -187,11 +187,29 @@ TEST(ColmapBadInput, SizesThatNoImageHas) {
   }
 }
 
-TEST(ColmapBadInput, ImageOfAnotherSizeThanItsCamera) {
+TEST(Colmap, IntrinsicsAreScaledToTheImages) {
   const TempFolder folder;
   write_dataset(folder.path(), ten_images());
   write_image(folder.path() / "images" / "d.png", pattern(8, 6));
-  expect_failure(load_dataset(folder.path(), {}), "d.png", "8x6", "expected 16x12");
+  const auto data = load_dataset(folder.path(), {});
+  ASSERT_TRUE(data) << data.error().message();
+  const Camera& camera = data->train.at(2).camera;
+  EXPECT_EQ(camera.name, "d.png");
+  EXPECT_EQ(camera.width, 8);
+  EXPECT_DOUBLE_EQ(camera.fx, 10);
+  EXPECT_DOUBLE_EQ(camera.cy, 3.125);
+  EXPECT_TRUE(data->warnings.empty());
+}
+
+TEST(ColmapBadInput, ImageOfAnotherShapeThanItsCameraIsWarnedOf) {
+  const TempFolder folder;
+  write_dataset(folder.path(), ten_images());
+  write_image(folder.path() / "images" / "d.png", pattern(8, 8));
+  const auto data = load_dataset(folder.path(), {});
+  ASSERT_TRUE(data) << data.error().message();
+  ASSERT_EQ(data->warnings.size(), 1u);
+  EXPECT_THAT(data->warnings[0],
+              testing::HasSubstr("d.png: is 8x8, not of the shape of its camera, 16x12"));
 }
 
 TEST(ColmapBadInput, MissingImagesAreSkippedAndCounted) {

@@ -124,6 +124,19 @@ TEST(ImageIoBadInput, CutAtAnyByteIsRefused) {
   }
 }
 
+TEST(ImageIoBadInput, JpegDamagedInTheMiddleIsRefused) {
+  const TempFolder folder;
+  const fs::path file = folder.path() / "a.jpg";
+  std::string whole = jpeg(640, 480, {cv::IMWRITE_JPEG_QUALITY, 95});
+  ASSERT_GT(whole.size(), 8000u);
+  for (std::size_t at = whole.size() / 2; at < whole.size() / 2 + 3000; ++at)
+    whole[at] = static_cast<char>(at * at * 31 >> 3);
+  write_text(file, whole);
+  const auto image = read_image(file);
+  ASSERT_FALSE(image);
+  EXPECT_THAT(image.error().message(), testing::HasSubstr("a.jpg: the image is corrupt: "));
+}
+
 TEST(ImageIoBadInput, HolesAndNoiseNeverCrash) {
   const TempFolder folder;
   const fs::path file = folder.path() / "a.png";
