@@ -16,7 +16,8 @@ struct Threads::Arena {
   std::optional<tbb::global_control> allowance;
   explicit Arena(int count) : arena(count > 0 ? count : tbb::task_arena::automatic) {
     if (count > tbb::info::default_concurrency())
-      allowance.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count));
+      allowance.emplace(tbb::global_control::max_allowed_parallelism,
+                        static_cast<std::size_t>(count));
   }
 };
 
