@@ -20,7 +20,7 @@ int run(int argc, char** argv) {
   CLI::App app{
       "Ray-trace a small posed image set: glossy spheres on a marble floor, in the layout of the "
       "NeRF-synthetic scenes (train/, test/, transforms_train.json, transforms_test.json)."};
-  app.footer("Example:\n  make_capture /tmp/spheres --size 320x240 --train 40 --test 8");
+  app.footer("Example:\n  make_capture captures/spheres --size 320x240 --train 40 --test 8");
   app.add_option("OUT_DIR", folder, "Folder to write to; created if missing")->required();
   app.add_option("--size", size, "Pixels of each picture, WxH")->capture_default_str();
   app.add_option("--train", options.train, "Training views")->capture_default_str();

@@ -75,14 +75,7 @@ void add_eval(CLI::App& app, Action& action) {
   command->add_option("--downscale", s->downscale, "reduce the photos by this factor")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
-  command
-      ->add_option("--renderer", s->choice.renderer,
-                   "gles (the phone's), cpu (the trainer's) or reference (float64)")
-      ->check(CLI::IsMember(kRendererNames))
-      ->capture_default_str();
-  command->add_option("--gl", s->choice.gl, "for gles: egl, osmesa or angle")
-      ->check(CLI::IsMember(kGlNames))
-      ->capture_default_str();
+  add_renderer_options(*command, s->choice);
   add_background(*command, s->background);
   command->add_option("--threads", s->threads, "0: all cores")->check(CLI::Range(0, 1024));
   command->add_flag("--json", s->as_json, "print one JSON object");

@@ -228,14 +228,7 @@ void add_render(CLI::App& app, Action& action) {
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   command->add_option("--size", s->size, "WIDTHxHEIGHT (default: the photos', otherwise 1280x720)");
-  command
-      ->add_option("--renderer", s->choice.renderer,
-                   "gles (the phone's), cpu (the trainer's) or reference (float64)")
-      ->check(CLI::IsMember(kRendererNames))
-      ->capture_default_str();
-  command->add_option("--gl", s->choice.gl, "for gles: egl, osmesa or angle")
-      ->check(CLI::IsMember(kGlNames))
-      ->capture_default_str();
+  add_renderer_options(*command, s->choice);
   command->add_option("--format", s->choice.format, "for gles: rgba8 or rgba16f")
       ->check(CLI::IsMember(kFormatNames))
       ->capture_default_str();

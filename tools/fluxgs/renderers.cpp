@@ -65,6 +65,17 @@ Expected<ViewRenderer> make_gles(const RendererChoice& choice, const SplatCloud&
 
 }  // namespace
 
+void add_renderer_options(CLI::App& command, RendererChoice& choice) {
+  command
+      .add_option("--renderer", choice.renderer,
+                  "gles (the phone's), cpu (the trainer's) or reference (float64)")
+      ->check(CLI::IsMember(kRendererNames))
+      ->capture_default_str();
+  command.add_option("--gl", choice.gl, "for gles: egl, osmesa or angle")
+      ->check(CLI::IsMember(kGlNames))
+      ->capture_default_str();
+}
+
 Expected<ViewRenderer> make_renderer(const RendererChoice& choice, const SplatCloud& cloud,
                                      const RenderOptions& options, const Threads& threads) {
   if (choice.renderer == "gles") return make_gles(choice, cloud, options);

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 #include "fluxgs/splat_cloud.h"
 #include "trainer/train/evaluate.h"
 
@@ -18,6 +20,9 @@ struct RendererChoice {
 inline const std::vector<std::string> kRendererNames = {"gles", "cpu", "reference"};
 inline const std::vector<std::string> kGlNames = {"egl", "osmesa", "angle"};
 inline const std::vector<std::string> kFormatNames = {"rgba8", "rgba16f"};
+
+/// --renderer and --gl, with the choice's present values as defaults.
+void add_renderer_options(CLI::App& command, RendererChoice& choice);
 
 /// A renderer with the scene loaded. `threads` must outlive it. Errors: no such GL implementation
 /// on this machine, or a scene too large for it.
