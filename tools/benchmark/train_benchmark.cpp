@@ -1,12 +1,11 @@
 // How long the stages of a training iteration take, beside what they work on.
 #include <algorithm>
-#include <chrono>
-#include <ctime>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include "trainer/data/initial_points.h"
+#include "trainer/parallel/clock.h"
 #include "trainer/train/trainer.h"
 
 namespace fluxgs {
@@ -16,16 +15,6 @@ struct Settings {
   std::string data;
   int downscale = 2, warmup = 20, iterations = 200, threads = 0;
 };
-
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-double wall_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 double median(std::vector<double> v) {
   std::ranges::nth_element(v, v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2));

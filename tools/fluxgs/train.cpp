@@ -1,9 +1,7 @@
 // fluxgs train: photos in, a scene file out.
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <csignal>
-#include <ctime>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -16,6 +14,7 @@
 #include "fluxgs/io/scene.h"
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/progress.h"
+#include "trainer/parallel/clock.h"
 #include "trainer/train/checkpoint.h"
 #include "trainer/train/evaluate.h"
 #include "trainer/train/trainer.h"
@@ -57,23 +56,13 @@ class InterruptGuard {
   }
 };
 
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 /// Means over equal stretches of the run, for plots.
 class Curves {
  public:
   explicit Curves(int iterations) : stretch_(std::max(1, iterations / 200)) {}
 
   void add(int iteration, const StepReport& step, std::size_t splats) {
-    if (count_ == 0) start_ = now();
+    if (count_ == 0) start_ = wall_seconds();
     loss_ += step.loss;
     l1_ += step.sums.l1;
     if (++count_ < stretch_) return;
@@ -81,7 +70,7 @@ class Curves {
     losses_.push_back(loss_ / count_);
     l1s_.push_back(l1_ / count_);
     splats_.push_back(splats);
-    rates_.push_back(count_ / std::max(now() - start_, 1e-9));
+    rates_.push_back(count_ / std::max(wall_seconds() - start_, 1e-9));
     loss_ = l1_ = count_ = 0;
   }
 
@@ -102,16 +91,6 @@ class Curves {
   std::vector<double> losses_, l1s_, rates_;
   std::vector<std::size_t> splats_;
 };
-
-json options_json(const TrainOptions& options) {
-  json out = json::object();
-  for (const OptionField& f : option_fields()) {
-    if (f.integer) out[f.name] = options.*f.integer;
-    if (f.real) out[f.name] = options.*f.real;
-    if (f.natural) out[f.name] = options.*f.natural;
-  }
-  return out;
-}
 
 Expected<TrainOptions> options_from(const TrainSettings& settings) {
   auto options = preset(settings.preset);
@@ -288,10 +267,10 @@ Expected<void> train(TrainSettings settings) {
   StageTimes times;
   Trainer trainer(run->data, run->options, std::move(run->state), threads, times);
   Curves curves(run->options.iterations - trainer.state().iteration);
-  const double start = now(), cpu_start = cpu_seconds();
+  const double start = wall_seconds(), cpu_start = cpu_seconds();
   const int first = trainer.state().iteration;
   if (auto done = train_to_end(settings, *run, trainer, curves); !done) return done;
-  const double seconds = now() - start, cpu = cpu_seconds() - cpu_start;
+  const double seconds = wall_seconds() - start, cpu = cpu_seconds() - cpu_start;
 
   const SplatCloud cloud = trainer.cloud();
   if (auto written = write_scene(settings.out, cloud); !written) return written;

@@ -45,16 +45,10 @@ const std::byte* take_rows(const std::byte* in, PlanarFloats& planes) {
 }
 
 json header_of(const Checkpoint& c) {
-  json options = json::object();
-  for (const OptionField& f : option_fields()) {
-    if (f.integer) options[f.name] = c.options.*f.integer;
-    if (f.real) options[f.name] = c.options.*f.real;
-    if (f.natural) options[f.name] = c.options.*f.natural;
-  }
   std::ostringstream random;
   random << c.state.random;
   const glm::dvec3 background = c.options.render.background;
-  return {{"options", options},
+  return {{"options", options_json(c.options)},
           {"background", {background.x, background.y, background.z}},
           {"preset", c.preset},
           {"downscale", c.downscale},
@@ -95,6 +89,16 @@ std::uint64_t rows_size(std::uint64_t splats, int sh_degree) {
 }
 
 }  // namespace
+
+json options_json(const TrainOptions& options) {
+  json out = json::object();
+  for (const OptionField& f : option_fields()) {
+    if (f.integer) out[f.name] = options.*f.integer;
+    if (f.real) out[f.name] = options.*f.real;
+    if (f.natural) out[f.name] = options.*f.natural;
+  }
+  return out;
+}
 
 std::uint64_t hash_photos(const std::vector<Photo>& photos) {
   std::uint64_t h = hash({});

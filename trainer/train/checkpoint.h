@@ -4,6 +4,8 @@
 
 #include <filesystem>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "fluxgs/error.h"
 #include "trainer/data/dataset.h"
 #include "trainer/train/options.h"
@@ -19,6 +21,9 @@ struct Checkpoint {
   std::uint64_t photos_hash = 0;  ///< hash_photos() of them; checked when the run goes on
   TrainState state;
 };
+
+/// Every option by its name on the command line, for checkpoints and reports.
+nlohmann::json options_json(const TrainOptions& options);
 
 /// A hash of photos: their cameras and pixels.
 std::uint64_t hash_photos(const std::vector<Photo>& photos);
