@@ -49,7 +49,7 @@ inline SplatCloud one_splat(const glm::vec3& position, float deviation, float op
 
 /// `count` splats in a box of half-size `spread` around the origin, with random shapes, colours
 /// and view dependence.
-inline SplatCloud random_cloud(std::size_t count, int sh_degree, std::uint32_t seed,
+inline SplatCloud random_cloud(std::size_t count, int sh_degree, std::uint32_t seed = 1,
                                float spread = 1.0f, float deviation = 0.05f) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> box(-spread, spread);

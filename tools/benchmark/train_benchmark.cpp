@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "trainer/base/clock.h"
 #include "trainer/data/initial_points.h"
-#include "trainer/parallel/clock.h"
 #include "trainer/train/trainer.h"
 
 namespace fluxgs {

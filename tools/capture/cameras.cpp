@@ -1,20 +1,17 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <random>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
 #include "tools/capture/capture.h"
+#include "trainer/base/random.h"
 
 namespace fluxgs::capture {
 namespace {
 
 using glm::dvec3;
-
-/// Uniform in [0, 1), the same on every platform.
-double uniform(std::mt19937_64& engine) { return static_cast<double>(engine() >> 11) * 0x1.0p-53; }
 
 double fraction(double x) { return x - std::floor(x); }
 
@@ -34,18 +31,18 @@ Camera look_at(const CaptureOptions& options, const dvec3& from, const dvec3& ta
 
 /// Views that cover the dome evenly: the R3 sequence (Roberts 2018) over azimuth, height and
 /// distance, from an offset that the seed chooses.
-std::vector<Camera> dome(const CaptureOptions& options, int count, std::mt19937_64& engine) {
+std::vector<Camera> dome(const CaptureOptions& options, int count, Random& random) {
   constexpr double kDegree = std::numbers::pi / 180;
   constexpr double kR3[] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
-  const double offset[] = {uniform(engine), uniform(engine), uniform(engine)};
+  const double offset[] = {uniform(random), uniform(random), uniform(random)};
   std::vector<Camera> cameras;
   for (int i = 0; i < count; ++i) {
     const auto place = [&](int axis) { return fraction(offset[axis] + i * kR3[axis]); };
     const double azimuth = (-70 + 140 * place(0)) * kDegree;
     const double height = (10 + 38 * place(1)) * kDegree;
     const double distance = 4.9 + 1.8 * place(2);
-    const dvec3 target(0.3 * (uniform(engine) - 0.5), 0.3 * (uniform(engine) - 0.5),
-                       0.45 + 0.2 * (uniform(engine) - 0.5));
+    const dvec3 target(0.3 * (uniform(random) - 0.5), 0.3 * (uniform(random) - 0.5),
+                       0.45 + 0.2 * (uniform(random) - 0.5));
     const dvec3 direction(std::sin(azimuth) * std::cos(height),
                           -std::cos(azimuth) * std::cos(height), std::sin(height));
     cameras.push_back(look_at(options, target + distance * direction, target));
@@ -57,10 +54,10 @@ std::vector<Camera> dome(const CaptureOptions& options, int count, std::mt19937_
 }  // namespace
 
 CaptureCameras capture_cameras(const CaptureOptions& options) {
-  std::mt19937_64 engine(options.seed);
+  Random random(options.seed);
   CaptureCameras cameras;
-  cameras.train = dome(options, options.train, engine);
-  cameras.test = dome(options, options.test, engine);
+  cameras.train = dome(options, options.train, random);
+  cameras.test = dome(options, options.test, random);
   return cameras;
 }
 

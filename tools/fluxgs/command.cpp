@@ -4,22 +4,20 @@
 #include <span>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "fluxgs/io/file.h"
+#include "fluxgs/io/scene.h"
 
 namespace fluxgs::cli {
 
-CLI::Option* add_background(CLI::App& command, std::vector<double>& background) {
-  const auto in_range = [](const std::string& text) {  // CLI::Range lets NaN through
-    double value = -1;
-    const bool number = CLI::detail::lexical_cast(text, value);
-    return number && value >= 0 && value <= 1 ? std::string()
-                                              : text + " is not a number from 0 to 1";
-  };
-  return command.add_option("--background", background, "colour behind the scene, r,g,b in 0..1")
-      ->delimiter(',')
-      ->expected(3)
-      ->check(CLI::Validator(in_range, "0..1"));
+Expected<SceneFile> load_scene(const std::string& path) {
+  auto scene = read_scene(path);
+  if (!scene) return scene;
+  if (scene->dropped > 0)
+    spdlog::warn("warning: {}: {} splats with NaN or infinity left out", path, scene->dropped);
+  if (scene->cloud.size() == 0) spdlog::warn("warning: {}: has no splats", path);
+  return scene;
 }
 
 void print_json(const nlohmann::json& object) { fmt::print("{}\n", object.dump(2)); }

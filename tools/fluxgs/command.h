@@ -3,12 +3,12 @@
 
 #include <functional>
 #include <string>
-#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "fluxgs/error.h"
+#include "fluxgs/io/scene_file.h"
 
 namespace fluxgs::cli {
 
@@ -24,8 +24,8 @@ void add_convert(CLI::App& app, Action& action);
 void add_info(CLI::App& app, Action& action);
 void add_doctor(CLI::App& app, Action& action);
 
-/// Accepts "r,g,b", each a number from 0 to 1.
-CLI::Option* add_background(CLI::App& command, std::vector<double>& background);
+/// Reads a scene; warns of splats that were left out and of a scene without any.
+Expected<SceneFile> load_scene(const std::string& path);
 
 /// Results go to standard output: exactly one JSON object with --json.
 void print_json(const nlohmann::json& object);

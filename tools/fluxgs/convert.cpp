@@ -10,10 +10,8 @@ namespace {
 
 Expected<void> convert(const std::string& in, const std::string& out) {
   if (auto format = scene_format_for(out); !format) return std::unexpected(format.error());
-  const auto scene = read_scene(in);
+  const auto scene = load_scene(in);
   if (!scene) return std::unexpected(scene.error());
-  if (scene->dropped > 0)
-    spdlog::warn("warning: {}: {} splats with NaN or infinity left out", in, scene->dropped);
   if (auto written = write_scene(out, scene->cloud); !written) return written;
   spdlog::info("{}: {} splats", out, scene->cloud.size());
   return {};

@@ -1,18 +1,17 @@
 // fluxgs eval: a scene against photos.
 #include <fmt/format.h>
 
-#include "fluxgs/io/scene.h"
 #include "tools/fluxgs/command.h"
+#include "tools/fluxgs/data_options.h"
 #include "tools/fluxgs/renderers.h"
 
 namespace fluxgs::cli {
 namespace {
 
 struct EvalSettings {
-  std::string scene, data, split = "test";
+  std::string scene, split = "test";
+  DataOptions data;
   RendererChoice choice{.renderer = "cpu"};
-  std::vector<double> background{0, 0, 0};
-  int downscale = 1, threads = 0;
   bool as_json = false;
 };
 
@@ -28,23 +27,19 @@ nlohmann::json to_json(const Evaluation& score, const SceneFile& scene) {
 }
 
 Expected<void> eval(const EvalSettings& s) {
-  const auto scene = read_scene(s.scene);
+  const auto scene = load_scene(s.scene);
   if (!scene) return std::unexpected(scene.error());
-  LoadOptions load;
-  load.downscale = s.downscale;
-  load.threads = s.threads;
-  load.background = {s.background[0], s.background[1], s.background[2]};
-  const auto data = load_dataset(s.data, load);
+  const auto data = load(s.data);
   if (!data) return std::unexpected(data.error());
   const std::vector<Photo>& photos = s.split == "train" ? data->train : data->test;
   if (photos.empty())
-    return fail(s.data, "",
+    return fail(s.data.folder, "",
                 fmt::format("has no {} photos; try --split {}", s.split,
                             s.split == "train" ? "test" : "train"));
 
-  const Threads threads(s.threads);
+  const Threads threads(s.data.threads);
   RenderOptions options;
-  options.background = {s.background[0], s.background[1], s.background[2]};
+  options.background = s.data.background_color();
   const auto renderer = make_renderer(s.choice, scene->cloud, options, threads);
   if (!renderer) return std::unexpected(renderer.error());
   const auto score = evaluate(photos, *renderer, threads);
@@ -68,16 +63,10 @@ void add_eval(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("eval", "Compare a scene with photos: PSNR and SSIM");
   command->footer("Example: fluxgs eval garden.glb --data captures/garden --downscale 2 --json");
   command->add_option("scene", s->scene, "the scene file")->required();
-  command->add_option("--data", s->data, "the data set with the photos")->required();
-  command->add_option("--split", s->split, "test or train")
-      ->check(CLI::IsMember({"test", "train"}))
-      ->capture_default_str();
-  command->add_option("--downscale", s->downscale, "reduce the photos by this factor")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
+  command->add_option("--data", s->data.folder, "the data set with the photos")->required();
+  add_split_option(*command, s->split);
+  add_data_options(*command, s->data);
   add_renderer_options(*command, s->choice);
-  add_background(*command, s->background);
-  command->add_option("--threads", s->threads, "0: all cores")->check(CLI::Range(0, 1024));
   command->add_flag("--json", s->as_json, "print one JSON object");
   command->callback([s, &action] { action = [s] { return eval(*s); }; });
 }

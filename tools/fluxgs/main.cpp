@@ -1,4 +1,6 @@
 // fluxgs: the one desktop command.
+#include <unistd.h>
+
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -17,9 +19,18 @@ int report(const fluxgs::Error& error) {
   return 1;
 }
 
+/// Ends as usual, but not without a word. Training takes the signal over to save first.
+void say_interrupted(int signal) {
+  constexpr char line[] = "\nfluxgs: interrupted\n";
+  if (::write(STDERR_FILENO, line, sizeof line - 1) < 0) return;
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGINT, say_interrupted);
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on file sizes shall be an error, not a death
   // Results belong to standard output, everything else to standard error.
   spdlog::set_default_logger(spdlog::stderr_logger_st("fluxgs"));
@@ -51,7 +62,7 @@ int main(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     return report(
         {"", "",
-         "out of memory; smaller pictures, a larger --downscale or fewer splats need less"});
+         "not enough memory; smaller pictures, a larger --downscale or fewer splats need less"});
   } catch (const std::exception& e) {
     return report({"", "", e.what()});
   }

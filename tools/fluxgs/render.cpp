@@ -7,8 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "fluxgs/io/scene.h"
 #include "tools/fluxgs/command.h"
+#include "tools/fluxgs/data_options.h"
+#include "tools/fluxgs/orbit.h"
 #include "tools/fluxgs/renderers.h"
 #include "tools/fluxgs/views.h"
 #include "trainer/data/image_io.h"
@@ -20,10 +21,11 @@ namespace {
 using nlohmann::json;
 
 struct RenderSettings {
-  std::string scene, out, data, camera_file, size, view, split = "test";
+  std::string scene, out, camera_file, view, split = "test";
+  DataOptions data;
+  PictureSize size;
   RendererChoice choice;
-  std::vector<double> background{0, 0, 0};
-  int orbit = 0, downscale = 1, threads = 0, sh_degree = 3;
+  int orbit = 1, sh_degree = 3;
   bool check = false, as_json = false, view_given = false;
 };
 
@@ -33,61 +35,52 @@ struct Shot {
   std::optional<Photo> photo;
 };
 
-Expected<std::vector<Shot>> shots_of_data(const RenderSettings& s, const Dataset& data,
-                                          const PictureSize& size) {
+Expected<std::vector<Shot>> shots_of_data(const RenderSettings& s, const Dataset& data) {
   const std::vector<Photo>& photos =
       s.split == "train" || data.test.empty() ? data.train : data.test;
   std::vector<Shot> shots;
   if (s.view == "all") {
-    for (const Photo& p : photos) shots.push_back({resized(p.camera, size), p});
+    for (const Photo& p : photos) shots.push_back({resized(p.camera, s.size), p});
   } else {
     std::size_t index = photos.size();
     const char* end = s.view.data() + s.view.size();
     if (std::from_chars(s.view.data(), end, index).ptr != end) index = photos.size();
     if (index >= photos.size())
       return fail(
-          s.data, "--view",
+          s.data.folder, "--view",
           fmt::format("'{}' is not a view, expected 0 to {} or all", s.view, photos.size() - 1));
-    shots.push_back({resized(photos[index].camera, size), photos[index]});
+    shots.push_back({resized(photos[index].camera, s.size), photos[index]});
   }
-  if (size.width > 0)
+  if (s.size.width > 0)
     for (Shot& shot : shots) shot.photo.reset();  // another size has nothing to be compared with
   return shots;
 }
 
-Expected<std::vector<Shot>> choose_shots(const RenderSettings& s, const SplatCloud& cloud) {
-  PictureSize size;
-  if (!s.size.empty()) {
-    const auto parsed = parse_size(s.size);
-    if (!parsed) return std::unexpected(parsed.error());
-    size = *parsed;
-  }
-  std::optional<Dataset> data;
-  if (!s.data.empty()) {
-    LoadOptions load;
-    load.downscale = s.downscale;
-    load.background = {s.background[0], s.background[1], s.background[2]};
-    load.threads = s.threads;
-    auto loaded = load_dataset(s.data, load);
-    if (!loaded) return std::unexpected(loaded.error());
-    data = std::move(*loaded);
-  }
-  if (data && s.view_given) return shots_of_data(s, *data, size);
-
+/// Cameras from the file, or else an orbit.
+Expected<std::vector<Shot>> free_shots(const RenderSettings& s, const SplatCloud& cloud,
+                                       const std::optional<Dataset>& data) {
+  PictureSize size = s.size;
   if (size.width == 0)
     size = data ? PictureSize{data->train[0].camera.width, data->train[0].camera.height}
                 : PictureSize{1280, 720};
-  std::vector<Camera> cameras;
-  if (!s.camera_file.empty()) {
-    auto read = cameras_from_file(s.camera_file, size);
-    if (!read) return std::unexpected(read.error());
-    cameras = std::move(*read);
-  } else {
-    cameras = orbit(cloud, data ? data->train : std::vector<Photo>{}, std::max(s.orbit, 1), size);
-  }
+  Expected<std::vector<Camera>> cameras = !s.camera_file.empty()
+                                              ? cameras_from_file(s.camera_file, size)
+                                          : data ? orbit_along(data->train, s.orbit, size)
+                                                 : orbit_around(cloud, s.orbit, size);
+  if (!cameras) return std::unexpected(cameras.error());
   std::vector<Shot> shots;
-  for (Camera& camera : cameras) shots.push_back({std::move(camera), std::nullopt});
+  for (Camera& camera : *cameras) shots.push_back({std::move(camera), std::nullopt});
   return shots;
+}
+
+Expected<std::vector<Shot>> choose_shots(const RenderSettings& s, const SplatCloud& cloud) {
+  std::optional<Dataset> data;
+  if (!s.data.folder.empty()) {
+    auto loaded = load(s.data);
+    if (!loaded) return std::unexpected(loaded.error());
+    data = std::move(*loaded);
+  }
+  return data && s.view_given ? shots_of_data(s, *data) : free_shots(s, cloud, data);
 }
 
 /// OUT.png for one picture; OUT_000.png, … for several, or OUT_<name>.png with --camera.
@@ -162,14 +155,14 @@ double mean_of(const json& pictures, const char* key) {
 Expected<void> render(const RenderSettings& s) {
   if (std::filesystem::path(s.out).extension() != ".png")
     return fail(s.out, "", "pictures are written as PNG, expected a name that ends in .png");
-  const auto scene = read_scene(s.scene);
+  const auto scene = load_scene(s.scene);
   if (!scene) return std::unexpected(scene.error());
   const auto shots = choose_shots(s, scene->cloud);
   if (!shots) return std::unexpected(shots.error());
 
-  const Threads threads(s.threads);
+  const Threads threads(s.data.threads);
   RenderOptions options;
-  options.background = {s.background[0], s.background[1], s.background[2]};
+  options.background = s.data.background_color();
   options.sh_degree = s.sh_degree;
   const auto renderer = make_renderer(s.choice, scene->cloud, options, threads);
   if (!renderer) return std::unexpected(renderer.error());
@@ -207,37 +200,41 @@ void add_render(CLI::App& app, Action& action) {
   command->footer(
       "Views come from --data and --view, from --camera, or from --orbit (the default: one view).\n"
       "Example: fluxgs render garden.glb --data captures/garden --view 0 -o view.png\n"
-      "Example: fluxgs render garden.glb --orbit 8 --size 1280x720 -o orbit.png");
+      "Example: fluxgs render garden.glb --data captures/garden --orbit 8 -o orbit.png");
   command->add_option("scene", s->scene, "the scene file")->required();
   command->add_option("-o,--out", s->out, "the PNG to write; several become OUT_000.png and so on")
       ->required();
-  CLI::Option* data =
-      command->add_option("--data", s->data, "a data set: its views, or an orbit along them");
+  CLI::Option* data = command->add_option("--data", s->data.folder,
+                                          "a data set: its views, or an orbit along them");
   CLI::Option* view =
       command->add_option("--view", s->view, "index of a photo of the split, or all");
-  CLI::Option* orbit = command->add_option("--orbit", s->orbit, "this many views around the scene")
+  CLI::Option* orbit = command
+                           ->add_option("--orbit", s->orbit,
+                                        "this many views around the scene, or with --data\n"
+                                        "along the arc that its photos cover")
                            ->check(CLI::Range(1, 10000));
   CLI::Option* camera = command->add_option("--camera", s->camera_file,
                                             "JSON list of {name, position, target, up, fovY}");
   view->excludes(orbit)->excludes(camera)->needs(data);
   orbit->excludes(camera);
-  command->add_option("--split", s->split, "test or train")
-      ->check(CLI::IsMember({"test", "train"}))
-      ->capture_default_str();
-  command->add_option("--downscale", s->downscale, "reduce the photos by this factor")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
-  command->add_option("--size", s->size, "WIDTHxHEIGHT (default: the photos', otherwise 1280x720)");
+  add_split_option(*command, s->split);
+  add_data_options(*command, s->data);
+  command->add_option_function<std::string>(
+      "--size",
+      [s](const std::string& text) {
+        const auto size = parse_size(text);
+        if (!size) throw CLI::ValidationError("--size", size.error().message());
+        s->size = *size;
+      },
+      "WIDTHxHEIGHT (default: the photos', otherwise 1280x720)");
   add_renderer_options(*command, s->choice);
   command->add_option("--format", s->choice.format, "for gles: rgba8 or rgba16f")
       ->check(CLI::IsMember(kFormatNames))
       ->capture_default_str();
   command->add_option("--sh-degree", s->sh_degree, "evaluate no more than this degree")
       ->check(CLI::Range(0, 3));
-  add_background(*command, s->background);
   command->add_flag("--check", s->check,
                     "measure each picture against the float64 reference (slow)");
-  command->add_option("--threads", s->threads, "0: all cores")->check(CLI::Range(0, 1024));
   command->add_flag("--json", s->as_json, "print one JSON object");
   command->callback([s, view, &action] {
     s->view_given = view->count() > 0;

@@ -13,8 +13,9 @@
 #include "fluxgs/io/file.h"
 #include "fluxgs/io/scene.h"
 #include "tools/fluxgs/command.h"
+#include "tools/fluxgs/data_options.h"
 #include "tools/fluxgs/progress.h"
-#include "trainer/parallel/clock.h"
+#include "trainer/base/clock.h"
 #include "trainer/train/checkpoint.h"
 #include "trainer/train/evaluate.h"
 #include "trainer/train/trainer.h"
@@ -25,9 +26,9 @@ namespace {
 using nlohmann::json;
 
 struct TrainSettings {
-  std::string data, out, preset = preset_names().front(), backend = "auto", resume, report;
-  int downscale = 1, threads = 0, checkpoint_every = 0;
-  std::vector<double> background{0, 0, 0};
+  std::string out, preset = preset_names().front(), backend = "auto", resume, report;
+  DataOptions data;
+  int checkpoint_every = 0;
   std::map<std::string, double> overrides;  // by OptionField::name, those given
   std::optional<std::uint64_t> seed;        // apart, as a double would round it
 };
@@ -39,12 +40,12 @@ class InterruptGuard {
  public:
   InterruptGuard() {
     interrupted = false;
-    std::signal(SIGINT, handle);
-    std::signal(SIGTERM, handle);
+    on_interrupt_ = std::signal(SIGINT, handle);
+    on_terminate_ = std::signal(SIGTERM, handle);
   }
   ~InterruptGuard() {
-    std::signal(SIGINT, SIG_DFL);
-    std::signal(SIGTERM, SIG_DFL);
+    std::signal(SIGINT, on_interrupt_);
+    std::signal(SIGTERM, on_terminate_);
   }
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
@@ -54,6 +55,8 @@ class InterruptGuard {
     interrupted = true;
     std::signal(signal, SIG_DFL);
   }
+  void (*on_interrupt_)(int);
+  void (*on_terminate_)(int);
 };
 
 /// Means over equal stretches of the run, for plots.
@@ -103,8 +106,7 @@ Expected<TrainOptions> options_from(const TrainSettings& settings) {
     if (f.natural) (*options).*f.natural = static_cast<std::uint64_t>(given->second);
   }
   if (settings.seed) options->seed = *settings.seed;
-  options->render.background = {settings.background[0], settings.background[1],
-                                settings.background[2]};
+  options->render.background = settings.data.background_color();
   if (auto valid = validate(*options); !valid) return std::unexpected(valid.error());
   return options;
 }
@@ -124,17 +126,6 @@ bool lies_in(const std::string& file, const std::string& folder) {
                        .parent_path();
 }
 
-Expected<Dataset> load(const TrainSettings& settings, const glm::dvec3& background) {
-  LoadOptions options;
-  options.downscale = settings.downscale;
-  options.threads = settings.threads;
-  options.background = background;
-  auto data = load_dataset(settings.data, options);
-  if (data)
-    for (const std::string& warning : data->warnings) spdlog::warn("warning: {}", warning);
-  return data;
-}
-
 /// A run to start or to go on with.
 struct Run {
   TrainOptions options;
@@ -147,12 +138,14 @@ Expected<Run> resume_run(TrainSettings& settings) {
   auto checkpoint = read_checkpoint(settings.resume);
   if (!checkpoint) return std::unexpected(checkpoint.error());
   settings.preset = checkpoint->preset;
-  settings.downscale = checkpoint->downscale;
-  auto data = load(settings, checkpoint->options.render.background);
+  settings.data.downscale = checkpoint->downscale;
+  const glm::dvec3 background = checkpoint->options.render.background;
+  settings.data.background = {background.x, background.y, background.z};
+  auto data = load(settings.data);
   if (!data) return std::unexpected(data.error());
   if (data->train.size() != checkpoint->train_photos ||
       hash_photos(data->train) != checkpoint->photos_hash)
-    return fail(settings.data, "",
+    return fail(settings.data.folder, "",
                 fmt::format("{} training photos, but not the {} that {} was made with",
                             data->train.size(), checkpoint->train_photos, settings.resume));
   spdlog::info("resuming at iteration {} with {} splats", checkpoint->state.iteration,
@@ -164,7 +157,7 @@ Expected<Run> resume_run(TrainSettings& settings) {
 Expected<Run> new_run(const TrainSettings& settings, const Threads& threads) {
   const auto options = options_from(settings);
   if (!options) return std::unexpected(options.error());
-  auto data = load(settings, options->render.background);
+  auto data = load(settings.data);
   if (!data) return std::unexpected(data.error());
   auto points = initial_points(*data, options->seed);
   if (!points) return std::unexpected(points.error());
@@ -189,8 +182,8 @@ Expected<Run> new_run(const TrainSettings& settings, const Threads& threads) {
 Expected<void> save_checkpoint(const TrainSettings& settings, const Run& run,
                                const Trainer& trainer) {
   return write_checkpoint(settings.out + ".ckpt",
-                          {run.options, settings.preset, settings.downscale, run.data.train.size(),
-                           run.photos_hash, trainer.state()});
+                          {run.options, settings.preset, settings.data.downscale,
+                           run.data.train.size(), run.photos_hash, trainer.state()});
 }
 
 /// Trains to the end; an interruption saves a checkpoint and is an error that says how to go on.
@@ -208,7 +201,7 @@ Expected<void> train_to_end(const TrainSettings& settings, const Run& run, Train
     if (progress.due())
       progress.update(i, fmt::format("{} splats  loss {:.4f}", splats, smooth_loss));
     if (splats == 0)
-      return fail(settings.data, fmt::format("iteration {}", i),
+      return fail(settings.data.folder, fmt::format("iteration {}", i),
                   "no splat is left; the poses or the photos do not fit together");
     const bool periodic = settings.checkpoint_every > 0 && i % settings.checkpoint_every == 0;
     if (!periodic && !interrupted) continue;
@@ -216,7 +209,7 @@ Expected<void> train_to_end(const TrainSettings& settings, const Run& run, Train
     if (interrupted)
       return fail("", fmt::format("interrupted at iteration {}", i),
                   fmt::format("saved; go on with: fluxgs train {} -o {} --resume {}.ckpt",
-                              settings.data, settings.out, settings.out));
+                              settings.data.folder, settings.out, settings.out));
   }
   progress.finish(trainer.state().iteration);
   return {};
@@ -228,10 +221,10 @@ json report_json(const TrainSettings& settings, const Run& run, const Trainer& t
   json stages = json::object();
   for (std::size_t s = 0; s < kStageNames.size(); ++s)
     stages[std::string(kStageNames[s])] = 1e3 * times.seconds[s] / std::max(steps, 1);
-  return {{"data", settings.data},
+  return {{"data", settings.data.folder},
           {"preset", settings.preset},
-          {"options", options_json(run.options)},
-          {"downscale", settings.downscale},
+          {"options", options_json(resolved(run.options))},
+          {"downscale", settings.data.downscale},
           {"backend", "cpu"},
           {"instruction_set", name_of(best_isa())},
           {"iterations", trainer.state().iteration},
@@ -254,13 +247,13 @@ Expected<void> train(TrainSettings settings) {
   if (auto ok = check_writable(settings.out); !ok) return ok;
   if (!settings.report.empty() && settings.report != "-") {
     if (std::filesystem::path(settings.report).extension() != ".json" ||
-        lies_in(settings.report, settings.data))
+        lies_in(settings.report, settings.data.folder))
       return fail(settings.report, "--json",
                   "expected a name that ends in .json, outside of the data set");
     if (auto ok = check_writable(settings.report); !ok) return ok;
   }
 
-  const Threads threads(settings.threads);
+  const Threads threads(settings.data.threads);
   auto run = settings.resume.empty() ? new_run(settings, threads) : resume_run(settings);
   if (!run) return std::unexpected(run.error());
 
@@ -334,21 +327,15 @@ void add_train(CLI::App& app, Action& action) {
       "transforms_train.json, or a folder of photos (then COLMAP is run, if installed).\n"
       "Ctrl-C saves OUT.ckpt, from which --resume goes on exactly as if nothing had happened.\n"
       "Example: fluxgs train captures/garden -o garden.glb --downscale 2 --iterations 7000");
-  command->add_option("data", settings->data, "the data set")->required();
+  command->add_option("data", settings->data.folder, "the data set")->required();
   command->add_option("-o,--out", settings->out, "the scene to write: .glb or .ply")->required();
   command->add_option("--preset", settings->preset, "defaults of everything below")
       ->check(CLI::IsMember(preset_names()))
       ->capture_default_str();
-  command->add_option("--downscale", settings->downscale, "reduce the photos by this factor")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
+  add_data_options(*command, settings->data);
   command->add_option("--backend", settings->backend, "auto, cpu or cuda")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
       ->capture_default_str();
-  command->add_option("--threads", settings->threads, "0: all cores; does not change the result")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
-  add_background(*command, settings->background);
   command->add_option("--resume", settings->resume, "go on from a checkpoint, with its options");
   command
       ->add_option("--checkpoint-every", settings->checkpoint_every,

@@ -4,14 +4,12 @@
 #include <charconv>
 #include <cmath>
 #include <numbers>
-#include <span>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
 #include "fluxgs/io/file.h"
-#include "trainer/data/scene_focus.h"
 
 namespace fluxgs::cli {
 namespace {
@@ -20,22 +18,6 @@ using nlohmann::json;
 
 constexpr int kLargestSide = 16384;
 constexpr double kDegree = std::numbers::pi / 180;
-
-Camera look_at(const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3& up, double fov_y,
-               const PictureSize& size) {
-  Camera c;
-  c.width = size.width;
-  c.height = size.height;
-  c.fx = c.fy = 0.5 * size.height / std::tan(0.5 * fov_y);
-  c.cx = 0.5 * size.width;
-  c.cy = 0.5 * size.height;
-  const glm::dvec3 z = glm::normalize(target - eye);
-  const glm::dvec3 x = glm::normalize(glm::cross(z, up));
-  const glm::dvec3 y = glm::cross(z, x);  // down
-  c.rotation = glm::transpose(glm::dmat3(x, y, z));
-  c.translation = -(c.rotation * eye);
-  return c;
-}
 
 Expected<Camera> camera_from_json(const json& entry, const std::string& path, std::size_t index,
                                   const PictureSize& size) {
@@ -69,58 +51,23 @@ Expected<Camera> camera_from_json(const json& entry, const std::string& path, st
   return camera;
 }
 
-double percentile(std::vector<double> values, double fraction) {
-  const auto at = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-  std::ranges::nth_element(values, values.begin() + at);
-  return values[static_cast<std::size_t>(at)];
-}
-
-/// Where an orbit goes.
-struct Circle {
-  glm::dvec3 center, up;
-  double radius, height, fov_y;  // height above the centre along `up`
-};
-
-Circle circle_around(const SplatCloud& cloud) {
-  Circle c{glm::dvec3(0), {0, -1, 0}, 1, 0, 50 * kDegree};
-  if (cloud.size() == 0) return c;
-  std::vector<double> values(cloud.size());
-  for (int axis = 0; axis < 3; ++axis) {
-    for (std::size_t i = 0; i < cloud.size(); ++i)
-      values[i] = static_cast<double>(cloud.positions[i][axis]);
-    c.center[axis] = percentile(values, 0.5);
-  }
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    values[i] = glm::distance(glm::dvec3(cloud.positions[i]), c.center);
-  const double size = std::max(percentile(values, 0.9), 1e-6);  // far floaters do not count
-  const double distance = 1.15 * size / std::sin(0.5 * c.fov_y);
-  c.height = 0.3 * distance;
-  c.radius = std::sqrt(distance * distance - c.height * c.height);
-  return c;
-}
-
-Circle circle_along(const std::vector<Photo>& photos) {
-  Circle c{glm::dvec3(0), glm::dvec3(0), 0, 0, 0};
-  const std::vector<double> distances = focus_distances(photos);
-  const double share = 1.0 / static_cast<double>(photos.size());
-  glm::dvec3 eyes(0);
-  for (std::size_t i = 0; i < photos.size(); ++i) {
-    const Camera& camera = photos[i].camera;
-    c.center += share * (camera.center() + distances[i] * camera.forward());
-    c.up -= share * glm::dvec3(camera.rotation[0][1], camera.rotation[1][1], camera.rotation[2][1]);
-    c.fov_y += share * 2 * std::atan(0.5 * camera.height / camera.fy);
-    eyes += share * camera.center();
-  }
-  c.up = glm::length(c.up) > 1e-9 ? glm::normalize(c.up) : glm::dvec3(0, -1, 0);
-  c.height = glm::dot(eyes - c.center, c.up);
-  for (const Photo& photo : photos) {
-    const glm::dvec3 arm = photo.camera.center() - c.center;
-    c.radius += share * glm::length(arm - c.up * glm::dot(arm, c.up));
-  }
-  return c;
-}
-
 }  // namespace
+
+Camera look_at(const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3& up, double fov_y,
+               const PictureSize& size) {
+  Camera c;
+  c.width = size.width;
+  c.height = size.height;
+  c.fx = c.fy = 0.5 * size.height / std::tan(0.5 * fov_y);
+  c.cx = 0.5 * size.width;
+  c.cy = 0.5 * size.height;
+  const glm::dvec3 z = glm::normalize(target - eye);
+  const glm::dvec3 x = glm::normalize(glm::cross(z, up));
+  const glm::dvec3 y = glm::cross(z, x);  // down
+  c.rotation = glm::transpose(glm::dmat3(x, y, z));
+  c.translation = -(c.rotation * eye);
+  return c;
+}
 
 Expected<PictureSize> parse_size(const std::string& text) {
   PictureSize size;
@@ -132,7 +79,7 @@ Expected<PictureSize> parse_size(const std::string& text) {
   if (second != std::errc() || rest != end || size.width < 1 || size.height < 1 ||
       size.width > kLargestSide || size.height > kLargestSide)
     return fail(
-        "", "--size",
+        "", "",
         fmt::format("'{}' is not a size, expected WIDTHxHEIGHT, 1 to {} each", text, kLargestSide));
   return size;
 }
@@ -163,24 +110,6 @@ Expected<std::vector<Camera>> cameras_from_file(const std::string& path, const P
       return fail(path, fmt::format("camera {}: name", i),
                   fmt::format("'{}' is there twice, and would name the same file", camera->name));
     cameras.push_back(std::move(*camera));
-  }
-  return cameras;
-}
-
-std::vector<Camera> orbit(const SplatCloud& cloud, const std::vector<Photo>& photos, int count,
-                          const PictureSize& size) {
-  const Circle c = photos.empty() ? circle_around(cloud) : circle_along(photos);
-  // Any two directions across `up`; the first as near as can be to the scene's forward axis
-  const glm::dvec3 guess = std::abs(c.up.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
-  const glm::dvec3 side = glm::normalize(glm::cross(c.up, guess));
-  const glm::dvec3 front = glm::cross(side, c.up);
-  std::vector<Camera> cameras;
-  for (int i = 0; i < count; ++i) {
-    const double angle = 2 * std::numbers::pi * i / count;
-    const glm::dvec3 eye =
-        c.center - c.radius * (std::cos(angle) * front + std::sin(angle) * side) + c.height * c.up;
-    cameras.push_back(look_at(eye, c.center, c.up, c.fov_y, size));
-    cameras.back().name = fmt::format("{:03}", i);
   }
   return cameras;
 }

@@ -1,4 +1,4 @@
-// Which pictures to take: cameras from a data set, from a file, or around the scene.
+// Which pictures to take: their size, and cameras from a file.
 #pragma once
 
 #include <string>
@@ -6,8 +6,6 @@
 
 #include "fluxgs/camera.h"
 #include "fluxgs/error.h"
-#include "fluxgs/splat_cloud.h"
-#include "trainer/data/dataset.h"
 
 namespace fluxgs::cli {
 
@@ -18,6 +16,11 @@ struct PictureSize {
 /// "WxH", 1…16384 each.
 Expected<PictureSize> parse_size(const std::string& text);
 
+/// A camera at `eye` that looks at `target`, with square pixels and the principal point in the
+/// centre; fov_y in radians. `up` is not parallel to the view.
+Camera look_at(const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3& up, double fov_y,
+               const PictureSize& size);
+
 /// The same view in another size: the intrinsics are scaled with each side.
 Camera resized(Camera camera, const PictureSize& size);
 
@@ -25,11 +28,5 @@ Camera resized(Camera camera, const PictureSize& size);
 /// coordinates of the scene as an INRIA .ply stores it; square pixels, principal point in the
 /// centre. Errors name the file, the entry and the key.
 Expected<std::vector<Camera>> cameras_from_file(const std::string& path, const PictureSize& size);
-
-/// `count` cameras on a circle that looks at the scene slightly from above. With photos the circle
-/// follows theirs: their centre of attention, mean height, distance and up direction. Without, it
-/// is fitted to the middle of the splats, y down.
-std::vector<Camera> orbit(const SplatCloud& cloud, const std::vector<Photo>& photos, int count,
-                          const PictureSize& size);
 
 }  // namespace fluxgs::cli

@@ -1,8 +1,8 @@
 #include "trainer/data/random_points.h"
 
 #include <algorithm>
-#include <random>
 
+#include "trainer/base/random.h"
 #include "trainer/data/scene_focus.h"
 
 namespace fluxgs {
@@ -10,26 +10,23 @@ namespace {
 
 constexpr double kNear = 0.4, kFar = 2.0;  // times the focus distance
 
-/// Uniform in [0, 1). The standard's distributions differ between libraries, its engines do not.
-double uniform(std::mt19937_64& engine) { return static_cast<double>(engine() >> 11) * 0x1.0p-53; }
-
-int uniform_index(std::mt19937_64& engine, int count) {
-  return std::min(static_cast<int>(uniform(engine) * count), count - 1);
+int uniform_index(Random& random, int count) {
+  return std::min(static_cast<int>(uniform(random) * count), count - 1);
 }
 
 }  // namespace
 
 PointCloud random_points(const std::vector<Photo>& photos, std::size_t count, std::uint64_t seed) {
   const std::vector<double> distances = focus_distances(photos);
-  std::mt19937_64 engine(seed);
+  Random random(seed);
   PointCloud cloud{.positions = {}, .colors = {}, .source = "random"};
   for (std::size_t i = 0; i < count; ++i) {
     const auto view =
-        static_cast<std::size_t>(uniform_index(engine, static_cast<int>(photos.size())));
+        static_cast<std::size_t>(uniform_index(random, static_cast<int>(photos.size())));
     const Photo& photo = photos[view];
-    const int x = uniform_index(engine, photo.rgb.width);
-    const int y = uniform_index(engine, photo.rgb.height);
-    const double depth = distances[view] * (kNear + (kFar - kNear) * uniform(engine));
+    const int x = uniform_index(random, photo.rgb.width);
+    const int y = uniform_index(random, photo.rgb.height);
+    const double depth = distances[view] * (kNear + (kFar - kNear) * uniform(random));
     const Ray ray = pixel_ray(photo.camera, {x + 0.5, y + 0.5});
     const double along = depth / glm::dot(ray.direction, photo.camera.forward());
     const std::uint8_t* rgb = photo.rgb.at(x, y);

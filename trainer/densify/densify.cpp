@@ -36,6 +36,13 @@ std::vector<std::uint32_t> growing(const TrainState& state, const TrainOptions& 
   return chosen;
 }
 
+bool oversized(const TrainState& state, std::size_t i, const TrainOptions& options, double extent) {
+  const double radius = static_cast<double>(state.statistics.row(statistic::radius)[i]);
+  return (options.prune_screen_radius > 0 && radius > options.prune_screen_radius) ||
+         static_cast<double>(largest_scale(state.parameters, i)) >
+             options.prune_world_size * extent;
+}
+
 std::vector<Fate> decide(const TrainState& state, const TrainOptions& options, double extent) {
   const PlanarFloats& p = state.parameters;
   std::vector<Fate> fates(p.size(), Fate::keep);
@@ -46,14 +53,9 @@ std::vector<Fate> decide(const TrainState& state, const TrainOptions& options, d
   const float least = logit(std::max(options.prune_opacity, 1e-9));
   const bool limit_size =
       options.opacity_reset_interval > 0 && state.iteration > options.opacity_reset_interval;
-  for (std::size_t i = 0; i < p.size(); ++i) {
-    const bool oversized =
-        limit_size &&
-        (static_cast<double>(state.statistics.row(statistic::radius)[i]) >
-             options.prune_screen_radius ||
-         static_cast<double>(largest_scale(p, i)) > options.prune_world_size * extent);
-    if (p.row(row::opacity)[i] < least || oversized) fates[i] = Fate::prune;
-  }
+  for (std::size_t i = 0; i < p.size(); ++i)
+    if (p.row(row::opacity)[i] < least || (limit_size && oversized(state, i, options, extent)))
+      fates[i] = Fate::prune;
   return fates;
 }
 

@@ -1,9 +1,9 @@
 // Adaptive density control of vanilla 3DGS (Kerbl et al. 2023, section 5.2): single-view gradients.
 #pragma once
 
+#include "trainer/model/options.h"
+#include "trainer/model/state.h"
 #include "trainer/raster/rasterizer.h"
-#include "trainer/train/options.h"
-#include "trainer/train/state.h"
 
 namespace fluxgs {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "fluxgs/image.h"
+#include "trainer/base/parallel.h"
 #include "trainer/loss/kernels.h"
-#include "trainer/parallel/parallel.h"
 #include "trainer/raster/planar_image.h"
 
 namespace fluxgs {

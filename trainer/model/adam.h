@@ -1,9 +1,9 @@
 // The optimiser's state and step.
 #pragma once
 
+#include "trainer/base/parallel.h"
 #include "trainer/model/kernels.h"
 #include "trainer/model/parameters.h"
-#include "trainer/parallel/parallel.h"
 
 namespace fluxgs {
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "fluxgs/splat_cloud.h"
+#include "trainer/base/parallel.h"
 #include "trainer/data/initial_points.h"
-#include "trainer/parallel/parallel.h"
 
 namespace fluxgs {
 

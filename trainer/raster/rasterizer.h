@@ -7,8 +7,8 @@
 
 #include "fluxgs/camera.h"
 #include "fluxgs/render_options.h"
+#include "trainer/base/parallel.h"
 #include "trainer/model/parameters.h"
-#include "trainer/parallel/parallel.h"
 #include "trainer/raster/planar_image.h"
 #include "trainer/raster/stages.h"
 #include "trainer/simd/isa.h"

@@ -8,8 +8,8 @@
 
 #include "fluxgs/error.h"
 #include "trainer/data/dataset.h"
-#include "trainer/train/options.h"
-#include "trainer/train/state.h"
+#include "trainer/model/options.h"
+#include "trainer/model/state.h"
 
 namespace fluxgs {
 

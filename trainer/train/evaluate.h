@@ -8,8 +8,8 @@
 #include "fluxgs/error.h"
 #include "fluxgs/render_options.h"
 #include "fluxgs/splat_cloud.h"
+#include "trainer/base/parallel.h"
 #include "trainer/data/dataset.h"
-#include "trainer/parallel/parallel.h"
 #include "trainer/raster/planar_image.h"
 
 namespace fluxgs {

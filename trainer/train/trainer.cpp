@@ -35,7 +35,7 @@ TrainState initial_state(const Dataset& data, const PointCloud& points, const Tr
 Trainer::Trainer(const Dataset& data, const TrainOptions& options, TrainState state,
                  const Threads& threads, StageTimes& times)
     : data_(data),
-      options_(options),
+      options_(resolved(options)),
       state_(std::move(state)),
       threads_(threads),
       times_(times),
@@ -52,7 +52,7 @@ const Photo& Trainer::next_photo() {
 }
 
 int Trainer::sh_degree_in_use() const {
-  return std::min(options_.sh_degree, state_.iteration / options_.effective_sh_degree_interval());
+  return std::min(options_.sh_degree, state_.iteration / options_.sh_degree_interval);
 }
 
 LearningRates Trainer::rates() const {
@@ -66,7 +66,7 @@ LearningRates Trainer::rates() const {
 DensifyCounts Trainer::control_density() {
   DensifyCounts counts;
   const int i = state_.iteration;
-  if (i > options_.effective_densify_until()) return counts;
+  if (i > options_.densify_until) return counts;
   if (i >= options_.densify_from && i % options_.densify_interval == 0)
     counts = densify_and_prune(state_, options_, extent_);
   if (options_.opacity_reset_interval > 0 && i % options_.opacity_reset_interval == 0)
@@ -97,7 +97,7 @@ StepReport Trainer::step() {
               render.sh_degree, threads_, adam_kernels(best_isa()));
   }
   StageTimer timer(times_, Stage::densify);
-  if (state_.iteration <= options_.effective_densify_until())
+  if (state_.iteration <= options_.densify_until)
     gather_statistics(state_, *rasterizer_);
   report.densified = control_density();
   return report;

@@ -9,9 +9,9 @@
 #include "trainer/data/initial_points.h"
 #include "trainer/densify/densify.h"
 #include "trainer/loss/photometric.h"
+#include "trainer/model/options.h"
+#include "trainer/model/state.h"
 #include "trainer/raster/rasterizer.h"
-#include "trainer/train/options.h"
-#include "trainer/train/state.h"
 
 namespace fluxgs {
 

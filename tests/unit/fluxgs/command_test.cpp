@@ -98,6 +98,7 @@ TEST(Command, TrainsEvaluatesRendersConvertsAndInforms) {
                           "ssim", "curves", "stages", "backend", "versions"})
     EXPECT_TRUE(run.contains(key)) << key;
   EXPECT_EQ(run["iterations"], 60);
+  EXPECT_EQ(run["options"]["densify-until"], 30);  // half of the run, not the 0 that stands for it
 
   const Outcome scored =
       fluxgs(fmt::format("eval {} --data {} --json", quoted(scene), quoted(capture_folder())));
@@ -143,6 +144,8 @@ TEST(Command, WrongUsageIsStatusTwoAndHelpHasExamples) {
   EXPECT_EQ(fluxgs("train x -o y.glb --position-rate nan").status, 2);
   EXPECT_EQ(fluxgs("train x -o y.glb --background nan,0,0").status, 2);
   EXPECT_EQ(fluxgs("train x -o y.glb --resume z.ckpt --iterations 9").status, 2);
+  EXPECT_EQ(fluxgs("render x.glb -o y.png --size 0x9").status, 2);
+  EXPECT_EQ(fluxgs("render x.glb -o y.png --size 12").status, 2);
   EXPECT_NE(fluxgs("train x -o y.glb --iterations 0")
                 .err.find("fluxgs: error: --iterations: expected 1 to 1e+09"),
             std::string::npos);
@@ -196,6 +199,15 @@ TEST(Command, BadScenes) {
   expect_error(
       fluxgs(fmt::format("convert {} {}", quoted(folder / "no.ply"), quoted(folder / "x.obj"))),
       {"x.obj"});
+}
+
+TEST(Command, AnEmptySceneIsAWarning) {
+  const test::TempFolder folder;
+  ASSERT_TRUE(write_scene(folder / "none.ply", SplatCloud()));
+  const Outcome o = fluxgs(fmt::format("render {} --renderer cpu --size 8x8 -o {}",
+                                       quoted(folder / "none.ply"), quoted(folder / "v.png")));
+  EXPECT_EQ(o.status, 0);
+  EXPECT_NE(o.err.find("has no splats"), std::string::npos) << o.err;
 }
 
 TEST(Command, OutputThatCannotBeWrittenFailsBeforeTraining) {

@@ -10,7 +10,6 @@
 #include <cstring>
 #include <filesystem>
 #include <optional>
-#include <random>
 #include <span>
 #include <string>
 #include <string_view>
@@ -19,7 +18,7 @@
 #include <gtest/gtest.h>
 
 #include "fluxgs/error.h"
-#include "fluxgs/splat_cloud.h"
+#include "tests/support/scenes.h"
 
 namespace fluxgs::test {
 
@@ -37,27 +36,6 @@ template <class T>
 void append(Bytes& bytes, const T& value) {
   const auto* raw = reinterpret_cast<const std::byte*>(&value);
   bytes.insert(bytes.end(), raw, raw + sizeof value);
-}
-
-/// Plausible splats, the same for the same seed.
-inline SplatCloud random_cloud(std::size_t count, int sh_degree, unsigned seed = 1) {
-  std::mt19937 random(seed);
-  std::normal_distribution<float> normal;
-  const auto vec = [&](float scale) {
-    return glm::vec3(normal(random), normal(random), normal(random)) * scale;
-  };
-  SplatCloud cloud;
-  cloud.sh_degree = sh_degree;
-  cloud.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    cloud.positions[i] = vec(3);
-    cloud.log_scales[i] = vec(1.5f) - glm::vec3(4);
-    cloud.rotations[i] = glm::quat(normal(random), normal(random), normal(random), normal(random));
-    cloud.opacity_logits[i] = 3 * normal(random);
-    cloud.sh_dc[i] = vec(1);
-  }
-  for (glm::vec3& c : cloud.sh_rest) c = vec(0.3f);
-  return cloud;
 }
 
 /// A folder of its own for each test, removed afterwards.

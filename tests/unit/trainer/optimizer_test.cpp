@@ -8,7 +8,7 @@
 #include "trainer/densify/densify.h"
 #include "trainer/model/adam.h"
 #include "trainer/model/initialize.h"
-#include "trainer/train/options.h"
+#include "trainer/model/options.h"
 
 namespace fluxgs {
 namespace {
@@ -104,15 +104,19 @@ TEST(Densify, ClonesSmallSplitsLargeKeepsTheRest) {
 
 TEST(Densify, PrunesTransparentAndOversizedSplats) {
   TrainOptions options;
+  options.prune_screen_radius = 20;
   TrainState state = state_of({0, 0, 0, 0}, {0.01f, 0.01f, 0.2f, 0.01f});
   state.parameters.row(row::opacity)[1] = -6;        // sigmoid(−6) = 0.0025 < 0.005
   state.statistics.row(statistic::radius)[3] = 21;   // > 20 px
   state.iteration = options.opacity_reset_interval;  // sizes do not count yet
-  TrainState later = state;
+  TrainState later = state, any_radius = state;
   EXPECT_EQ(densify_and_prune(state, options, 1.0).pruned, 1u);
   later.iteration = options.opacity_reset_interval + 1;
   EXPECT_EQ(densify_and_prune(later, options, 1.0).pruned, 3u);
   EXPECT_EQ(later.parameters.size(), 1u);
+  any_radius.iteration = options.opacity_reset_interval + 1;
+  options.prune_screen_radius = 0;
+  EXPECT_EQ(densify_and_prune(any_radius, options, 1.0).pruned, 2u);
 }
 
 TEST(Densify, NeverExceedsTheLimitAndPrefersLargeGradients) {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "trainer/parallel/parallel.h"
+#include "trainer/base/parallel.h"
 #include "trainer/raster/cpu/kernels.h"
 
 namespace fluxgs {

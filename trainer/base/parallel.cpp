@@ -1,4 +1,4 @@
-#include "trainer/parallel/parallel.h"
+#include "trainer/base/parallel.h"
 
 #include <algorithm>
 #include <optional>

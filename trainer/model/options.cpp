@@ -1,4 +1,6 @@
-#include "trainer/train/options.h"
+#include "trainer/model/options.h"
+
+#include <algorithm>
 
 #include <fmt/format.h>
 
@@ -63,7 +65,8 @@ const std::vector<OptionField>& option_fields() {
            100),
       natural("max-splats", "never more splats than this (0: no limit)", &O::max_splats),
       real("prune-opacity", "splats below this opacity are removed", &O::prune_opacity, 0, 1),
-      real("prune-screen-radius", "px; larger splats are removed after the first opacity reset",
+      real("prune-screen-radius",
+           "px; larger splats are removed after the first opacity reset (0: never)",
            &O::prune_screen_radius, 0, kMany),
       real("prune-world-size",
            "x scene extent; larger splats are removed after the first opacity reset",
@@ -81,6 +84,13 @@ std::vector<std::string> preset_names() { return {"3dgs"}; }
 Expected<TrainOptions> preset(std::string_view name) {
   if (name == "3dgs") return TrainOptions{};
   return fail("", "--preset", fmt::format("'{}' is not a preset; expected 3dgs", name));
+}
+
+TrainOptions resolved(TrainOptions options) {
+  if (options.sh_degree_interval == 0)
+    options.sh_degree_interval = std::min(options.iterations / 8 + 1, 1000);
+  if (options.densify_until == 0) options.densify_until = std::min(options.iterations / 2, 15000);
+  return options;
 }
 
 Expected<void> validate(const TrainOptions& options) {

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "trainer/base/random.h"
 #include "trainer/model/adam.h"
 #include "trainer/model/parameters.h"
-#include "trainer/train/random.h"
 
 namespace fluxgs {
 

@@ -51,7 +51,10 @@ struct TrainOptions {
 
   // Pruning
   double prune_opacity = 0.005;
-  double prune_screen_radius = 20;    ///< px; applies after the first opacity reset
+  /// px, applies after the first opacity reset; 0: never. Off, as it is in effect in the first
+  /// release of 3DGS, which clears its radii before it compares them. 20, the value in the paper's
+  /// code, costs 2.6 dB on the quickstart's capture at 7,000 iterations: walls are large splats.
+  double prune_screen_radius = 0;
   double prune_world_size = 0.1;      ///< × scene extent; applies after the first opacity reset
   int opacity_reset_interval = 3000;  ///< iterations; 0: never
   double opacity_reset_to = 0.01;
@@ -60,16 +63,10 @@ struct TrainOptions {
   double initial_opacity = 0.1;
 
   RenderOptions render;
-
-  int effective_sh_degree_interval() const {
-    if (sh_degree_interval > 0) return sh_degree_interval;
-    return iterations / 8 < 1000 ? iterations / 8 + 1 : 1000;
-  }
-  int effective_densify_until() const {
-    if (densify_until > 0) return densify_until;
-    return iterations / 2 < 15000 ? iterations / 2 : 15000;
-  }
 };
+
+/// The same with every 0 that stands for "depends on the length of the run" replaced.
+TrainOptions resolved(TrainOptions options);
 
 /// Names of the presets, the default one first.
 std::vector<std::string> preset_names();

@@ -1,4 +1,5 @@
-// Random numbers with the same values from every standard library.
+// Random numbers with the same values from every standard library: their distributions differ,
+// their engines do not.
 #pragma once
 
 #include <cmath>

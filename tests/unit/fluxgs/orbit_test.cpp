@@ -1,0 +1,99 @@
+// Cameras around a scene: a full circle, or the arc that the photos cover.
+#include "tools/fluxgs/orbit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+
+#include "support/scenes.h"
+
+namespace fluxgs::cli {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr PictureSize kSize{64, 48};
+
+/// Photos from 3 units around a point that is far from the origin, one unit above it (y is down).
+const glm::dvec3 kCenter(100, -20, 7);
+
+std::vector<Photo> photos_at(const std::vector<double>& degrees) {
+  std::vector<Photo> photos;
+  for (double d : degrees) {
+    const glm::dvec3 arm(3 * std::sin(d * kDegree), -1, -3 * std::cos(d * kDegree));
+    photos.emplace_back().camera = test::camera_at(kCenter + arm, kCenter, 64, 48);
+  }
+  return photos;
+}
+
+double azimuth(const Camera& camera) {
+  const glm::dvec3 arm = camera.center() - kCenter;
+  return std::atan2(arm.x, -arm.z) / kDegree;
+}
+
+void expect_seen_in_the_middle(const Camera& camera, const glm::dvec3& point) {
+  const glm::dvec3 p = camera.rotation * point + camera.translation;
+  EXPECT_GT(p.z, 0);
+  EXPECT_NEAR(camera.fx * p.x / p.z, 0, 0.5);
+  EXPECT_NEAR(camera.fy * p.y / p.z, 0, 0.5);
+}
+
+TEST(Orbit, GoesAllAroundWherePhotosDo) {
+  const auto cameras = orbit_along(photos_at({0, 45, 90, 135, 180, 225, 270, 315}), 4, kSize);
+  ASSERT_EQ(cameras.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(glm::distance(cameras[i].center(), kCenter), std::sqrt(10.0), 0.01);
+    EXPECT_NEAR(cameras[i].center().y, kCenter.y - 1, 0.03);
+    expect_seen_in_the_middle(cameras[i], kCenter);
+    EXPECT_NEAR(glm::distance(cameras[i].center(), cameras[(i + 1) % 4].center()),
+                3 * std::sqrt(2.0), 0.01);
+  }
+}
+
+TEST(Orbit, StaysOnTheArcThatThePhotosCover) {
+  for (const double middle : {0.0, 100.0, 180.0, -90.0}) {
+    const auto photos = photos_at({middle + 20, middle - 60, middle, middle + 60, middle - 30});
+    auto cameras = orbit_along(photos, 5, kSize);
+    ASSERT_EQ(cameras.size(), 5u);
+    std::vector<double> turns;
+    for (const Camera& camera : cameras) {
+      turns.push_back(std::remainder(azimuth(camera) - middle, 360.0));
+      expect_seen_in_the_middle(camera, kCenter);
+    }
+    if (turns.front() > 0) std::ranges::reverse(turns);
+    for (std::size_t i = 0; i < 5; ++i)
+      EXPECT_NEAR(turns[i], -60 + 30 * static_cast<double>(i), 1.5) << middle;
+    cameras = orbit_along(photos, 1, kSize);
+    EXPECT_NEAR(std::remainder(azimuth(cameras[0]) - middle, 360.0), 0, 1.5);
+  }
+}
+
+TEST(Orbit, PhotosFromOnePlaceGiveFiniteCameras) {
+  std::vector<Photo> photos = photos_at({10});
+  for (int count : {1, 3})
+    for (const Camera& camera : orbit_along(photos, count, kSize))
+      EXPECT_TRUE(std::isfinite(glm::dot(camera.center(), camera.forward())));
+  // A panorama: the views leave one place in opposite directions, and so have no common centre
+  photos = photos_at({0, 180});
+  photos[0].camera.translation = photos[0].camera.rotation * -kCenter;
+  photos[1].camera.translation = photos[1].camera.rotation * -kCenter;
+  for (const Camera& camera : orbit_along(photos, 3, kSize))
+    EXPECT_TRUE(std::isfinite(glm::dot(camera.center(), camera.forward())));
+}
+
+TEST(Orbit, AroundSplatsLeavesFarFloatersOut) {
+  SplatCloud cloud = test::random_cloud(1000, 0, 3);
+  for (glm::vec3& p : cloud.positions) p += glm::vec3(kCenter);
+  cloud.positions[0] = glm::vec3(1e6f, 0, 0);
+  for (const Camera& camera : orbit_around(cloud, 6, kSize)) {
+    EXPECT_LT(glm::distance(camera.center(), kCenter), 10);
+    EXPECT_LT(camera.center().y, kCenter.y);  // above, as y is down
+    expect_seen_in_the_middle(camera, camera.center() + 5.0 * camera.forward());
+  }
+  EXPECT_EQ(orbit_around(SplatCloud(), 2, kSize).size(), 2u);
+}
+
+}  // namespace
+}  // namespace fluxgs::cli

@@ -1,0 +1,50 @@
+#include "tools/fluxgs/data_options.h"
+
+#include <spdlog/spdlog.h>
+
+namespace fluxgs::cli {
+namespace {
+
+void add_background(CLI::App& command, std::vector<double>& background) {
+  const auto in_range = [](const std::string& text) {  // CLI::Range lets NaN through
+    double value = -1;
+    const bool number = CLI::detail::lexical_cast(text, value);
+    return number && value >= 0 && value <= 1 ? std::string()
+                                              : text + " is not a number from 0 to 1";
+  };
+  command.add_option("--background", background, "colour behind the scene, r,g,b in 0..1")
+      ->delimiter(',')
+      ->expected(3)
+      ->check(CLI::Validator(in_range, "0..1"));
+}
+
+}  // namespace
+
+void add_data_options(CLI::App& command, DataOptions& options) {
+  command.add_option("--downscale", options.downscale, "reduce the photos by this factor")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  add_background(command, options.background);
+  command.add_option("--threads", options.threads, "0: all cores; does not change the result")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+}
+
+void add_split_option(CLI::App& command, std::string& split) {
+  command.add_option("--split", split, "test or train")
+      ->check(CLI::IsMember({"test", "train"}))
+      ->capture_default_str();
+}
+
+Expected<Dataset> load(const DataOptions& options) {
+  LoadOptions how;
+  how.downscale = options.downscale;
+  how.threads = options.threads;
+  how.background = glm::vec3(options.background_color());
+  auto data = load_dataset(options.folder, how);
+  if (data)
+    for (const std::string& warning : data->warnings) spdlog::warn("warning: {}", warning);
+  return data;
+}
+
+}  // namespace fluxgs::cli

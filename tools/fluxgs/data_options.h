@@ -1,0 +1,32 @@
+// What the sub-commands that look at a data set share: its options, and loading it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <glm/vec3.hpp>
+
+#include "fluxgs/error.h"
+#include "trainer/data/dataset.h"
+
+namespace fluxgs::cli {
+
+struct DataOptions {
+  std::string folder;
+  int downscale = 1, threads = 0;
+  std::vector<double> background{0, 0, 0};
+
+  glm::dvec3 background_color() const { return {background[0], background[1], background[2]}; }
+};
+
+/// --downscale, --background ("r,g,b", each from 0 to 1) and --threads.
+void add_data_options(CLI::App& command, DataOptions& options);
+
+/// --split, "test" or "train".
+void add_split_option(CLI::App& command, std::string& split);
+
+/// Loads the data set and prints its warnings.
+Expected<Dataset> load(const DataOptions& options);
+
+}  // namespace fluxgs::cli

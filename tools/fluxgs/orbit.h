@@ -1,0 +1,24 @@
+// Cameras around a scene.
+#pragma once
+
+#include <vector>
+
+#include "fluxgs/camera.h"
+#include "fluxgs/splat_cloud.h"
+#include "tools/fluxgs/views.h"
+#include "trainer/data/dataset.h"
+
+namespace fluxgs::cli {
+
+/// `count` cameras on a circle that follows the photos': their centre of attention, mean height,
+/// distance, field of view and up direction. Photos from all around give a full circle; if they
+/// leave out more than a quarter of it, the cameras go from one end of the covered arc to the other
+/// (one camera stands in its middle). `photos` has at least one.
+std::vector<Camera> orbit_along(const std::vector<Photo>& photos, int count,
+                                const PictureSize& size);
+
+/// `count` cameras on a circle around the middle of the splats, slightly above; y is down, as in
+/// most scenes.
+std::vector<Camera> orbit_around(const SplatCloud& cloud, int count, const PictureSize& size);
+
+}  // namespace fluxgs::cli
