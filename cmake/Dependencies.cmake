@@ -9,7 +9,10 @@ macro(fluxgs_dependency name url tag)
   FetchContent_MakeAvailable(${name})
 endmacro()
 
+# Options that a project sets before its dependencies hold for those, even where they are old
+set(CMAKE_POLICY_DEFAULT_CMP0077 NEW)
 set(BUILD_SHARED_LIBS OFF)
+set(BUILD_TESTING OFF)  # theirs
 set(TINYGLTF_BUILD_LOADER_EXAMPLE OFF)
 set(TINYGLTF_HEADER_ONLY OFF)
 set(TINYGLTF_INSTALL OFF)
@@ -31,7 +34,8 @@ fluxgs_dependency(TinyGLTF ${_github}/syoyo/tinygltf v2.9.3)
 fluxgs_dependency(Eigen3 https://gitlab.com/libeigen/eigen 3.4.0)
 fluxgs_dependency(CLI11 ${_github}/CLIUtils/CLI11 v2.4.2)
 fluxgs_dependency(hwy ${_github}/google/highway 1.2.0)
-fluxgs_dependency(TBB ${_github}/oneapi-src/oneTBB v2021.13.0)
+# Not by the name TBB: its project takes the variable TBB_DIR for "use the one over there"
+fluxgs_dependency(oneTBB ${_github}/oneapi-src/oneTBB v2021.13.0 NAMES TBB)
 fluxgs_dependency(nanoflann ${_github}/jlblancoc/nanoflann v1.5.5)
 # zstd keeps its CMake project in a sub-folder
 FetchContent_Declare(zstd GIT_REPOSITORY ${_github}/facebook/zstd GIT_TAG v1.5.6 GIT_SHALLOW ON SYSTEM
@@ -39,16 +43,42 @@ FetchContent_Declare(zstd GIT_REPOSITORY ${_github}/facebook/zstd GIT_TAG v1.5.6
 FetchContent_MakeAvailable(zstd)
 fluxgs_dependency(draco ${_github}/google/draco 1.5.7)
 find_package(JPEG REQUIRED)
-find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d)
+set(_opencv_modules core imgproc imgcodecs features2d calib3d)
+list(JOIN _opencv_modules "," BUILD_LIST)
+foreach(unused BUILD_TESTS BUILD_PERF_TESTS BUILD_EXAMPLES BUILD_opencv_apps BUILD_JAVA
+               BUILD_opencv_python3 WITH_GTK WITH_QT WITH_FFMPEG WITH_GSTREAMER WITH_IPP WITH_ITT
+               WITH_ADE WITH_OPENEXR WITH_PROTOBUF WITH_OPENJPEG WITH_JASPER WITH_QUIRC WITH_TIFF
+               WITH_OPENCL WITH_1394 WITH_LAPACK)
+  set(${unused} OFF)
+endforeach()
+fluxgs_dependency(OpenCV ${_github}/opencv/opencv 4.10.0 COMPONENTS ${_opencv_modules})
 
+unset(BUILD_TESTING)
 include(CTest)
 if(BUILD_TESTING)
   fluxgs_dependency(GTest ${_github}/google/googletest v1.14.0 NAMES GTest)
 endif()
 
+# OpenCV's own targets do not know their headers while they are being built.
+add_library(fluxgs_opencv INTERFACE)
+foreach(module IN LISTS _opencv_modules)
+  target_link_libraries(fluxgs_opencv INTERFACE opencv_${module})
+endforeach()
+if(opencv_SOURCE_DIR)
+  target_include_directories(fluxgs_opencv SYSTEM INTERFACE ${OPENCV_CONFIG_FILE_INCLUDE_DIR}
+                             ${opencv_SOURCE_DIR}/include)
+  foreach(module IN LISTS _opencv_modules ITEMS flann)
+    target_include_directories(fluxgs_opencv SYSTEM INTERFACE
+                               ${opencv_SOURCE_DIR}/modules/${module}/include)
+  endforeach()
+endif()
+
 # One name each, whether the library was installed or fetched.
 if(NOT TARGET TinyGLTF::TinyGLTF)
   add_library(TinyGLTF::TinyGLTF ALIAS tinygltf)
+endif()
+if(NOT TARGET hwy::hwy)
+  add_library(hwy::hwy ALIAS hwy)
 endif()
 if(NOT TARGET zstd::libzstd_shared)
   add_library(zstd::libzstd_shared ALIAS libzstd_shared)

@@ -8,6 +8,11 @@
 namespace fluxgs {
 namespace {
 
+// Not the pixel's: over a black background half of the splats would be black curtains before the
+// cameras, which cost nothing there and hide the scene (chesscat, 2,000 iterations: 16 against 27
+// dB)
+constexpr glm::vec3 kGrey(0.5f);
+
 constexpr double kNear = 0.4, kFar = 2.0;  // times the focus distance
 
 int uniform_index(Random& random, int count) {
@@ -29,9 +34,8 @@ PointCloud random_points(const std::vector<Photo>& photos, std::size_t count, st
     const double depth = distances[view] * (kNear + (kFar - kNear) * uniform(random));
     const Ray ray = pixel_ray(photo.camera, {x + 0.5, y + 0.5});
     const double along = depth / glm::dot(ray.direction, photo.camera.forward());
-    const std::uint8_t* rgb = photo.rgb.at(x, y);
     cloud.positions.emplace_back(ray.origin + along * ray.direction);
-    cloud.colors.push_back(glm::vec3(rgb[0], rgb[1], rgb[2]) / 255.0F);
+    cloud.colors.push_back(kGrey);
   }
   return cloud;
 }

@@ -8,8 +8,8 @@
 namespace fluxgs {
 
 /// Points that training photos see: a random photo, a random pixel of it, and a depth uniform
-/// between 0.4 and 2 times the photo's focus distance (see scene_focus.h); the colour is the
-/// pixel's. The same for the same seed on every platform.
+/// between 0.4 and 2 times the photo's focus distance (see scene_focus.h). All are mid-grey, as in
+/// 3DGS. The same for the same seed on every platform.
 PointCloud random_points(const std::vector<Photo>& photos, std::size_t count, std::uint64_t seed);
 
 }  // namespace fluxgs

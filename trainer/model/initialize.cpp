@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <glm/common.hpp>
-
 #include <nanoflann.hpp>
 
 #include "fluxgs/math/spherical_harmonics.h"
@@ -30,9 +28,6 @@ using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<fl
 
 constexpr std::size_t kNeighbours = 3;
 constexpr float kLeastSquaredDistance = 1e-7f;  // points may coincide; as 3DGS does
-
-// A colour is cut off at 0 and does not move there: black splats would stay black for ever.
-constexpr float kLeastColor = 0.05f;
 
 float mean_squared_distance(const Tree& tree, const glm::vec3& at, std::size_t points) {
   std::uint32_t index[kNeighbours + 1];
@@ -60,8 +55,7 @@ SplatCloud splats_from_points(const PointCloud& points, double opacity, const Th
       cloud.log_scales[i] =
           glm::vec3(0.5f * std::log(mean_squared_distance(tree, points.positions[i], count)));
       cloud.opacity_logits[i] = logit;
-      cloud.sh_dc[i] =
-          (glm::max(points.colors[i], kLeastColor) - 0.5f) / static_cast<float>(math::kSh0);
+      cloud.sh_dc[i] = (points.colors[i] - 0.5f) / static_cast<float>(math::kSh0);
     }
   });
   return cloud;

@@ -84,8 +84,8 @@ void expect_same(const TrainState& a, const TrainState& b) {
 
 TEST(Train, LearnsTheScene) {
   const Dataset& data = small_capture();
-  TrainOptions options = short_run(400);
-  options.densify_until = 300;
+  TrainOptions options = short_run(800);
+  options.densify_until = 600;
   options.opacity_reset_interval = 0;
   const Threads threads(2);
   const auto score = [&](const TrainState& state, const std::vector<Photo>& photos) {
@@ -93,7 +93,7 @@ TEST(Train, LearnsTheScene) {
     return evaluate(photos, cpu_view_renderer(cloud, options.render, threads), threads)->psnr;
   };
   const TrainState start = fresh(data, options);
-  const TrainState end = train(data, options, start, 2, 400);
+  const TrainState end = train(data, options, start, 2, 800);
   RecordProperty("train_psnr", std::to_string(score(end, data.train)));
   RecordProperty("test_psnr", std::to_string(score(end, data.test)));
   EXPECT_GT(score(end, data.train), 19.0);
