@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include "tools/fluxgs/progress.h"
+
 namespace fluxgs::cli {
 namespace {
 
@@ -40,6 +42,7 @@ Expected<Dataset> load(const DataOptions& options) {
   LoadOptions how;
   how.downscale = options.downscale;
   how.threads = options.threads;
+  how.progress = show_progress("photos");
   how.background = glm::vec3(options.background_color());
   auto data = load_dataset(options.folder, how);
   if (data)

@@ -3,6 +3,7 @@
 
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/data_options.h"
+#include "tools/fluxgs/progress.h"
 #include "tools/fluxgs/renderers.h"
 
 namespace fluxgs::cli {
@@ -42,7 +43,7 @@ Expected<void> eval(const EvalSettings& s) {
   options.background = s.data.background_color();
   const auto renderer = make_renderer(s.choice, scene->cloud, options, threads);
   if (!renderer) return std::unexpected(renderer.error());
-  const auto score = evaluate(photos, *renderer, threads);
+  const auto score = evaluate(photos, *renderer, threads, show_progress("views"));
   if (!score) return std::unexpected(score.error());
 
   if (s.as_json) {

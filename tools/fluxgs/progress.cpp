@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <memory>
 
 #include <fmt/format.h>
 
@@ -21,8 +22,9 @@ std::string duration(double seconds) {
 
 }  // namespace
 
-Progress::Progress(int total, int done)
-    : total_(total),
+Progress::Progress(std::string unit, int total, int done)
+    : unit_(std::move(unit)),
+      total_(total),
       first_(done),
       terminal_(isatty(STDERR_FILENO)),
       start_(Clock::now()),
@@ -40,8 +42,8 @@ std::string Progress::line(int done, const std::string& detail) const {
   const double left = rate_ > 0 ? (total_ - done) / rate_ : 0;
   std::string bar(static_cast<std::size_t>(filled), '#');
   bar.resize(kBarWidth, '.');
-  return fmt::format("[{}] {}/{}  {:.1f} it/s  {}  {} left", bar, done, total_, rate_, detail,
-                     duration(left));
+  return fmt::format("[{}] {}/{}  {:.1f} {}/s  {}{}{} left", bar, done, total_, rate_, unit_,
+                     detail, detail.empty() ? "" : "  ", duration(left));
 }
 
 void Progress::update(int done, const std::string& detail) {
@@ -58,11 +60,25 @@ void Progress::update(int done, const std::string& detail) {
   std::fflush(stderr);
 }
 
-void Progress::finish(int done) {
+void Progress::clear() const {
   if (terminal_) fmt::print(stderr, "\r\x1b[K");
+}
+
+void Progress::finish(int done) const {
+  clear();
   const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
   fmt::print(stderr, "{} steps in {} ({:.1f} it/s)\n", done - first_, duration(seconds),
              seconds > 0 ? (done - first_) / seconds : 0.0);
+}
+
+ProgressReport show_progress(const std::string& unit) {
+  return [unit, bar = std::shared_ptr<Progress>()](std::size_t done, std::size_t total) mutable {
+    if (!bar) bar = std::make_shared<Progress>(unit, static_cast<int>(total), 0);
+    if (done < total)
+      bar->update(static_cast<int>(done), "");
+    else
+      bar->clear();
+  };
 }
 
 }  // namespace fluxgs::cli

@@ -10,6 +10,7 @@
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/data_options.h"
 #include "tools/fluxgs/orbit.h"
+#include "tools/fluxgs/progress.h"
 #include "tools/fluxgs/renderers.h"
 #include "tools/fluxgs/views.h"
 #include "trainer/data/image_io.h"
@@ -171,10 +172,13 @@ Expected<void> render(const RenderSettings& s) {
     reference = *make_renderer({.renderer = "reference"}, scene->cloud, options, threads);
 
   json pictures = json::array();
+  // Otherwise the lines of the pictures show how it goes
+  const ProgressReport progress = s.as_json ? show_progress("pictures") : ProgressReport();
   for (std::size_t i = 0; i < shots->size(); ++i) {
     const auto entry = take((*shots)[i], file_name(s, *shots, i), *renderer, reference, threads);
     if (!entry) return std::unexpected(entry.error());
     pictures.push_back(*entry);
+    if (progress) progress(i + 1, shots->size());
     if (!s.as_json) print_entry(*entry);
   }
   json result = {{"renderer", s.choice.renderer}, {"pictures", pictures}};

@@ -159,7 +159,7 @@ Expected<Run> new_run(const TrainSettings& settings, const Threads& threads) {
   if (!options) return std::unexpected(options.error());
   auto data = load(settings.data);
   if (!data) return std::unexpected(data.error());
-  auto points = initial_points(*data, options->seed);
+  auto points = initial_points(*data, options->seed, show_progress("pairs"));
   if (!points) return std::unexpected(points.error());
   if (options->max_splats > 0 && points->positions.size() > options->max_splats) {
     // Every n-th point keeps the cloud's coverage
@@ -190,7 +190,7 @@ Expected<void> save_checkpoint(const TrainSettings& settings, const Run& run,
 Expected<void> train_to_end(const TrainSettings& settings, const Run& run, Trainer& trainer,
                             Curves& curves) {
   const InterruptGuard guard;
-  Progress progress(run.options.iterations, trainer.state().iteration);
+  Progress progress("it", run.options.iterations, trainer.state().iteration);
   double smooth_loss = 0;
   while (!trainer.done()) {
     const StepReport step = trainer.step();
@@ -271,7 +271,8 @@ Expected<void> train(TrainSettings settings) {
                             trainer.state().iteration - first);
   if (!run->data.test.empty()) {
     const auto score =
-        evaluate(run->data.test, cpu_view_renderer(cloud, run->options.render, threads), threads);
+        evaluate(run->data.test, cpu_view_renderer(cloud, run->options.render, threads), threads,
+                 show_progress("views"));
     if (!score) return std::unexpected(score.error());
     report["psnr"] = score->psnr;
     report["ssim"] = score->ssim;

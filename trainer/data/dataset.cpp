@@ -1,6 +1,7 @@
 #include "trainer/data/dataset.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -108,13 +109,15 @@ Expected<Dataset> load_dataset(const fs::path& folder, const LoadOptions& option
                 fmt::format("no training images: {} listed without a file, {} for testing",
                             source.skipped_images, source.test_frames.size()));
 
-  auto train = load_photos(source.frames, options);
-  if (!train) return std::unexpected(train.error());
-  auto test = load_photos(source.test_frames, options);
-  if (!test) return std::unexpected(test.error());
+  const auto train_count = static_cast<std::ptrdiff_t>(source.frames.size());
+  std::vector<SourceFrame> frames = std::move(source.frames);
+  frames.insert(frames.end(), source.test_frames.begin(), source.test_frames.end());
+  auto photos = load_photos(frames, options);
+  if (!photos) return std::unexpected(photos.error());
+  const auto first_test = std::make_move_iterator(photos->begin() + train_count);
   Dataset dataset{.kind = found->kind,
-                  .train = std::move(*train),
-                  .test = std::move(*test),
+                  .train = {std::make_move_iterator(photos->begin()), first_test},
+                  .test = {first_test, std::make_move_iterator(photos->end())},
                   .points = std::move(source.points),
                   .point_colors = std::move(source.point_colors),
                   .skipped_images = source.skipped_images,

@@ -12,14 +12,16 @@
 #include "fluxgs/camera.h"
 #include "fluxgs/error.h"
 #include "fluxgs/image.h"
+#include "trainer/base/progress.h"
 
 namespace fluxgs {
 
 struct LoadOptions {
-  int downscale = 1;        ///< integer factor ≥ 1, area-averaged; sizes are rounded down
-  int test_every = 8;       ///< every n-th image, sorted by name, is for testing; 0: none
-  glm::vec3 background{0};  ///< sRGB as stored, 0…1: what transparent pixels show
-  int threads = 0;          ///< for decoding; 0: all
+  int downscale = 1;             ///< integer factor ≥ 1, area-averaged; sizes are rounded down
+  int test_every = 8;            ///< every n-th image, sorted by name, is for testing; 0: none
+  glm::vec3 background{0};       ///< sRGB as stored, 0…1: what transparent pixels show
+  int threads = 0;               ///< for decoding; 0: all
+  ProgressReport progress = {};  ///< photos ready
 };
 
 /// A photo as an ideal pinhole camera would have taken it: distortion undone, reduced by

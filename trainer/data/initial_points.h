@@ -22,6 +22,7 @@ struct PointCloud {
 /// known poses; where fewer than 500 of those are found, random points in the cameras' frustums.
 /// Deterministic for a seed, whatever the number of threads (TBB's; limit it with a
 /// tbb::global_control or task_arena). Errors: no training photos.
-Expected<PointCloud> initial_points(const Dataset& dataset, std::uint64_t seed);
+Expected<PointCloud> initial_points(const Dataset& dataset, std::uint64_t seed,
+                                    const ProgressReport& progress = {});
 
 }  // namespace fluxgs

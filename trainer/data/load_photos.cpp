@@ -124,11 +124,14 @@ Expected<Photo> load_photo(const SourceFrame& frame, const SharedLenses& shared,
 Expected<std::vector<Photo>> load_photos(const std::vector<SourceFrame>& frames,
                                          const LoadOptions& options) {
   std::vector<Expected<Photo>> loaded(frames.size());
+  ProgressCounter counter(options.progress, frames.size());
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   arena.execute([&] {
     const SharedLenses shared = make_shared_lenses(frames);
-    tbb::parallel_for(std::size_t{0}, frames.size(),
-                      [&](std::size_t i) { loaded[i] = load_photo(frames[i], shared, options); });
+    tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t i) {
+      loaded[i] = load_photo(frames[i], shared, options);
+      counter.add_one();
+    });
   });
   std::vector<Photo> photos;
   photos.reserve(frames.size());

@@ -141,12 +141,15 @@ Features find_all_features(const std::vector<Photo>& photos) {
 }
 
 std::vector<Matches> match_all(const std::vector<Photo>& photos, const Features& features,
-                               const std::vector<std::pair<int, int>>& pairs) {
+                               const std::vector<std::pair<int, int>>& pairs,
+                               const ProgressReport& progress) {
+  ProgressCounter counter(progress, pairs.size());
   std::vector<Matches> matches(pairs.size());
   tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) {
     const auto a = static_cast<std::size_t>(pairs[i].first);
     const auto b = static_cast<std::size_t>(pairs[i].second);
     matches[i] = match_features(photos[a], features[a], photos[b], features[b]);
+    counter.add_one();
   });
   return matches;
 }
@@ -176,10 +179,10 @@ std::vector<std::pair<int, int>> choose_pairs(const std::vector<Photo>& photos) 
   return pairs;
 }
 
-PointCloud triangulate_features(const std::vector<Photo>& photos) {
+PointCloud triangulate_features(const std::vector<Photo>& photos, const ProgressReport& progress) {
   const Features features = find_all_features(photos);
   const auto pairs = choose_pairs(photos);
-  const auto matches = match_all(photos, features, pairs);
+  const auto matches = match_all(photos, features, pairs, progress);
   Tracks joined(features);
   for (std::size_t i = 0; i < pairs.size(); ++i)
     for (const auto& [a, b] : matches[i]) joined.join(pairs[i].first, a, pairs[i].second, b);

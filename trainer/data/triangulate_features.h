@@ -11,8 +11,9 @@ namespace fluxgs {
 /// join the matches to tracks, and intersect each track's rays. A point is kept if it is in front
 /// of all its cameras, reprojects within feature_tolerance() (2 px) of every feature of the track,
 /// and is seen under at least 1° of parallax. Its colour is the mean of the photos' pixels.
-/// Deterministic, whatever the number of threads; may find nothing.
-PointCloud triangulate_features(const std::vector<Photo>& photos);
+/// Deterministic, whatever the number of threads; may find nothing. Progress counts pairs matched.
+PointCloud triangulate_features(const std::vector<Photo>& photos,
+                                const ProgressReport& progress = {});
 
 /// The pairs of photos (i < j, sorted) worth matching: for each photo the few whose directions to
 /// its focus differ by a useful parallax (best about 10°) and that look the same way.

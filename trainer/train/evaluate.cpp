@@ -33,8 +33,9 @@ void limit_to_displayable(PlanarImage& image) {
 }  // namespace
 
 Expected<Evaluation> evaluate(const std::vector<Photo>& photos, const ViewRenderer& render,
-                              const Threads& threads) {
+                              const Threads& threads, const ProgressReport& progress) {
   Evaluation result;
+  ProgressCounter counter(progress, photos.size());
   PhotometricLoss loss(threads);
   PlanarImage target;
   for (const Photo& photo : photos) {
@@ -46,6 +47,7 @@ Expected<Evaluation> evaluate(const std::vector<Photo>& photos, const ViewRender
         {photo.camera.name, psnr(*picture, target), loss.run(*picture, target, 0).ssim});
     result.psnr += result.views.back().psnr / static_cast<double>(photos.size());
     result.ssim += result.views.back().ssim / static_cast<double>(photos.size());
+    counter.add_one();
   }
   return result;
 }

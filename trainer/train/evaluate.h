@@ -9,6 +9,7 @@
 #include "fluxgs/render_options.h"
 #include "fluxgs/splat_cloud.h"
 #include "trainer/base/parallel.h"
+#include "trainer/base/progress.h"
 #include "trainer/data/dataset.h"
 #include "trainer/raster/planar_image.h"
 
@@ -33,6 +34,6 @@ ViewRenderer cpu_view_renderer(const SplatCloud& cloud, const RenderOptions& opt
 
 /// Scores every photo. PSNR over all channels and pixels; SSIM as in the loss.
 Expected<Evaluation> evaluate(const std::vector<Photo>& photos, const ViewRenderer& render,
-                              const Threads& threads);
+                              const Threads& threads, const ProgressReport& progress = {});
 
 }  // namespace fluxgs

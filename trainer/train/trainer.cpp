@@ -97,8 +97,7 @@ StepReport Trainer::step() {
               render.sh_degree, threads_, adam_kernels(best_isa()));
   }
   StageTimer timer(times_, Stage::densify);
-  if (state_.iteration <= options_.densify_until)
-    gather_statistics(state_, *rasterizer_);
+  if (state_.iteration <= options_.densify_until) gather_statistics(state_, *rasterizer_);
   report.densified = control_density();
   return report;
 }
