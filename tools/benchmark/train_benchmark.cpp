@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 
 #include "trainer/base/clock.h"
@@ -94,6 +95,7 @@ int main(int argc, char** argv) {
   app.add_option("--iterations", settings.iterations, "iterations timed")->capture_default_str();
   app.add_option("--threads", settings.threads, "0: all cores")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
+  spdlog::set_pattern("%v");
   if (const auto done = fluxgs::run(settings); !done) {
     fmt::print(stderr, "train_benchmark: error: {}\n", done.error().message());
     return 1;

@@ -87,7 +87,8 @@ Circle circle_around(const SplatCloud& cloud) {
   for (int axis = 0; axis < 3; ++axis) {
     for (std::size_t i = 0; i < cloud.size(); ++i)
       values[i] = static_cast<double>(cloud.positions[i][axis]);
-    c.center[axis] = percentile(values, 0.5);
+    // The middle of the extent, not the median: detail draws that to where splats are small
+    c.center[axis] = 0.5 * (percentile(values, 0.02) + percentile(values, 0.98));
   }
   for (std::size_t i = 0; i < cloud.size(); ++i)
     values[i] = glm::distance(glm::dvec3(cloud.positions[i]), c.center);
