@@ -13,6 +13,7 @@ namespace fluxgs::cli {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+constexpr double kInset = 0.05;
 
 double percentile(std::vector<double> values, double fraction) {
   const auto at = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
@@ -51,7 +52,11 @@ void limit_to_covered_arc(Circle& c, const std::vector<Photo>& photos) {
   double widest = 2 * kPi - (angles.back() - angles.front()), after = angles.front();
   for (std::size_t i = 1; i < angles.size(); ++i)
     if (angles[i] - angles[i - 1] > widest) widest = angles[i] - angles[i - 1], after = angles[i];
-  if (widest > kPi / 2) c.begin = after, c.span = 2 * kPi - widest;
+  if (widest <= kPi / 2) return;
+  // The outermost photos show their places from one side only
+  const double covered = 2 * kPi - widest;
+  c.begin = after + kInset * covered;
+  c.span = (1 - 2 * kInset) * covered;
 }
 
 Circle circle_along(const std::vector<Photo>& photos) {

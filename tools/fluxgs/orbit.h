@@ -12,8 +12,8 @@ namespace fluxgs::cli {
 
 /// `count` cameras on a circle that follows the photos': their centre of attention, mean height,
 /// distance, field of view and up direction. Photos from all around give a full circle; if they
-/// leave out more than a quarter of it, the cameras go from one end of the covered arc to the other
-/// (one camera stands in its middle). `photos` has at least one.
+/// leave out more than a quarter of it, the cameras go from near one end of the covered arc to near
+/// the other (one camera stands in its middle). `photos` has at least one.
 std::vector<Camera> orbit_along(const std::vector<Photo>& photos, int count,
                                 const PictureSize& size);
 

@@ -64,7 +64,7 @@ TEST(Orbit, StaysOnTheArcThatThePhotosCover) {
     }
     if (turns.front() > 0) std::ranges::reverse(turns);
     for (std::size_t i = 0; i < 5; ++i)
-      EXPECT_NEAR(turns[i], -60 + 30 * static_cast<double>(i), 1.5) << middle;
+      EXPECT_NEAR(turns[i], -54 + 27 * static_cast<double>(i), 1.5) << middle;
     cameras = orbit_along(photos, 1, kSize);
     EXPECT_NEAR(std::remainder(azimuth(cameras[0]) - middle, 360.0), 0, 1.5);
   }
