@@ -5,17 +5,19 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include "tools/fluxgs/command.h"
+#include "tools/fluxgs/console.h"
 
 namespace {
 
 int report(const fluxgs::Error& error) {
-  fmt::print(stderr, "fluxgs: error: {}\n", error.message());
+  fluxgs::cli::say(fmt::format("fluxgs: error: {}\n", fluxgs::cli::one_line(error.message())));
   return 1;
 }
 
@@ -30,6 +32,7 @@ void say_interrupted(int signal) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  fluxgs::cli::guard_standard_streams();
   std::signal(SIGINT, say_interrupted);
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on file sizes shall be an error, not a death
   // Results belong to standard output, everything else to standard error.
@@ -54,15 +57,24 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
+    if (app.exit(e) != 0) return 2;
+    const auto printed = fluxgs::cli::flush_standard_output();
+    return printed ? 0 : report(printed.error());
   }
   try {
-    const fluxgs::Expected<void> done = action();
+    fluxgs::Expected<void> done = action();
+    if (done) done = fluxgs::cli::flush_standard_output();
     return done ? 0 : report(done.error());
   } catch (const std::bad_alloc&) {
     return report(
         {"", "",
          "not enough memory; smaller pictures, a larger --downscale or fewer splats need less"});
+  } catch (const std::system_error& e) {
+    return report({"", "",
+                   e.code() == std::errc::resource_unavailable_try_again
+                       ? "cannot start a thread: too many threads or too little memory; "
+                         "try --threads 1"
+                       : e.what()});
   } catch (const std::exception& e) {
     return report({"", "", e.what()});
   }

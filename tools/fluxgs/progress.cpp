@@ -3,10 +3,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <memory>
 
 #include <fmt/format.h>
+
+#include "tools/fluxgs/console.h"
 
 namespace fluxgs::cli {
 namespace {
@@ -54,21 +55,20 @@ void Progress::update(int done, const std::string& detail) {
   last_ = now;
   last_done_ = done;
   if (terminal_)
-    fmt::print(stderr, "\r\x1b[K{}", line(done, detail));
+    say("\r\x1b[K" + line(done, detail));
   else
-    fmt::print(stderr, "{}\n", line(done, detail));
-  std::fflush(stderr);
+    say(line(done, detail) + "\n");
 }
 
 void Progress::clear() const {
-  if (terminal_) fmt::print(stderr, "\r\x1b[K");
+  if (terminal_) say("\r\x1b[K");
 }
 
 void Progress::finish(int done) const {
   clear();
   const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-  fmt::print(stderr, "{} steps in {} ({:.1f} it/s)\n", done - first_, duration(seconds),
-             seconds > 0 ? (done - first_) / seconds : 0.0);
+  say(fmt::format("{} steps in {} ({:.1f} it/s)\n", done - first_, duration(seconds),
+                  seconds > 0 ? (done - first_) / seconds : 0.0));
 }
 
 ProgressReport show_progress(const std::string& unit) {

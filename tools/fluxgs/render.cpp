@@ -74,16 +74,6 @@ Expected<std::vector<Shot>> free_shots(const RenderSettings& s, const SplatCloud
   return shots;
 }
 
-Expected<std::vector<Shot>> choose_shots(const RenderSettings& s, const SplatCloud& cloud) {
-  std::optional<Dataset> data;
-  if (!s.data.folder.empty()) {
-    auto loaded = load(s.data);
-    if (!loaded) return std::unexpected(loaded.error());
-    data = std::move(*loaded);
-  }
-  return data && s.view_given ? shots_of_data(s, *data) : free_shots(s, cloud, data);
-}
-
 /// OUT.png for one picture; OUT_000.png, … for several, or OUT_<name>.png with --camera.
 std::string file_name(const RenderSettings& s, const std::vector<Shot>& shots, std::size_t i) {
   if (shots.size() == 1) return s.out;
@@ -92,6 +82,34 @@ std::string file_name(const RenderSettings& s, const std::vector<Shot>& shots, s
   return (path.parent_path() /
           fmt::format("{}_{}{}", path.stem().string(), tag, path.extension().string()))
       .string();
+}
+
+/// An error if a picture would take the place of a photo.
+Expected<void> check_photos_stay(const RenderSettings& s, const std::vector<Shot>& shots,
+                                 const Dataset& data) {
+  std::error_code ignored;
+  for (std::size_t i = 0; i < shots.size(); ++i) {
+    const std::string file = file_name(s, shots, i);
+    for (const auto* photos : {&data.train, &data.test})
+      for (const Photo& photo : *photos)
+        if (std::filesystem::equivalent(file, photo.path, ignored))
+          return fail(file, "",
+                      "is a photo of the data set; expected another name for the picture");
+  }
+  return {};
+}
+
+Expected<std::vector<Shot>> choose_shots(const RenderSettings& s, const SplatCloud& cloud) {
+  std::optional<Dataset> data;
+  if (!s.data.folder.empty()) {
+    auto loaded = load(s.data);
+    if (!loaded) return std::unexpected(loaded.error());
+    data = std::move(*loaded);
+  }
+  auto shots = data && s.view_given ? shots_of_data(s, *data) : free_shots(s, cloud, data);
+  if (!shots || !data) return shots;
+  if (auto ok = check_photos_stay(s, *shots, *data); !ok) return std::unexpected(ok.error());
+  return shots;
 }
 
 Image<float> interleaved(const PlanarImage& planes) {

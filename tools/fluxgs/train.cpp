@@ -1,10 +1,11 @@
 // fluxgs train: photos in, a scene file out.
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <charconv>
 #include <csignal>
 #include <filesystem>
 #include <map>
-#include <optional>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -13,6 +14,7 @@
 #include "fluxgs/io/file.h"
 #include "fluxgs/io/scene.h"
 #include "tools/fluxgs/command.h"
+#include "tools/fluxgs/console.h"
 #include "tools/fluxgs/data_options.h"
 #include "tools/fluxgs/progress.h"
 #include "trainer/base/clock.h"
@@ -29,34 +31,36 @@ struct TrainSettings {
   std::string out, preset = preset_names().front(), backend = "auto", resume, report;
   DataOptions data;
   int checkpoint_every = 0;
-  std::map<std::string, double> overrides;  // by OptionField::name, those given
-  std::optional<std::uint64_t> seed;        // apart, as a double would round it
+  std::map<std::string, double> overrides;        // by OptionField::name, those given
+  std::map<std::string, std::uint64_t> naturals;  // apart, as a double would round them
 };
 
 std::atomic<bool> interrupted = false;
 
-/// Ctrl-C asks the loop to stop at the next step; a second one ends the program as usual.
+/// Ctrl-C, kill and a closed terminal ask the loop to stop at the next step; a second time they end
+/// the program as usual. Signals that are ignored (nohup) stay so.
 class InterruptGuard {
  public:
   InterruptGuard() {
     interrupted = false;
-    on_interrupt_ = std::signal(SIGINT, handle);
-    on_terminate_ = std::signal(SIGTERM, handle);
+    for (std::size_t i = 0; i < kSignals.size(); ++i) {
+      before_[i] = std::signal(kSignals[i], handle);
+      if (before_[i] == SIG_IGN) std::signal(kSignals[i], SIG_IGN);
+    }
   }
   ~InterruptGuard() {
-    std::signal(SIGINT, on_interrupt_);
-    std::signal(SIGTERM, on_terminate_);
+    for (std::size_t i = 0; i < kSignals.size(); ++i) std::signal(kSignals[i], before_[i]);
   }
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 
  private:
+  static constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
   static void handle(int signal) {
     interrupted = true;
     std::signal(signal, SIG_DFL);
   }
-  void (*on_interrupt_)(int);
-  void (*on_terminate_)(int);
+  std::array<void (*)(int), kSignals.size()> before_{};
 };
 
 /// Means over equal stretches of the run, for plots.
@@ -65,7 +69,6 @@ class Curves {
   explicit Curves(int iterations) : stretch_(std::max(1, iterations / 200)) {}
 
   void add(int iteration, const StepReport& step, std::size_t splats) {
-    if (count_ == 0) start_ = wall_seconds();
     loss_ += step.loss;
     l1_ += step.sums.l1;
     if (++count_ < stretch_) return;
@@ -73,7 +76,9 @@ class Curves {
     losses_.push_back(loss_ / count_);
     l1s_.push_back(l1_ / count_);
     splats_.push_back(splats);
-    rates_.push_back(count_ / std::max(wall_seconds() - start_, 1e-9));
+    const double now = wall_seconds();
+    rates_.push_back(count_ / std::max(now - start_, 1e-9));
+    start_ = now;
     loss_ = l1_ = count_ = 0;
   }
 
@@ -89,7 +94,7 @@ class Curves {
 
  private:
   int stretch_, count_ = 0;
-  double loss_ = 0, l1_ = 0, start_ = 0;
+  double loss_ = 0, l1_ = 0, start_ = wall_seconds();
   std::vector<int> iteration_;
   std::vector<double> losses_, l1s_, rates_;
   std::vector<std::size_t> splats_;
@@ -103,9 +108,10 @@ Expected<TrainOptions> options_from(const TrainSettings& settings) {
     if (given == settings.overrides.end()) continue;
     if (f.integer) (*options).*f.integer = static_cast<int>(given->second);
     if (f.real) (*options).*f.real = given->second;
-    if (f.natural) (*options).*f.natural = static_cast<std::uint64_t>(given->second);
   }
-  if (settings.seed) options->seed = *settings.seed;
+  for (const OptionField& f : option_fields())
+    if (const auto given = settings.naturals.find(f.name); given != settings.naturals.end())
+      (*options).*f.natural = given->second;
   options->render.background = settings.data.background_color();
   if (auto valid = validate(*options); !valid) return std::unexpected(valid.error());
   return options;
@@ -208,8 +214,9 @@ Expected<void> train_to_end(const TrainSettings& settings, const Run& run, Train
     if (auto saved = save_checkpoint(settings, run, trainer); !saved) return saved;
     if (interrupted)
       return fail("", fmt::format("interrupted at iteration {}", i),
-                  fmt::format("saved; go on with: fluxgs train {} -o {} --resume {}.ckpt",
-                              settings.data.folder, settings.out, settings.out));
+                  fmt::format("saved; go on with: fluxgs train {} -o {} --resume {}",
+                              shell_quoted(settings.data.folder), shell_quoted(settings.out),
+                              shell_quoted(settings.out + ".ckpt")));
   }
   progress.finish(trainer.state().iteration);
   return {};
@@ -276,14 +283,32 @@ Expected<void> train(TrainSettings settings) {
     if (!score) return std::unexpected(score.error());
     report["psnr"] = score->psnr;
     report["ssim"] = score->ssim;
-    fmt::print(stderr, "test views: PSNR {:.2f} dB, SSIM {:.4f}\n", score->psnr, score->ssim);
+    say(fmt::format("test views: PSNR {:.2f} dB, SSIM {:.4f}\n", score->psnr, score->ssim));
   }
-  fmt::print(stderr, "{}: {} splats, {:.1f} s\n", settings.out, cloud.size(), seconds);
+  say(fmt::format("{}: {} splats, {:.1f} s\n", one_line(settings.out), cloud.size(), seconds));
   if (settings.report == "-")
     print_json(report);
   else if (!settings.report.empty())
     return write_json(settings.report, report);
   return {};
+}
+
+/// Adds an option for one of the method's whole numbers without a sign. CLI11 would take −1 for
+/// 2⁶⁴ − 1, and that for anything larger.
+CLI::Option* add_natural(CLI::App& command, const OptionField& f,
+                         const std::shared_ptr<TrainSettings>& settings) {
+  const std::string name = f.name;
+  return command.add_option_function<std::string>(
+      "--" + name,
+      [settings, name](const std::string& text) {
+        std::uint64_t value = 0;
+        const char* end = text.data() + text.size();
+        const auto [rest, status] = std::from_chars(text.data(), end, value);
+        if (status != std::errc() || rest != end)
+          throw CLI::ValidationError("--" + name, "expected a whole number from 0 to 2^64 - 1");
+        settings->naturals[name] = value;
+      },
+      f.help);
 }
 
 /// An option for one of the method's constants, which shows its default.
@@ -293,22 +318,25 @@ void add_field(CLI::App& command, const OptionField& f,
   const TrainOptions defaults;
   const auto keep = [settings, name, low = f.low, high = f.high](double value) {
     if (!(value >= low && value <= high))  // also refuses NaN
-      throw CLI::ValidationError("--" + name, fmt::format("expected {:g} to {:g}", low, high));
+      throw CLI::ValidationError("--" + name,
+                                 fmt::format("expected {:.10g} to {:.10g}", low, high));
     settings->overrides[name] = value;
   };
   CLI::Option* option = nullptr;
   if (f.real) {
     option = command.add_option_function<double>("--" + name, keep, f.help);
     option->default_str(fmt::format("{:g}", defaults.*f.real));
-  } else {
+  } else if (f.integer) {
     option = command.add_option_function<std::int64_t>(
         "--" + name, [keep](const std::int64_t& value) { keep(static_cast<double>(value)); },
         f.help);
-    option->default_str(f.integer ? fmt::format("{}", defaults.*f.integer)
-                                  : fmt::format("{}", defaults.*f.natural));
+    option->default_str(fmt::format("{}", defaults.*f.integer));
+  } else {
+    option = add_natural(command, f, settings);
+    option->default_str(fmt::format("{}", defaults.*f.natural));
   }
-  option->group(name == "iterations" || name == "max-splats" ? "Options"
-                                                             : "Constants of the method");
+  const bool common = name == "iterations" || name == "max-splats" || name == "seed";
+  option->group(common ? "Options" : "Constants of the method");
 }
 
 /// A checkpoint brings every option but these.
@@ -344,9 +372,7 @@ void add_train(CLI::App& app, Action& action) {
       ->check(CLI::NonNegativeNumber);
   command->add_option("--json", settings->report,
                       "write a report of the run here (-: standard output)");
-  command->add_option("--seed", settings->seed, "random seed");
-  for (const OptionField& f : option_fields())
-    if (std::string_view(f.name) != "seed") add_field(*command, f, settings);
+  for (const OptionField& f : option_fields()) add_field(*command, f, settings);
   command->callback([settings, command, &action] {
     for (const CLI::Option* option : command->get_options())
       if (!settings->resume.empty() && option->count() > 0 &&

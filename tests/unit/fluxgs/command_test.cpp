@@ -98,6 +98,10 @@ TEST(Command, TrainsEvaluatesRendersConvertsAndInforms) {
                           "ssim", "curves", "stages", "backend", "versions"})
     EXPECT_TRUE(run.contains(key)) << key;
   EXPECT_EQ(run["iterations"], 60);
+  for (const json& rate : run["curves"]["iterations_per_second"]) {
+    EXPECT_GT(rate.get<double>(), 0);
+    EXPECT_LT(rate.get<double>(), 1e5);
+  }
   EXPECT_EQ(run["options"]["densify-until"], 30);  // half of the run, not the 0 that stands for it
 
   const Outcome scored =
@@ -143,11 +147,13 @@ TEST(Command, WrongUsageIsStatusTwoAndHelpHasExamples) {
   EXPECT_EQ(fluxgs("train x -o y.glb --iterations 5.5").status, 2);
   EXPECT_EQ(fluxgs("train x -o y.glb --position-rate nan").status, 2);
   EXPECT_EQ(fluxgs("train x -o y.glb --background nan,0,0").status, 2);
+  for (const char* seed : {"-1", "18446744073709551616", "0x2", "1e3", "''"})
+    EXPECT_EQ(fluxgs(fmt::format("train x -o y.glb --seed {}", seed)).status, 2) << seed;
   EXPECT_EQ(fluxgs("train x -o y.glb --resume z.ckpt --iterations 9").status, 2);
   EXPECT_EQ(fluxgs("render x.glb -o y.png --size 0x9").status, 2);
   EXPECT_EQ(fluxgs("render x.glb -o y.png --size 12").status, 2);
   EXPECT_NE(fluxgs("train x -o y.glb --iterations 0")
-                .err.find("fluxgs: error: --iterations: expected 1 to 1e+09"),
+                .err.find("fluxgs: error: --iterations: expected 1 to 1000000000"),
             std::string::npos);
   for (const char* command : {"train", "eval", "render", "convert", "info", "doctor"}) {
     const Outcome help = fluxgs(std::string(command) + " --help");
@@ -228,6 +234,43 @@ TEST(Command, InputIsNeverOverwritten) {
   expect_error(fluxgs(train(folder / "x.glb", "--iterations 1 --json " + quoted(poses))),
                {"transforms_train.json"});
   EXPECT_EQ(text_of(poses), before);
+  const auto photo = capture_folder() / "test/r_000.png";
+  const std::string pixels = text_of(photo);
+  expect_error(
+      fluxgs(fmt::format("render {} --renderer cpu --data {} --view 0 -o {}",
+                         quoted(folder / "s.ply"), quoted(capture_folder()), quoted(photo))),
+      {"r_000.png", "photo"});
+  EXPECT_EQ(text_of(photo), pixels);
+}
+
+TEST(Command, LostOutputIsAnErrorAndLostMessagesAreNot) {
+  const test::TempFolder folder;
+  ASSERT_TRUE(write_scene(folder / "s.ply", test::random_cloud(10, 0, 1)));
+  const auto status_of = [](const std::string& call) {
+    return WEXITSTATUS(
+        std::system(fmt::format("'{}' {} 2>/dev/null", FLUXGS_BINARY, call).c_str()));
+  };
+  const std::string info = "info --json " + quoted(folder / "s.ply");
+  EXPECT_EQ(status_of(info + " >/dev/null"), 0);
+  for (const char* gone : {" >/dev/full", " >&-"}) {
+    EXPECT_EQ(status_of(info + gone), 1) << gone;
+    EXPECT_EQ(status_of(std::string("--help") + gone), 1) << gone;
+  }
+  const auto silent = [&](const std::string& out, const char* gone) {
+    return WEXITSTATUS(std::system(
+        fmt::format("'{}' {} {}", FLUXGS_BINARY, train(folder / out, "--iterations 5"), gone)
+            .c_str()));
+  };
+  EXPECT_EQ(silent("full.ply", "2>/dev/full"), 0);
+  EXPECT_EQ(silent("closed.ply", "2>&-"), 0);
+  EXPECT_EQ(*read_file(folder / "full.ply"), *read_file(folder / "closed.ply"));
+}
+
+TEST(Command, NamesFromStrangersStayOnOneLine) {
+  const Outcome o = fluxgs("info " + quoted("no\nsuch\033[31mfile"));
+  EXPECT_EQ(o.status, 1);
+  EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+  EXPECT_EQ(o.err.find('\033'), std::string::npos);
 }
 
 TEST(Command, ResumingOnOtherPhotosIsRefused) {
