@@ -7,7 +7,6 @@
 #include <spdlog/spdlog.h>
 
 #include "fluxgs/io/file.h"
-#include "fluxgs/io/scene.h"
 
 namespace fluxgs::cli {
 
@@ -18,6 +17,14 @@ Expected<SceneFile> load_scene(const std::string& path) {
     spdlog::warn("warning: {}: {} splats with NaN or infinity left out", path, scene->dropped);
   if (scene->cloud.size() == 0) spdlog::warn("warning: {}: has no splats", path);
   return scene;
+}
+
+void warn_of_lost_degrees(const std::string& path, const SceneFormat& format, int sh_degree) {
+  if (sh_degree <= format.max_sh_degree) return;
+  spdlog::warn(
+      "warning: {}: a {} stores spherical harmonics up to degree {}; those up to {} are "
+      "left out",
+      path, format.extension, format.max_sh_degree, sh_degree);
 }
 
 void print_json(const nlohmann::json& object) { fmt::print("{}\n", object.dump(2)); }

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fluxgs/error.h"
-#include "fluxgs/io/scene_file.h"
+#include "fluxgs/io/scene.h"
 
 namespace fluxgs::cli {
 
@@ -26,6 +26,9 @@ void add_doctor(CLI::App& app, Action& action);
 
 /// Reads a scene; warns of splats that were left out and of a scene without any.
 Expected<SceneFile> load_scene(const std::string& path);
+
+/// Warns if the format does not store all degrees of a scene that goes to `path`.
+void warn_of_lost_degrees(const std::string& path, const SceneFormat& format, int sh_degree);
 
 /// Results go to standard output: exactly one JSON object with --json.
 void print_json(const nlohmann::json& object);

@@ -13,13 +13,6 @@ namespace {
 
 using nlohmann::json;
 
-/// Bits per splat of each attribute. Both formats so far store plain 32-bit floats.
-json attribute_bits(const SceneFile& scene) {
-  json bits = {{"position", 96}, {"scale", 96}, {"rotation", 128}, {"opacity", 32}, {"sh_dc", 96}};
-  if (scene.cloud.sh_degree > 0) bits["sh_rest"] = 96 * sh_rest_count(scene.cloud.sh_degree);
-  return bits;
-}
-
 json bounds_of(const SplatCloud& cloud) {
   if (cloud.size() == 0) return nullptr;
   glm::vec3 low = cloud.positions[0], high = low;
@@ -35,7 +28,7 @@ json describe(const SceneFile& scene) {
           {"sh_degree", scene.cloud.sh_degree},
           {"bytes", scene.bytes},
           {"bits_per_splat", 8.0 * static_cast<double>(scene.bytes) / splats},
-          {"attributes", attribute_bits(scene)},
+          {"attributes", scene.attribute_bits},
           {"bounds", bounds_of(scene.cloud)},
           {"extensions", scene.extensions}};
 }
@@ -48,7 +41,7 @@ void print_lines(const std::string& path, const json& d) {
   fmt::print("  size        {} bytes, {:.1f} bits a splat\n", d["bytes"].get<std::size_t>(),
              d["bits_per_splat"].get<double>());
   for (const auto& [name, bits] : d["attributes"].items())
-    fmt::print("    {:<10}{} bits\n", name, bits.get<int>());
+    fmt::print("    {:<10}{:.4g} bits\n", name, bits.get<double>());
   if (!d["bounds"].is_null())
     fmt::print("  bounds      {} to {}\n", d["bounds"]["min"].dump(), d["bounds"]["max"].dump());
   for (const json& e : d["extensions"]) fmt::print("  extension   {}\n", e.get<std::string>());

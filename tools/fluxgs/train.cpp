@@ -250,7 +250,8 @@ json report_json(const TrainSettings& settings, const Run& run, const Trainer& t
 Expected<void> train(TrainSettings settings) {
   if (settings.backend == "cuda")
     return fail("", "--backend cuda", "this build has no CUDA backend; use --backend cpu");
-  if (auto format = scene_format_for(settings.out); !format) return std::unexpected(format.error());
+  const auto format = scene_format_for(settings.out);
+  if (!format) return std::unexpected(format.error());
   if (auto ok = check_writable(settings.out); !ok) return ok;
   if (!settings.report.empty() && settings.report != "-") {
     if (std::filesystem::path(settings.report).extension() != ".json" ||
@@ -263,6 +264,7 @@ Expected<void> train(TrainSettings settings) {
   const Threads threads(settings.data.threads);
   auto run = settings.resume.empty() ? new_run(settings, threads) : resume_run(settings);
   if (!run) return std::unexpected(run.error());
+  warn_of_lost_degrees(settings.out, **format, run->options.sh_degree);
 
   StageTimes times;
   Trainer trainer(run->data, run->options, std::move(run->state), threads, times);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <tiny_gltf.h>
 
+#include "activation.h"
 #include "cloud_memory.h"
 #include "fluxgs/io/gltf.h"
 #include "fluxgs/math/sh_rotation.h"
@@ -19,10 +20,6 @@ namespace fluxgs {
 namespace {
 
 using namespace io;
-
-// The ends of the range, see gltf.h.
-constexpr double kLeast = std::numeric_limits<float>::min();
-constexpr double kMostOpacity = 1 - 0x1p-25;
 
 // A document may show a mesh many times, at the cost of memory that its size does not announce.
 constexpr std::size_t kFileBytesPerSplat = 8;
@@ -57,17 +54,6 @@ glm::vec3 vec3(const GltfAttribute& a, std::size_t i) {
   return {component(a, i, 0), component(a, i, 1), component(a, i, 2)};
 }
 
-// NaN stays NaN, so that the splat is dropped and counted.
-float logit(float opacity) {
-  const double o = opacity <= 0 ? kLeast : opacity >= 1 ? kMostOpacity : double{opacity};
-  return static_cast<float>(std::log(o) - std::log1p(-o));
-}
-
-float log_scale(float scale, double log_node_scale) {
-  const double s = scale == 0 ? kLeast : double{scale};
-  return static_cast<float>(std::log(s) + log_node_scale);
-}
-
 // A node's transform with the turn into the frame of the cloud, for all splats of a primitive.
 struct Placement {
   const GltfTransform& node;
@@ -94,7 +80,9 @@ void read_splat(const GltfSplats& from, std::size_t i, const Placement& place, S
   cloud.positions[to] = turn_position(position);
   cloud.rotations[to] = turn_from_gltf(rotation);
   const glm::vec3 scale = vec3(from.scale, i);
-  for (int c = 0; c < 3; ++c) cloud.log_scales[to][c] = log_scale(scale[c], place.log_scale);
+  for (int c = 0; c < 3; ++c) {
+    cloud.log_scales[to][c] = static_cast<float>(log_scale(scale[c]) + place.log_scale);
+  }
   cloud.opacity_logits[to] = logit(component(from.opacity, i, 0));
   cloud.sh_dc[to] = vec3(from.sh[0], i);
   // Bands that this primitive lacks stay zero.
@@ -153,6 +141,7 @@ Expected<SceneFile> read(std::span<const std::byte> bytes, const std::string& na
   scene.dropped = drop_non_finite(scene.cloud);
   scene.format = "glb";
   scene.extensions = json->extensions_used;
+  scene.attribute_bits = float_attribute_bits(scene.cloud.sh_degree);
   scene.bytes = bytes.size();
   return scene;
 }

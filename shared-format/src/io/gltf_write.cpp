@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "activation.h"
 #include "cloud_memory.h"
 #include "fluxgs/io/gltf.h"
 #include "fluxgs/math/projection.h"
-#include "fluxgs/math/spherical_harmonics.h"
 #include "glb_container.h"
 #include "gltf_frame.h"
 #include "gltf_json.h"
@@ -96,22 +96,11 @@ json document_of(const SplatCloud& cloud, const std::vector<Attribute>& attribut
   return root;
 }
 
-float sigmoid(float logit) { return static_cast<float>(1 / (1 + std::exp(-double{logit}))); }
-
-float linear_scale(float log_scale) {
-  constexpr double kMost = std::numeric_limits<float>::max();
-  return static_cast<float>(std::min(std::exp(double{log_scale}), kMost));
-}
-
-std::uint8_t byte_of(double unit) {
-  return static_cast<std::uint8_t>(std::lround(255 * std::clamp(unit, 0.0, 1.0)));
-}
-
 // COLOR_0 is linear, the colours of the splats are sRGB-encoded (the extension's note on fallback
 // behaviour; IEC 61966-2-1).
 std::uint8_t fallback_colour(float dc) {
-  const double c = std::clamp(math::kSh0 * double{dc} + 0.5, 0.0, 1.0);
-  return byte_of(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
+  const double c = std::clamp(io::colour_of(dc), 0.0, 1.0);
+  return io::byte_of(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
 }
 
 glm::quat unit(const glm::quat& q) {
@@ -138,16 +127,16 @@ void put_splats(const SplatCloud& cloud, Output out) {
   for (const glm::vec3& position : cloud.positions) out.put_vec3(io::turn_position(position));
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     for (int c = 0; c < 3; ++c) out.put(fallback_colour(cloud.sh_dc[i][c]));
-    out.put(byte_of(sigmoid(cloud.opacity_logits[i])));
+    out.put(io::byte_of(io::sigmoid(cloud.opacity_logits[i])));
   }
   for (const glm::quat& rotation : cloud.rotations) {
     const glm::quat q = io::turn_to_gltf(unit(rotation));
     for (const float c : {q.x, q.y, q.z, q.w}) out.put(c);
   }
   for (const glm::vec3& s : cloud.log_scales) {
-    for (int c = 0; c < 3; ++c) out.put(linear_scale(s[c]));
+    for (int c = 0; c < 3; ++c) out.put(io::linear_scale(s[c]));
   }
-  for (const float opacity : cloud.opacity_logits) out.put(sigmoid(opacity));
+  for (const float opacity : cloud.opacity_logits) out.put(io::sigmoid(opacity));
   for (const glm::vec3& dc : cloud.sh_dc) out.put_vec3(dc);
   const auto rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
   for (std::size_t k = 0; k < rest; ++k) {

@@ -9,6 +9,7 @@
 
 #include "cloud_memory.h"
 #include "fluxgs/io/ply.h"
+#include "ply_columns.h"
 #include "ply_header.h"
 
 namespace fluxgs {
@@ -33,43 +34,18 @@ struct Columns {
 // The numbers of one splat in the order of Columns.
 using Values = std::array<float, kMaxValues>;
 
-Expected<std::size_t> find_property(const PlyElement& vertex, const std::string& property,
-                                    const std::string& name) {
-  std::size_t found = vertex.properties.size();
-  for (std::size_t i = 0; i < vertex.properties.size(); ++i) {
-    if (vertex.properties[i].name != property) continue;
-    if (found < i) return fail(name, "element vertex", "property " + property + " appears twice");
-    found = i;
-  }
-  if (found < vertex.properties.size()) return found;
-  const bool packed = std::ranges::any_of(
-      vertex.properties, [](const auto& p) { return p.name == "packed_position"; });
-  return fail(name, "element vertex",
-              fmt::format("property {} is missing; expected the properties of a 3DGS .ply{}",
-                          property, packed ? " (this is a compressed .ply)" : ""));
-}
-
 Expected<Columns> find_columns(const PlyElement& vertex, const std::string& name) {
-  for (const PlyProperty& property : vertex.properties) {
-    if (property.list_count) {
-      return fail(name, "element vertex", "holds a list property; expected only scalars");
-    }
+  if (vertex.has_lists()) {
+    return fail(name, "element vertex", "holds a list property; expected only scalars");
   }
-  const auto rest = static_cast<std::size_t>(std::ranges::count_if(
-      vertex.properties, [](const auto& p) { return p.name.starts_with("f_rest_"); }));
+  const auto degree = ply_sh_degree(vertex, name);
+  if (!degree) return std::unexpected(degree.error());
   Columns columns;
-  while (columns.sh_degree < 4 &&
-         rest != 3 * static_cast<std::size_t>(sh_rest_count(columns.sh_degree))) {
-    ++columns.sh_degree;
-  }
-  if (columns.sh_degree > 3) {
-    return fail(
-        name, "element vertex",
-        fmt::format("has {} properties f_rest_*; expected 0, 9, 24 or 45 (degrees 0 to 3)", rest));
-  }
-  for (std::size_t i = 0; i < kPlain + rest; ++i) {
-    const auto found =
-        find_property(vertex, i < kPlain ? kNames[i] : fmt::format("f_rest_{}", i - kPlain), name);
+  columns.sh_degree = *degree;
+  const std::size_t count = kPlain + 3 * static_cast<std::size_t>(sh_rest_count(*degree));
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto found = find_ply_property(
+        vertex, i < kPlain ? kNames[i] : fmt::format("f_rest_{}", i - kPlain), "3DGS .ply", name);
     if (!found) return std::unexpected(found.error());
     columns.property.push_back(*found);
   }
@@ -323,6 +299,7 @@ Expected<SceneFile> read_ply(std::span<const std::byte> bytes, const std::string
   scene.cloud = std::move(*cloud);
   scene.dropped = drop_non_finite(scene.cloud);
   scene.format = "ply";
+  scene.attribute_bits = float_attribute_bits(scene.cloud.sh_degree);
   scene.bytes = bytes.size();
   return scene;
 }

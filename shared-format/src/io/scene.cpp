@@ -6,45 +6,66 @@
 
 #include <fmt/format.h>
 
+#include "fluxgs/io/compressed_ply.h"
 #include "fluxgs/io/file.h"
 #include "fluxgs/io/gltf.h"
 #include "fluxgs/io/ply.h"
+#include "fluxgs/io/splat.h"
 
 namespace fluxgs {
 namespace {
 
-constexpr std::array<SceneFormat, 2> kFormats{{
-    {"ply", "3DGS .ply", ".ply", is_ply, read_ply, encode_ply},
-    {"glb", "glTF binary with KHR_gaussian_splatting", ".glb", is_glb, read_glb, encode_glb},
-}};
+// A content goes to the first format that recognises it. Compressed .ply comes before .ply, of
+// which it is a special case; .splat has no magic and is guessed, and so comes last.
+constexpr auto kFormats = std::to_array<SceneFormat>({
+    {"compressed.ply", "compressed .ply of SuperSplat", ".compressed.ply", 3, is_compressed_ply,
+     read_compressed_ply, nullptr},
+    {"ply", "3DGS .ply", ".ply", 3, is_ply, read_ply, encode_ply},
+    {"glb", "glTF binary with KHR_gaussian_splatting", ".glb", 3, is_glb, read_glb, encode_glb},
+    {"splat", ".splat (32 bytes a splat, unit quaternions)", ".splat", 0, is_splat, read_splat,
+     encode_splat},
+});
 
-std::string lower_extension(const std::filesystem::path& path) {
-  std::string text = path.extension().string();
+std::string lower_case(std::string text) {
   std::ranges::transform(text, text.begin(),
                          [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;
 }
 
-std::string list(std::string_view SceneFormat::* member) {
-  std::string text;
-  for (const SceneFormat& format : kFormats) {
-    text += fmt::format("{}{}", text.empty() ? "" : ", ", format.*member);
-  }
-  return text;
+void append(std::string& list, std::string_view item) {
+  list += fmt::format("{}{}", list.empty() ? "" : ", ", item);
+}
+
+std::string descriptions() {
+  std::string list;
+  for (const SceneFormat& format : kFormats) append(list, format.description);
+  return list;
 }
 
 }  // namespace
 
 std::span<const SceneFormat> scene_formats() { return kFormats; }
 
-Expected<const SceneFormat*> scene_format_for(const std::filesystem::path& path) {
-  const std::string extension = lower_extension(path);
+std::string writable_extensions() {
+  std::string list;
   for (const SceneFormat& format : kFormats) {
-    if (format.extension == extension) return &format;
+    if (format.encode != nullptr) append(list, format.extension);
+  }
+  return list;
+}
+
+Expected<const SceneFormat*> scene_format_for(const std::filesystem::path& path) {
+  const std::string file = lower_case(path.filename().string());
+  for (const SceneFormat& format : kFormats) {
+    if (!file.ends_with(format.extension) || file == format.extension) continue;
+    if (format.encode != nullptr) return &format;
+    return fail(path.string(), "extension",
+                fmt::format("\"{}\" ({}) can be read but not written; expected one of {}",
+                            format.extension, format.description, writable_extensions()));
   }
   return fail(path.string(), "extension",
-              fmt::format("\"{}\" is not a scene format; expected one of {}", extension,
-                          list(&SceneFormat::extension)));
+              fmt::format("\"{}\" is not a scene format; expected one of {}",
+                          lower_case(path.extension().string()), writable_extensions()));
 }
 
 Expected<SceneFile> read_scene(std::span<const std::byte> bytes, const std::string& name) {
@@ -57,9 +78,9 @@ Expected<SceneFile> read_scene(std::span<const std::byte> bytes, const std::stri
     return scene;
   }
   if (bytes.empty()) return fail(name, "", "the file is empty; expected a scene");
-  return fail(name, "format",
-              fmt::format("the content is of no known scene format; expected one of: {}",
-                          list(&SceneFormat::description)));
+  return fail(
+      name, "format",
+      fmt::format("the content is of no known scene format; expected one of: {}", descriptions()));
 }
 
 Expected<SceneFile> read_scene(const std::filesystem::path& path) {

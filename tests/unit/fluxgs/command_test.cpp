@@ -207,6 +207,26 @@ TEST(Command, BadScenes) {
       {"x.obj"});
 }
 
+TEST(Command, ConvertSaysWhatAFormatCannotHold) {
+  const test::TempFolder folder;
+  ASSERT_TRUE(write_scene(folder / "s.ply", test::random_cloud(10, 3, 1)));
+  const auto convert = [&](const std::string& in, const std::string& out) {
+    return fluxgs(fmt::format("convert {} {}", quoted(folder / in), quoted(folder / out)));
+  };
+  const Outcome o = convert("s.ply", "s.splat");
+  EXPECT_EQ(o.status, 0);
+  EXPECT_NE(o.err.find("s.splat: a .splat stores spherical harmonics up to degree 0"),
+            std::string::npos)
+      << o.err;
+  EXPECT_EQ(convert("s.splat", "t.splat").err.find("harmonics"), std::string::npos);
+  expect_error(convert("s.ply", "s.compressed.ply"), {"s.compressed.ply", "not written"});
+  const json facts =
+      json::parse(fluxgs(fmt::format("info {} --json", quoted(folder / "s.splat"))).out);
+  EXPECT_EQ(facts["format"], "splat");
+  EXPECT_EQ(facts["attributes"]["rotation"], 32);
+  EXPECT_EQ(facts["bits_per_splat"], 256);
+}
+
 TEST(Command, AnEmptySceneIsAWarning) {
   const test::TempFolder folder;
   ASSERT_TRUE(write_scene(folder / "none.ply", SplatCloud()));

@@ -262,7 +262,7 @@ TEST(Ply, MalformedHeadersAreExplained) {
   expect_error(read(header("ascii", "element face 0\n")), {"no element \"vertex\""});
   expect_error(read(header("ascii", "nonsense \x1b[31m\n")), {"line 3", "nonsense ?[31m"});
   expect_error(read(header("ascii", "element vertex 0\nproperty uint packed_position\n")),
-               {"property x is missing", "compressed .ply"});
+               {"property x is missing", "3DGS .ply"});
   expect_error(read("ply\n" + std::string(2 << 20, 'a')), {"no \"end_header\"", "1048576"});
   expect_error(read(""), {"no \"end_header\""});
 }

@@ -1,5 +1,9 @@
 #include "fluxgs/io/scene.h"
 
+#include <algorithm>
+
+#include <fmt/format.h>
+
 #include "fluxgs/io/file.h"
 #include "support.h"
 
@@ -12,6 +16,7 @@ TEST(Scene, FormatIsFoundByContentNotByName) {
   const TemporaryFolder folder;
   const SplatCloud cloud = random_cloud(3, 2);
   for (const SceneFormat& format : scene_formats()) {
+    if (format.encode == nullptr) continue;  // read in tests of its own
     const auto path = folder / ("scene" + std::string(format.extension));
     ASSERT_TRUE(write_scene(path, cloud));
     std::filesystem::rename(path, folder / "renamed.bin");
@@ -19,7 +24,11 @@ TEST(Scene, FormatIsFoundByContentNotByName) {
     EXPECT_EQ(scene.format, format.name);
     EXPECT_EQ(scene.bytes, std::filesystem::file_size(folder / "renamed.bin"));
     EXPECT_EQ(scene.cloud.size(), 3u);
-    EXPECT_EQ(scene.cloud.sh_degree, 2);
+    EXPECT_EQ(scene.cloud.sh_degree, std::min(2, format.max_sh_degree));
+    EXPECT_EQ(scene.attribute_bits.contains("sh_rest"), scene.cloud.sh_degree > 0);
+    for (const char* attribute : {"position", "scale", "rotation", "opacity", "sh_dc"}) {
+      EXPECT_TRUE(scene.attribute_bits.contains(attribute)) << format.name << ' ' << attribute;
+    }
   }
 }
 
@@ -27,12 +36,30 @@ TEST(Scene, ExtensionDecidesWhatIsWritten) {
   const TemporaryFolder folder;
   const SplatCloud cloud = random_cloud(1, 0);
   EXPECT_TRUE(write_scene(folder / "A.PLY", cloud));
-  for (const char* name : {"a.obj", "a", "a.ply.tmp", ".ply"}) {
+  for (const char* name : {"a.obj", "a", "a.ply.tmp", ".ply", "aply"}) {
     expect_error(write_scene(folder / name, cloud), {name, "extension", ".ply, .glb"});
   }
   EXPECT_EQ(folder.entries(), 1u);
   EXPECT_TRUE(scene_format_for("x.glb"));
   EXPECT_FALSE(scene_format_for("x.png"));
+}
+
+TEST(Scene, FormatsThatAreOnlyReadAreNotWritten) {
+  const TemporaryFolder folder;
+  for (const SceneFormat& format : scene_formats()) {
+    const auto path = folder / fmt::format("a{}", format.extension);
+    if (format.encode == nullptr) {
+      expect_error(write_scene(path, random_cloud(1, 0)),
+                   {"extension", format.extension, "read but not written", ".ply, .glb"});
+    }
+    EXPECT_EQ(scene_format_for(path).has_value(), format.encode != nullptr);
+    EXPECT_EQ(
+        fmt::format(" {},", writable_extensions()).contains(fmt::format(" {},", format.extension)),
+        format.encode != nullptr);
+  }
+  EXPECT_EQ(folder.entries(), 0u);
+  EXPECT_EQ((*scene_format_for("my.own.ply"))->name, "ply");
+  EXPECT_FALSE(scene_format_for("Big.Compressed.PLY"));
 }
 
 TEST(Scene, UnknownContentAndMissingFilesAreExplained) {
@@ -58,9 +85,11 @@ TEST(Scene, FailedWriteLeavesNothing) {
 // Cutting a file anywhere gives an error that names it, whatever the format.
 TEST(Scene, CutFilesAreErrorsOfTheirFile) {
   for (const SceneFormat& format : scene_formats()) {
+    if (format.encode == nullptr) continue;
     const auto bytes = format.encode(random_cloud(2, 0), "x");
     ASSERT_TRUE(bytes);
     for (std::size_t size = 0; size < bytes->size(); ++size) {
+      if (format.name == "splat" && size == 32) continue;  // a whole splat, and nothing tells more
       const Bytes cut(bytes->begin(), bytes->begin() + std::ptrdiff_t(size));
       const auto scene = read_scene(cut, "cut.file");
       ASSERT_FALSE(scene) << format.name << ' ' << size;

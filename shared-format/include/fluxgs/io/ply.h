@@ -1,5 +1,5 @@
 // The 3D Gaussian splatting .ply of INRIA's reference implementation (Kerbl et al. 2023; PLY: Turk,
-// "The PLY Polygon File Format", 1994).
+// "The PLY Polygon File Format", 1994). The compressed kind is in compressed_ply.h.
 #pragma once
 
 #include <cstddef>

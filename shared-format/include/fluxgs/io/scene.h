@@ -1,5 +1,5 @@
 // Scenes of any format: the format of a file read is found by its content, that of a file written
-// by the extension of its name. A new format is one more file and one more row of the table.
+// by the end of its name. A new format is one more file and one more row of the table.
 #pragma once
 
 #include <cstddef>
@@ -18,13 +18,19 @@ namespace fluxgs {
 struct SceneFormat {
   std::string_view name;         ///< as `fluxgs info` prints it
   std::string_view description;  ///< for people
-  std::string_view extension;    ///< lower case, with the dot
+  std::string_view extension;    ///< end of a file's name, lower case, with the dot
+  int max_sh_degree;             ///< highest degree it stores; a writer leaves out the rest
   bool (*recognises)(std::span<const std::byte> bytes);
   Expected<SceneFile> (*read)(std::span<const std::byte> bytes, const std::string& name);
+  /// Null for a format that is only read.
   Expected<std::vector<std::byte>> (*encode)(const SplatCloud& cloud, const std::string& name);
 };
 
+/// All formats, in the order in which a content is offered to them.
 std::span<const SceneFormat> scene_formats();
+
+/// The extensions that can be written: ".ply, .glb, ...".
+std::string writable_extensions();
 
 /// Read a scene from memory; `name` appears in errors.
 Expected<SceneFile> read_scene(std::span<const std::byte> bytes, const std::string& name);
@@ -32,8 +38,8 @@ Expected<SceneFile> read_scene(std::span<const std::byte> bytes, const std::stri
 /// Read a scene from a file.
 Expected<SceneFile> read_scene(const std::filesystem::path& path);
 
-/// Write a scene under its final name, whole or not at all. An unknown extension is an error that
-/// lists the known ones.
+/// Write a scene under its final name, whole or not at all. An extension that is unknown, or of
+/// a format that is only read, is an error that lists those that can be written.
 Expected<void> write_scene(const std::filesystem::path& path, const SplatCloud& cloud);
 
 /// The format that write_scene would choose: for checking a name before long work.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -9,14 +10,28 @@
 
 namespace fluxgs {
 
+/// Bits that the file spends on each attribute of a splat, by name: position, scale, rotation,
+/// opacity, sh_dc, sh_rest, and what else a format has (tables shared by many splats count in parts
+/// of a bit).
+using AttributeBits = std::map<std::string, double>;
+
 /// A scene as read, with what `fluxgs info` says about it.
 struct SceneFile {
   SplatCloud cloud;                     ///< finite splats only
   std::string format;                   ///< name of the format, see scene_formats()
   std::vector<std::string> extensions;  ///< glTF: extensionsUsed
   std::size_t dropped = 0;              ///< splats left out for a NaN or infinity
+  AttributeBits attribute_bits;         ///< see above
   std::size_t bytes = 0;                ///< size of the file
 };
+
+/// The bits of a format that stores plain 32-bit floats.
+inline AttributeBits float_attribute_bits(int sh_degree) {
+  AttributeBits bits{
+      {"position", 96}, {"scale", 96}, {"rotation", 128}, {"opacity", 32}, {"sh_dc", 96}};
+  if (sh_degree > 0) bits["sh_rest"] = 96 * sh_rest_count(sh_degree);
+  return bits;
+}
 
 /// Bytes that `count` splats take in a SplatCloud. Readers hold at most the file plus this much
 /// (plus a bounded amount for a header).
