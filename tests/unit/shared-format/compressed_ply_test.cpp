@@ -25,17 +25,17 @@ CompressedPly one_splat_file(const PackedSplat& splat) {
 }
 
 TEST(CompressedPly, KnownValues) {
-  // position (1, 0, 1023/2047), rotation w largest, scale (0, 1, any), colour (0, 1, 1/5)
+  // position (1, 0, 1023/2047), rotation w largest, scale (0, 1/3, 1), colour (0, 1, 1/5)
   PackedSplat packed;
   packed.position = 2047u << 21 | 0u << 11 | 1023u;
   packed.rotation = 0u << 30 | 1023u << 20 | 0u << 10 | 0u;
-  packed.scale = 0u << 21 | 1023u << 11 | 2047u;
+  packed.scale = 0u << 21 | 341u << 11 | 2047u;
   packed.colour = 0u << 24 | 255u << 16 | 51u << 8 | 102u;
   FLUXGS_UNWRAP(scene, read(one_splat_file(packed)));
   const SplatCloud& cloud = scene.cloud;
   ASSERT_EQ(cloud.size(), 1u);
   EXPECT_EQ(cloud.positions[0], glm::vec3(1, 10, static_cast<float>(-1 + 4 * 1023.0 / 2047)));
-  EXPECT_EQ(cloud.log_scales[0], glm::vec3(-5, -2, -3));
+  EXPECT_EQ(cloud.log_scales[0], glm::vec3(-5, static_cast<float>(-4 + 2 / 3.0), -3));
   EXPECT_FLOAT_EQ(cloud.sh_dc[0].x, static_cast<float>(-0.5 / math::kSh0));
   EXPECT_FLOAT_EQ(cloud.sh_dc[0].y, static_cast<float>(0.25 / math::kSh0));
   EXPECT_FLOAT_EQ(cloud.sh_dc[0].z, static_cast<float>((-1 + 3 * 0.2 - 0.5) / math::kSh0));
