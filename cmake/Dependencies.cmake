@@ -25,6 +25,14 @@ set(SPDLOG_FMT_EXTERNAL ON)
 set(NANOFLANN_BUILD_EXAMPLES OFF)
 set(NANOFLANN_BUILD_TESTS OFF)
 set(INSTALL_GTEST OFF)
+foreach(unused BUILD_TOOLS BUILD_REGRESS BUILD_OSSFUZZ BUILD_EXAMPLES BUILD_DOC LIBZIP_DO_INSTALL
+               ENABLE_COMMONCRYPTO ENABLE_GNUTLS ENABLE_MBEDTLS ENABLE_OPENSSL
+               ENABLE_WINDOWS_CRYPTO ENABLE_BZIP2 ENABLE_LZMA ENABLE_ZSTD  # libzip
+               WEBP_BUILD_ANIM_UTILS WEBP_BUILD_CWEBP WEBP_BUILD_DWEBP WEBP_BUILD_GIF2WEBP
+               WEBP_BUILD_IMG2WEBP WEBP_BUILD_VWEBP WEBP_BUILD_WEBPINFO WEBP_BUILD_WEBPMUX
+               WEBP_BUILD_EXTRAS)
+  set(${unused} OFF)
+endforeach()
 
 set(_github https://github.com)
 fluxgs_dependency(glm ${_github}/g-truc/glm 1.0.1)
@@ -43,6 +51,8 @@ FetchContent_Declare(zstd GIT_REPOSITORY ${_github}/facebook/zstd GIT_TAG v1.5.6
                      SOURCE_SUBDIR build/cmake FIND_PACKAGE_ARGS)
 FetchContent_MakeAvailable(zstd)
 fluxgs_dependency(draco ${_github}/google/draco 1.5.7)
+fluxgs_dependency(WebP ${_github}/webmproject/libwebp v1.4.0)
+fluxgs_dependency(libzip ${_github}/nih-at/libzip v1.10.1)
 find_package(JPEG REQUIRED)
 set(_opencv_modules core imgproc imgcodecs features2d calib3d)
 list(JOIN _opencv_modules "," BUILD_LIST)
@@ -83,4 +93,10 @@ if(NOT TARGET hwy::hwy)
 endif()
 if(NOT TARGET zstd::libzstd_shared)
   add_library(zstd::libzstd_shared ALIAS libzstd_shared)
+endif()
+if(NOT TARGET WebP::webp)
+  add_library(WebP::webp ALIAS webp)
+endif()
+if(NOT TARGET libzip::zip)
+  add_library(libzip::zip ALIAS zip)
 endif()

@@ -9,51 +9,19 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "json_text.h"
+
 namespace fluxgs::io {
 namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kMaxText = std::size_t(16) << 20;
-constexpr int kMaxDepth = 64;
 constexpr std::size_t kMaxEntries = 65536;
 
 // The splat data do not depend on materials, so an unlit one may be required; quantised positions
 // are read.
 constexpr std::array<std::string_view, 3> kKnownRequired{kSplatExtension, "KHR_mesh_quantization",
                                                          "KHR_materials_unlit"};
-
-// The deepest nesting of objects and arrays. Recursive code is safe below a limit of it.
-int nesting(std::string_view text) {
-  int depth = 0, deepest = 0;
-  bool in_string = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (in_string) {
-      if (c == '\\') ++i;
-      if (c == '"') in_string = false;
-    } else if (c == '"') {
-      in_string = true;
-    } else if (c == '{' || c == '[') {
-      deepest = std::max(deepest, ++depth);
-    } else if (c == '}' || c == ']') {
-      --depth;
-    }
-  }
-  return deepest;
-}
-
-const json& member(const json& object, const char* key) {
-  static const json kNothing;
-  const auto found = object.is_object() ? object.find(key) : object.end();
-  return object.is_object() && found != object.end() ? *found : kNothing;
-}
-
-// Short and on one line, for messages.
-std::string shown(const json& value) {
-  std::string text = value.dump(-1, ' ', true, json::error_handler_t::replace);
-  return text.size() > 80 ? text.substr(0, 77) + "..." : text;
-}
 
 // Collects the first thing that is wrong; the checks read as a list.
 class Checker {
@@ -314,18 +282,10 @@ Expected<GltfJson> check_document(const json& root, std::size_t bin_bytes,
 
 Expected<GltfJson> check_gltf_json(std::string_view text, std::size_t bin_bytes,
                                    const std::string& name) {
-  if (text.size() > kMaxText) {
-    return fail(name, "JSON",
-                fmt::format("holds {} bytes; expected at most {}", text.size(), kMaxText));
-  }
-  if (const int depth = nesting(text); depth > kMaxDepth) {
-    return fail(name, "JSON",
-                fmt::format("is nested {} deep; expected at most {}", depth, kMaxDepth));
-  }
+  const auto root = parse_json_object(text, name, "JSON");
+  if (!root) return std::unexpected(root.error());
   try {
-    const json root = json::parse(text);
-    if (!root.is_object()) return fail(name, "JSON", "expected an object");
-    return check_document(root, bin_bytes, name);
+    return check_document(*root, bin_bytes, name);
   } catch (const json::exception& error) {
     return fail(name, "JSON", error.what());
   }

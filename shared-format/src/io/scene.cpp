@@ -10,6 +10,7 @@
 #include "fluxgs/io/file.h"
 #include "fluxgs/io/gltf.h"
 #include "fluxgs/io/ply.h"
+#include "fluxgs/io/sog.h"
 #include "fluxgs/io/splat.h"
 
 namespace fluxgs {
@@ -22,6 +23,10 @@ constexpr auto kFormats = std::to_array<SceneFormat>({
      read_compressed_ply, nullptr},
     {"ply", "3DGS .ply", ".ply", 3, is_ply, read_ply, encode_ply},
     {"glb", "glTF binary with KHR_gaussian_splatting", ".glb", 3, is_glb, read_glb, encode_glb},
+    {"sog", "bundled SOG", ".sog", 3, is_sog, read_sog, nullptr},
+    {"sog-folder", "SOG's meta.json", ".json", 3, is_sog_meta, nullptr, nullptr, read_sog_folder},
+    {"sog-lod", "streamed SOG's lod-meta.json", ".json", 3, is_sog_lod, nullptr, nullptr,
+     read_sog_lod},
     {"splat", ".splat (32 bytes a splat, unit quaternions)", ".splat", 0, is_splat, read_splat,
      encode_splat},
 });
@@ -40,6 +45,12 @@ std::string descriptions() {
   std::string list;
   for (const SceneFormat& format : kFormats) append(list, format.description);
   return list;
+}
+
+const SceneFormat* find_format(std::span<const std::byte> bytes) {
+  const auto found = std::ranges::find_if(
+      kFormats, [&](const SceneFormat& format) { return format.recognises(bytes); });
+  return found != kFormats.end() ? &*found : nullptr;
 }
 
 }  // namespace
@@ -69,24 +80,34 @@ Expected<const SceneFormat*> scene_format_for(const std::filesystem::path& path)
 }
 
 Expected<SceneFile> read_scene(std::span<const std::byte> bytes, const std::string& name) {
-  for (const SceneFormat& format : kFormats) {
-    if (!format.recognises(bytes)) continue;
-    auto scene = format.read(bytes, name);
-    if (!scene) return scene;
-    scene->format = format.name;
-    scene->bytes = bytes.size();
-    return scene;
-  }
   if (bytes.empty()) return fail(name, "", "the file is empty; expected a scene");
-  return fail(
-      name, "format",
-      fmt::format("the content is of no known scene format; expected one of: {}", descriptions()));
+  const SceneFormat* format = find_format(bytes);
+  if (format == nullptr) {
+    return fail(name, "format",
+                fmt::format("the content is of no known scene format; expected one of: {}",
+                            descriptions()));
+  }
+  if (format->read == nullptr) {
+    return fail(name, "format",
+                fmt::format("{} names other files; expected the path of a file", format->name));
+  }
+  auto scene = format->read(bytes, name);
+  if (!scene) return scene;
+  scene->format = format->name;
+  scene->bytes = bytes.size();
+  return scene;
 }
 
 Expected<SceneFile> read_scene(const std::filesystem::path& path) {
   const auto bytes = read_file(path);
   if (!bytes) return std::unexpected(bytes.error());
-  return read_scene(*bytes, path.string());
+  const SceneFormat* format = find_format(*bytes);
+  if (format == nullptr || format->read_with_folder == nullptr) {
+    return read_scene(*bytes, path.string());
+  }
+  auto scene = format->read_with_folder(*bytes, path);
+  if (scene) scene->format = format->name;
+  return scene;
 }
 
 Expected<void> write_scene(const std::filesystem::path& path, const SplatCloud& cloud) {

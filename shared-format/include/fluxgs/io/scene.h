@@ -21,9 +21,13 @@ struct SceneFormat {
   std::string_view extension;    ///< end of a file's name, lower case, with the dot
   int max_sh_degree;             ///< highest degree it stores; a writer leaves out the rest
   bool (*recognises)(std::span<const std::byte> bytes);
+  /// Null for a format of several files.
   Expected<SceneFile> (*read)(std::span<const std::byte> bytes, const std::string& name);
   /// Null for a format that is only read.
   Expected<std::vector<std::byte>> (*encode)(const SplatCloud& cloud, const std::string& name);
+  /// For a format of several files: reads them, given the content of the first and where it lies.
+  Expected<SceneFile> (*read_with_folder)(std::span<const std::byte> bytes,
+                                          const std::filesystem::path& path) = nullptr;
 };
 
 /// All formats, in the order in which a content is offered to them.
@@ -32,10 +36,10 @@ std::span<const SceneFormat> scene_formats();
 /// The extensions that can be written: ".ply, .glb, ...".
 std::string writable_extensions();
 
-/// Read a scene from memory; `name` appears in errors.
+/// Read a scene from memory; `name` appears in errors. A scene of several files is an error.
 Expected<SceneFile> read_scene(std::span<const std::byte> bytes, const std::string& name);
 
-/// Read a scene from a file.
+/// Read a scene from a file, and from others of its folder if its format has several.
 Expected<SceneFile> read_scene(const std::filesystem::path& path);
 
 /// Write a scene under its final name, whole or not at all. An extension that is unknown, or of

@@ -1,0 +1,24 @@
+// The splats of one SOG scene: the images that its meta.json names, decoded.
+#pragma once
+
+#include <string>
+
+#include "fluxgs/error.h"
+#include "fluxgs/splat_cloud.h"
+#include "named_files.h"
+#include "sog_meta.h"
+
+namespace fluxgs::io {
+
+/// Decode all images. `folder` ("" or with a slash at its end) goes before their names. Splats may
+/// come out with infinite attributes. Refused by name:
+/// - more splats than 65,536 + 16 for each byte of the two images of positions, so that the memory
+///   of the cloud is bounded by the size of the files;
+/// - images with fewer pixels than splats, or more than 2^20 + 4 times as many;
+/// - bytes beyond a codebook, modes of a quaternion other than 252 to 255, labels beyond the
+///   palette.
+/// One image is in memory at a time (of positions two), besides the cloud and the palette.
+Expected<SplatCloud> decode_sog(const SogMeta& meta, const NamedFiles& files,
+                                const std::string& folder, const std::string& name);
+
+}  // namespace fluxgs::io
