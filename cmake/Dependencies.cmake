@@ -54,6 +54,8 @@ fluxgs_dependency(draco ${_github}/google/draco 1.5.7)
 fluxgs_dependency(WebP ${_github}/webmproject/libwebp v1.4.0)
 fluxgs_dependency(libzip ${_github}/nih-at/libzip v1.10.1)
 find_package(JPEG REQUIRED)
+# Every system has it; fetched, its target would clash with the copy inside a fetched OpenCV
+find_package(ZLIB REQUIRED)
 set(_opencv_modules core imgproc imgcodecs features2d calib3d)
 list(JOIN _opencv_modules "," BUILD_LIST)
 foreach(unused BUILD_TESTS BUILD_PERF_TESTS BUILD_EXAMPLES BUILD_opencv_apps BUILD_JAVA

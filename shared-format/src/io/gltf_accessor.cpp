@@ -82,10 +82,20 @@ bool fits(std::uint64_t count, std::uint64_t stride, std::uint64_t size, std::ui
   return size <= room && count - 1 <= (room - size) / stride;
 }
 
-// The bytes of a buffer view.
-Expected<std::span<const std::byte>> view_bytes(const tinygltf::Model& model, int index,
-                                                std::span<const std::byte> buffer,
-                                                const std::string& name) {
+Expected<void> check_type(const tinygltf::Accessor& a, const GltfExpectation& expected,
+                          const std::string& name, const std::string& where) {
+  const unsigned bit = component_bit(a.componentType, a.normalized);
+  if (a.type == expected.type && (bit & expected.components) != 0) return {};
+  return fail(name, where,
+              fmt::format("is {} of {}; expected {}", type_name(a.type),
+                          component_name(a.componentType, a.normalized), expected_types(expected)));
+}
+
+}  // namespace
+
+Expected<std::span<const std::byte>> resolve_view(const tinygltf::Model& model, int index,
+                                                  std::span<const std::byte> buffer,
+                                                  const std::string& name) {
   const std::string where = fmt::format("bufferViews[{}]", index);
   if (static_cast<std::size_t>(index) >= model.bufferViews.size()) {
     return fail(name, where, "does not exist");
@@ -103,17 +113,6 @@ Expected<std::span<const std::byte>> view_bytes(const tinygltf::Model& model, in
   return buffer.subspan(view.byteOffset, view.byteLength);
 }
 
-Expected<void> check_type(const tinygltf::Accessor& a, const GltfExpectation& expected,
-                          const std::string& name, const std::string& where) {
-  const unsigned bit = component_bit(a.componentType, a.normalized);
-  if (a.type == expected.type && (bit & expected.components) != 0) return {};
-  return fail(name, where,
-              fmt::format("is {} of {}; expected {}", type_name(a.type),
-                          component_name(a.componentType, a.normalized), expected_types(expected)));
-}
-
-}  // namespace
-
 Expected<GltfAttribute> resolve_accessor(const tinygltf::Model& model, int accessor,
                                          const GltfExpectation& expected,
                                          std::span<const std::byte> buffer, const std::string& name,
@@ -126,7 +125,7 @@ Expected<GltfAttribute> resolve_accessor(const tinygltf::Model& model, int acces
   if (auto ok = check_type(a, expected, name, where); !ok) return std::unexpected(ok.error());
   // Zeros by the specification, but of any number, whatever the size of the file.
   if (a.bufferView < 0) return fail(name, where, "has no bufferView; expected data");
-  const auto view = view_bytes(model, a.bufferView, buffer, name);
+  const auto view = resolve_view(model, a.bufferView, buffer, name);
   if (!view) return std::unexpected(view.error());
   const int components = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type));
   const int bytes = tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(a.componentType));

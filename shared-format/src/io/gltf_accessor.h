@@ -30,6 +30,11 @@ struct GltfExpectation {
   unsigned components;  ///< GltfComponents
 };
 
+/// The bytes of a buffer view.
+Expected<std::span<const std::byte>> resolve_view(const tinygltf::Model& model, int index,
+                                                  std::span<const std::byte> buffer,
+                                                  const std::string& name);
+
 /// Resolve an accessor of `model` into memory. `field` names the primitive in errors.
 Expected<GltfAttribute> resolve_accessor(const tinygltf::Model& model, int accessor,
                                          const GltfExpectation& expected,

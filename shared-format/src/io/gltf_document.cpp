@@ -12,6 +12,7 @@
 
 #include "fluxgs/splat_cloud.h"
 #include "gltf_accessor.h"
+#include "gltf_spz.h"
 
 namespace fluxgs::io {
 namespace {
@@ -58,6 +59,11 @@ class PrimitiveReader {
 
   Expected<GltfSplats> read(const tinygltf::Primitive& primitive, const std::string& field) const {
     if (auto ok = check_kind(primitive, field); !ok) return std::unexpected(ok.error());
+    const tinygltf::Value& extension = primitive.extensions.at(kSplatExtension);
+    if (extension.Has(kSpzView)) {
+      const int view = extension.Get(kSpzView).GetNumberAsInt();
+      return find_spz_splats(model_, primitive, view, buffer_, name_, field);
+    }
     GltfSplats splats;
     for (const auto& [target, expected] :
          {std::pair(&splats.position, kPosition), std::pair(&splats.rotation, kRotation),
@@ -82,6 +88,8 @@ class PrimitiveReader {
     for (const auto& [key, expected] :
          {std::pair("kernel", "ellipse"), std::pair("colorSpace", "srgb_rec709_display")}) {
       if (!extension.Has(key)) {
+        // The drafts with compressed splats, and those who write by them, have neither.
+        if (extension.Has(kSpzView)) continue;
         return fail(name_, fmt::format("{}: {}", field, key),
                     fmt::format("is missing; expected \"{}\"", expected));
       }
@@ -118,13 +126,7 @@ class PrimitiveReader {
   // A degree that is begun must be complete, and so must all below it.
   Expected<void> read_harmonics(const tinygltf::Primitive& primitive, const std::string& field,
                                 GltfSplats& splats) const {
-    for (int degree = 1; degree <= 3; ++degree) {
-      const std::string prefix = fmt::format("KHR_gaussian_splatting:SH_DEGREE_{}_COEF_", degree);
-      const auto found = primitive.attributes.lower_bound(prefix);
-      if (found != primitive.attributes.end() && found->first.starts_with(prefix)) {
-        splats.sh_degree = degree;
-      }
-    }
+    splats.sh_degree = highest_degree(primitive);
     std::size_t slot = 0;
     for (int degree = 0; degree <= splats.sh_degree; ++degree) {
       for (int i = 0; i <= 2 * degree; ++i) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,11 +27,21 @@ struct GltfAttribute {
   bool normalized = false;
 };
 
+/// The smallest and the largest position that an accessor states.
+struct GltfBounds {
+  glm::dvec3 least{0.0}, most{0.0};
+};
+
+/// One splat primitive: either attributes or SPZ.
 struct GltfSplats {
   std::size_t count = 0;
   int sh_degree = 0;
   GltfAttribute position, rotation, scale, opacity;
   std::array<GltfAttribute, 16> sh;  ///< degree 0, then 1…sh_degree in the order of the basis
+
+  std::span<const std::byte> spz;  ///< if not empty: compressed splats instead of the attributes
+  std::string spz_field;           ///< names them in errors
+  std::optional<GltfBounds> spz_bounds;
 };
 
 /// Global transform of a node: p ↦ linear·p + translation, linear = scale·(rotation).

@@ -20,8 +20,8 @@ constexpr std::size_t kMaxEntries = 65536;
 
 // The splat data do not depend on materials, so an unlit one may be required; quantised positions
 // are read.
-constexpr std::array<std::string_view, 3> kKnownRequired{kSplatExtension, "KHR_mesh_quantization",
-                                                         "KHR_materials_unlit"};
+constexpr std::array<std::string_view, 4> kKnownRequired{
+    kSplatExtension, kSpzExtension, "KHR_mesh_quantization", "KHR_materials_unlit"};
 
 // Collects the first thing that is wrong; the checks read as a list.
 class Checker {
@@ -143,6 +143,11 @@ std::size_t check_buffers(Checker& check, std::size_t bin_bytes) {
   return static_cast<std::size_t>(bytes);
 }
 
+bool is_vector(const json& value) {
+  return value.is_array() && value.size() == 3 &&
+         std::ranges::all_of(value, [](const json& v) { return v.is_number(); });
+}
+
 json reduce_accessors(Checker& check, std::vector<bool>& sparse) {
   const json& accessors = check.list("accessors");
   json result = reduce(check, accessors, "accessors", {"bufferView", "componentType"},
@@ -157,9 +162,28 @@ json reduce_accessors(Checker& check, std::vector<bool>& sparse) {
     }
     result[i]["type"] = type;
     if (normalized.is_boolean()) result[i]["normalized"] = normalized;
+    // Only a hint for compressed positions, see gltf_spz.h: wrong ones are left out.
+    for (const char* key : {"min", "max"}) {
+      if (const json& bound = member(accessors[i], key); is_vector(bound)) result[i][key] = bound;
+    }
     sparse.push_back(accessors[i].contains("sparse"));
   }
   return result;
+}
+
+// What the splats are compressed by, if anything.
+void reduce_compression(Checker& check, const json& nested, const std::string& field, json& kept) {
+  if (!nested.is_object()) return;
+  for (const auto& [key, value] : nested.items()) {
+    if (key == kSpzExtension) {
+      const json& view = member(value, "bufferView");
+      check.whole(view, fmt::format("{}.{}.bufferView", field, kSpzExtension), kIndexLimit);
+      kept[kSpzView] = view;
+    } else if (key.starts_with("KHR_gaussian_splatting_compression")) {
+      check.bad(field,
+                fmt::format("its splats are compressed by {}, which is not supported", shown(key)));
+    }
+  }
 }
 
 // The attributes and the extension object of a splat primitive; an empty primitive for others, so
@@ -169,15 +193,8 @@ json reduce_primitive(Checker& check, const json& primitive, const std::string& 
   const json& extension = member(member(primitive, "extensions"), kSplatExtension);
   if (extension.is_null()) return result;
   if (!extension.is_object()) check.bad(field + "." + kSplatExtension, "expected an object");
-  const json& nested = member(extension, "extensions");
-  if (nested.is_object()) {
-    for (const auto& [key, value] : nested.items()) {
-      if (!key.starts_with("KHR_gaussian_splatting_compression")) continue;
-      check.bad(field,
-                fmt::format("its splats are compressed by {}, which is not supported", shown(key)));
-    }
-  }
   json kept = json::object();
+  reduce_compression(check, member(extension, "extensions"), field, kept);
   for (const char* key : {"kernel", "colorSpace"}) {
     if (member(extension, key).is_string()) kept[key] = member(extension, key);
   }

@@ -12,11 +12,14 @@
 namespace fluxgs::io {
 
 inline constexpr char kSplatExtension[] = "KHR_gaussian_splatting";
+inline constexpr char kSpzExtension[] = "KHR_gaussian_splatting_compression_spz_2";
+/// Where the reduced document keeps the bufferView of a primitive's SPZ data.
+inline constexpr char kSpzView[] = "spzBufferView";
 
 struct GltfJson {
   /// A glTF document of bufferViews, accessors, meshes, nodes and scenes under their old indices:
   /// no URIs, images, materials, foreign extensions or extras, and all its numbers are of the kinds
-  /// that the specification wants.
+  /// that the specification wants. The nested kSpzExtension becomes the member kSpzView.
   std::string reduced;
   std::vector<std::string> extensions_used;
   std::vector<bool> sparse;      ///< for each accessor, whether it is a sparse one

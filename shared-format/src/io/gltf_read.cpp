@@ -15,6 +15,7 @@
 #include "glb_container.h"
 #include "gltf_document.h"
 #include "gltf_frame.h"
+#include "gltf_spz.h"
 
 namespace fluxgs {
 namespace {
@@ -23,6 +24,10 @@ using namespace io;
 
 // A document may show a mesh many times, at the cost of memory that its size does not announce.
 constexpr std::size_t kFileBytesPerSplat = 8;
+// Compressed by SPZ, it may be more: the bounds of spz.h, over all meshes of the file.
+constexpr std::size_t kAlwaysAllowed = std::size_t(1) << 20, kCompressedPerFileByte = 2;
+// And time: compressed meshes are decoded for each node that shows them.
+constexpr std::size_t kMostDecoding = 8;
 
 template <class T>
 float load(const std::byte* at, bool normalized) {
@@ -68,45 +73,99 @@ struct Placement {
   }
 };
 
-void read_splat(const GltfSplats& from, std::size_t i, const Placement& place, SplatCloud& cloud,
-                std::size_t to) {
-  glm::vec3 position = vec3(from.position, i);
-  glm::quat rotation(component(from.rotation, i, 3), component(from.rotation, i, 0),
-                     component(from.rotation, i, 1), component(from.rotation, i, 2));
-  if (!place.node.identity) {
-    position = place.node.linear * glm::dvec3(position) + place.node.translation;
-    rotation = glm::quat(place.node.rotation * glm::dquat(rotation));
-  }
-  cloud.positions[to] = turn_position(position);
-  cloud.rotations[to] = turn_from_gltf(rotation);
+// A splat as the attributes say it, in glTF's frame.
+SplatValues load_splat(const GltfSplats& from, std::size_t i) {
+  SplatValues splat{};
+  splat.position = vec3(from.position, i);
+  splat.rotation = glm::quat(component(from.rotation, i, 3), component(from.rotation, i, 0),
+                             component(from.rotation, i, 1), component(from.rotation, i, 2));
   const glm::vec3 scale = vec3(from.scale, i);
-  for (int c = 0; c < 3; ++c) {
-    cloud.log_scales[to][c] = static_cast<float>(log_scale(scale[c]) + place.log_scale);
-  }
-  cloud.opacity_logits[to] = logit(component(from.opacity, i, 0));
-  cloud.sh_dc[to] = vec3(from.sh[0], i);
-  // Bands that this primitive lacks stay zero.
-  const auto own = static_cast<std::size_t>(sh_rest_count(from.sh_degree));
-  glm::vec3* sh =
-      cloud.sh_rest.data() + to * static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
-  for (std::size_t k = 0; k < own; ++k) sh[k] = vec3(from.sh[k + 1], i);
-  if (!place.node.identity) math::rotate_sh(place.harmonics, from.sh_degree, sh);
-  for (std::size_t k = 0; k < own; ++k) sh[k] *= turn_sign(k);
+  for (int c = 0; c < 3; ++c) splat.log_scale[c] = static_cast<float>(log_scale(scale[c]));
+  splat.opacity_logit = logit(component(from.opacity, i, 0));
+  splat.sh_dc = vec3(from.sh[0], i);
+  const auto rest = static_cast<std::size_t>(sh_rest_count(from.sh_degree));
+  for (std::size_t k = 0; k < rest; ++k) splat.sh_rest[k] = vec3(from.sh[k + 1], i);
+  return splat;
 }
 
+// From glTF's frame through the node into that of the cloud.
+void place_splat(const Placement& place, int sh_degree, SplatValues& splat) {
+  if (!place.node.identity) {
+    splat.position = place.node.linear * glm::dvec3(splat.position) + place.node.translation;
+    splat.rotation = glm::quat(place.node.rotation * glm::dquat(splat.rotation));
+    for (int c = 0; c < 3; ++c) {
+      splat.log_scale[c] = static_cast<float>(double{splat.log_scale[c]} + place.log_scale);
+    }
+    math::rotate_sh(place.harmonics, sh_degree, splat.sh_rest.data());
+  }
+  splat.position = turn_position(splat.position);
+  splat.rotation = turn_from_gltf(splat.rotation);
+  const auto rest = static_cast<std::size_t>(sh_rest_count(sh_degree));
+  for (std::size_t k = 0; k < rest; ++k) splat.sh_rest[k] *= turn_sign(k);
+}
+
+// Appends the splats of one primitive at `next`.
+Expected<void> read_instance(const GltfInstance& instance, const std::string& name,
+                             SplatCloud& cloud, std::size_t& next) {
+  const GltfSplats& from = instance.splats;
+  const Placement place(instance.transform);
+  const auto rest = static_cast<std::size_t>(sh_rest_count(from.sh_degree));
+  const auto append = [&](SplatValues& splat) {
+    place_splat(place, from.sh_degree, splat);
+    store_splat(splat, rest, cloud, next++);
+  };
+  if (from.spz.empty()) {
+    for (std::size_t i = 0; i < from.count; ++i) {
+      SplatValues splat = load_splat(from, i);
+      append(splat);
+    }
+    return {};
+  }
+  const SpzSource source{from.spz, name, from.spz_field};
+  const auto header = read_spz_header(source);
+  if (!header) return std::unexpected(header.error());
+  const auto packed = unpack_spz(source, *header);
+  if (!packed) return std::unexpected(packed.error());
+  const AxisFlip flip = make_axis_flip(spz_signs_in_gltf(*packed, from.spz_bounds));
+  SplatValues splat{};
+  for (std::size_t i = 0; i < from.count; ++i) {
+    read_spz_splat(*packed, i, flip, splat);
+    append(splat);
+  }
+  return {};
+}
+
+// How many splats there are in all, within the bounds on repeated meshes.
 Expected<std::size_t> count_splats(const std::vector<GltfInstance>& instances, std::size_t file,
                                    const std::string& name) {
-  std::size_t total = 0;
+  const std::size_t most_plain = file / kFileBytesPerSplat;
+  const std::size_t most_compressed = std::max(kAlwaysAllowed, kCompressedPerFileByte * file);
+  std::size_t plain = 0, compressed = 0, decoded = 0;
   for (const GltfInstance& instance : instances) {
-    // Every count is at most the size of the file, and there are at most 65,536 of them.
-    total += instance.splats.count;
-    if (total <= file / kFileBytesPerSplat) continue;
+    const GltfSplats& splats = instance.splats;
+    // Every count has 32 bits or is at most the size of the file, and there are at most 65,536.
+    (splats.spz.empty() ? plain : compressed) += splats.count;
+    decoded += splats.spz.size();
+    if (plain <= most_plain && compressed <= most_compressed && decoded <= kMostDecoding * file) {
+      continue;
+    }
     return fail(name, "nodes",
-                fmt::format("show more than {} splats by repeating meshes; a file of {} bytes may "
-                            "hold one per {} bytes",
-                            file / kFileBytesPerSplat, file, kFileBytesPerSplat));
+                fmt::format("show more splats by repeating meshes than a file of {} bytes may: {}, "
+                            "compressed {}, decoding {} bytes",
+                            file, most_plain, most_compressed, kMostDecoding * file));
   }
-  return total;
+  return plain + compressed;
+}
+
+// Compressed attributes cannot be told apart.
+AttributeBits bits_of(const std::vector<GltfInstance>& instances, int sh_degree) {
+  double bytes = 0, splats = 0;
+  for (const GltfInstance& instance : instances) {
+    bytes += static_cast<double>(instance.splats.spz.size());
+    splats += static_cast<double>(instance.splats.count);
+  }
+  if (bytes == 0) return float_attribute_bits(sh_degree);
+  return {{"spz", 8 * bytes / splats}};
 }
 
 Expected<SceneFile> read(std::span<const std::byte> bytes, const std::string& name) {
@@ -131,9 +190,8 @@ Expected<SceneFile> read(std::span<const std::byte> bytes, const std::string& na
   if (!cloud) return std::unexpected(cloud.error());
   std::size_t next = 0;
   for (const GltfInstance& instance : *instances) {
-    const Placement place(instance.transform);
-    for (std::size_t i = 0; i < instance.splats.count; ++i) {
-      read_splat(instance.splats, i, place, *cloud, next++);
+    if (auto ok = read_instance(instance, name, *cloud, next); !ok) {
+      return std::unexpected(ok.error());
     }
   }
   SceneFile scene;
@@ -141,7 +199,7 @@ Expected<SceneFile> read(std::span<const std::byte> bytes, const std::string& na
   scene.dropped = drop_non_finite(scene.cloud);
   scene.format = "glb";
   scene.extensions = json->extensions_used;
-  scene.attribute_bits = float_attribute_bits(scene.cloud.sh_degree);
+  scene.attribute_bits = bits_of(*instances, scene.cloud.sh_degree);
   scene.bytes = bytes.size();
   return scene;
 }

@@ -12,6 +12,7 @@
 #include "fluxgs/io/ply.h"
 #include "fluxgs/io/sog.h"
 #include "fluxgs/io/splat.h"
+#include "fluxgs/io/spz.h"
 
 namespace fluxgs {
 namespace {
@@ -23,6 +24,7 @@ constexpr auto kFormats = std::to_array<SceneFormat>({
      read_compressed_ply, nullptr},
     {"ply", "3DGS .ply", ".ply", 3, is_ply, read_ply, encode_ply},
     {"glb", "glTF binary with KHR_gaussian_splatting", ".glb", 3, is_glb, read_glb, encode_glb},
+    {"spz", "SPZ (Niantic)", ".spz", 3, is_spz, read_spz, encode_spz},
     {"sog", "bundled SOG", ".sog", 3, is_sog, read_sog, nullptr},
     {"sog-folder", "SOG's meta.json", ".json", 3, is_sog_meta, nullptr, nullptr, read_sog_folder},
     {"sog-lod", "streamed SOG's lod-meta.json", ".json", 3, is_sog_lod, nullptr, nullptr,

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "activation.h"
 #include "json_text.h"
 #include "named_files.h"
 
@@ -18,10 +19,6 @@ using nlohmann::json;
 // The most pixels that a WebP image can have: 16383 a side.
 constexpr std::uint64_t kMaxSplats = std::uint64_t(16383) * 16383;
 constexpr std::uint64_t kMaxPalette = 65536;  // section 3.5: labels have 16 bits
-
-// Opacities of 0 and 1 have no finite logit; the ends are those of read_glb().
-constexpr double kLeastOpacity = std::numeric_limits<float>::min();
-constexpr double kMostOpacity = 1 - 0x1p-25;
 
 // Looks up members by name and keeps the first thing that is wrong.
 class MetaReader {
@@ -125,10 +122,7 @@ SogTable steps(double low, double high) {
 }
 
 SogTable logits() {
-  return make_table([](double opacity) {
-    const double o = std::clamp(opacity, kLeastOpacity, kMostOpacity);
-    return std::log(o) - std::log1p(-o);
-  });
+  return make_table([](double opacity) { return double{logit(opacity)}; });
 }
 
 // What both versions share: ranges of the positions and the names of the images.

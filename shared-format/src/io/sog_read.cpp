@@ -33,8 +33,25 @@ bool is_object_with(std::span<const std::byte> bytes,
          std::ranges::all_of(keys, [&](std::string_view key) { return text.contains(key); });
 }
 
-SceneFile make_scene(SplatCloud cloud, const char* format, std::size_t bytes) {
+// Passes files on and adds up what each attribute takes, compressed; sh0 holds opacity too.
+NamedFiles counted(NamedFiles files, AttributeBits& bits) {
+  return [files = std::move(files), &bits](const std::string& file, std::uint64_t max_bytes) {
+    auto content = files(file, max_bytes);
+    const std::string_view base = std::string_view(file).substr(file.rfind('/') + 1);
+    for (const auto& [start, attribute] :
+         {std::pair("means", "position"), std::pair("scales", "scale"),
+          std::pair("quats", "rotation"), std::pair("sh0", "sh_dc"), std::pair("shN", "sh_rest")})
+      if (content && base.starts_with(start))
+        bits[attribute] += 8.0 * static_cast<double>(content->size());
+    return content;
+  };
+}
+
+SceneFile make_scene(SplatCloud cloud, const char* format, std::size_t bytes, AttributeBits bits) {
   SceneFile scene;
+  const double splats = static_cast<double>(std::max<std::size_t>(cloud.size(), 1));
+  for (auto& [attribute, total] : bits) total /= splats;
+  scene.attribute_bits = std::move(bits);
   scene.cloud = std::move(cloud);
   scene.dropped = drop_non_finite(scene.cloud);
   scene.format = format;
@@ -125,14 +142,16 @@ Expected<SceneFile> read_sog(std::span<const std::byte> bytes, const std::string
   return within_memory(name, [&]() -> Expected<SceneFile> {
     const auto archive = ZipArchive::open(bytes, name);
     if (!archive) return std::unexpected(archive.error());
-    const NamedFiles files = [&](const std::string& file, std::uint64_t max_bytes) {
-      return archive->read(file, max_bytes);
-    };
+    AttributeBits bits;
+    const NamedFiles files =
+        counted([&](const std::string& file,
+                    std::uint64_t max_bytes) { return archive->read(file, max_bytes); },
+                bits);
     const auto json = files(kMetaFile, kMaxJsonText);
     if (!json) return std::unexpected(json.error());
     auto cloud = read_from(*json, files, "", kMetaFile, name);
     if (!cloud) return std::unexpected(cloud.error());
-    return make_scene(std::move(*cloud), "sog", bytes.size());
+    return make_scene(std::move(*cloud), "sog", bytes.size(), std::move(bits));
   });
 }
 
@@ -145,9 +164,11 @@ Expected<SceneFile> read_sog_folder(std::span<const std::byte> bytes,
   const std::string name = path.string();
   return within_memory(name, [&]() -> Expected<SceneFile> {
     FolderFiles folder(path.parent_path());
-    auto cloud = read_from(bytes, reader_of(folder), "", kMetaFile, name);
+    AttributeBits bits;
+    auto cloud = read_from(bytes, counted(reader_of(folder), bits), "", kMetaFile, name);
     if (!cloud) return std::unexpected(cloud.error());
-    return make_scene(std::move(*cloud), "sog-folder", bytes.size() + folder.bytes());
+    return make_scene(std::move(*cloud), "sog-folder", bytes.size() + folder.bytes(),
+                      std::move(bits));
   });
 }
 
@@ -164,14 +185,15 @@ Expected<SceneFile> read_sog_lod(std::span<const std::byte> bytes,
     const auto chunks = parse_sog_lod(*root, name);
     if (!chunks) return std::unexpected(chunks.error());
     FolderFiles folder(path.parent_path());
-    const NamedFiles files = reader_of(folder);
+    AttributeBits bits;
+    const NamedFiles files = counted(reader_of(folder), bits);
     SplatCloud total;
     for (const SogChunk& chunk : *chunks) {
       auto cloud = read_chunk(chunk, files, name);
       if (!cloud) return std::unexpected(cloud.error());
       append(total, std::move(*cloud));
     }
-    return make_scene(std::move(total), "sog-lod", bytes.size() + folder.bytes());
+    return make_scene(std::move(total), "sog-lod", bytes.size() + folder.bytes(), std::move(bits));
   });
 }
 

@@ -19,11 +19,16 @@ bool is_glb(std::span<const std::byte> bytes);
 /// of a SplatCloud (y down) by half a turn about z. The degree is the highest among the primitives;
 /// missing bands are zero.
 ///
+/// Splats compressed by KHR_gaussian_splatting_compression_spz_2 are read too, with the bounds of
+/// spz.h; the draft of that extension and those who write it disagree about the axes, and the
+/// bounds of POSITION tell which it was.
+///
 /// Memory only: nothing is fetched, every URI is refused by name. Refused by name too: required
-/// extensions we do not know, compressed splats, sparse accessors, kernels other than "ellipse",
-/// colour spaces other than "srgb_rec709_display", transforms with shear, mirroring or non-uniform
-/// scale. All counts are checked against the size of `bytes` before anything is allocated, and
-/// instances of a mesh may not make more than one splat per 8 bytes of the file.
+/// extensions we do not know, splats compressed otherwise, sparse accessors, kernels other than
+/// "ellipse", colour spaces other than "srgb_rec709_display", transforms with shear, mirroring or
+/// non-uniform scale. All counts are checked against the size of `bytes` before anything is
+/// allocated, and instances of a mesh may not make more than one splat per 8 bytes of the file
+/// (compressed: 2 per byte, or 2^20).
 ///
 /// glTF stores opacity and scale themselves, a cloud their logit and logarithm. So that the ends of
 /// the range stay finite, opacity ≤ 0 becomes logit ≈ −87.3 (2⁻¹²⁶), opacity ≥ 1 becomes ≈ 17.3

@@ -1,0 +1,36 @@
+// gzip and zstd as SPZ uses them, into buffers of a size that is known beforehand.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "fluxgs/error.h"
+
+namespace fluxgs::io {
+
+/// What inflating gzip into a buffer came to.
+struct Inflated {
+  std::size_t written = 0;   ///< bytes of the buffer that were filled
+  std::size_t consumed = 0;  ///< bytes of the input that were used
+  bool ended = false;        ///< the stream ended there and its checksum is right
+  bool damaged = false;      ///< the input is not gzip or is inconsistent
+};
+
+/// Inflate the first bytes of gzip, of which no more than its first 4 KiB are looked at, so that a
+/// long file name in it costs no time.
+Inflated inflate_gzip_start(std::span<const std::byte> input, std::span<std::byte> out);
+
+/// Inflate until the stream, the input or the buffer ends.
+Inflated inflate_gzip(std::span<const std::byte> input, std::span<std::byte> out);
+
+/// Decompress exactly as much as `out` holds. The error is a reason, empty if all went well.
+std::string decompress_zstd(std::span<const std::byte> input, std::span<std::byte> out);
+
+Expected<std::vector<std::byte>> compress_gzip(std::span<const std::byte> input,
+                                               const std::string& name);
+Expected<std::vector<std::byte>> compress_zstd(std::span<const std::byte> input,
+                                               const std::string& name);
+
+}  // namespace fluxgs::io
