@@ -1,0 +1,253 @@
+#include "codec/channels.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <Eigen/Eigenvalues>
+
+#include "codec/rans.h"
+
+namespace fluxgs::codec {
+namespace {
+
+constexpr std::size_t kMostChannels = 64;
+constexpr std::size_t kMemory = 4;  // splats that a prediction looks back at
+constexpr double kLargest = 0x1p28;
+
+/// How the numbers of a splat become whole ones: k = round(basisᵀ·(x − mean) / step).
+struct Transform {
+  float step = 1;
+  std::vector<float> mean;
+  std::vector<float> basis;  ///< channels², column by column; empty: none
+};
+
+/// Whole numbers, channel by channel.
+using Planes = std::vector<std::vector<std::int32_t>>;
+
+Eigen::MatrixXd matrix_of(const Channels& input) {
+  using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const auto splats = static_cast<Eigen::Index>(input.splats());
+  return Eigen::Map<const Rows>(input.values.data(), splats,
+                                static_cast<Eigen::Index>(input.channels))
+      .cast<double>();
+}
+
+std::vector<float> mean_of(const Eigen::MatrixXd& x) {
+  const Eigen::VectorXf mean = x.colwise().mean().transpose().cast<float>();
+  return {mean.begin(), mean.end()};
+}
+
+/// Eigenvectors of the covariance, the largest eigenvalue first.
+std::vector<float> principal_axes(const Eigen::MatrixXd& x) {
+  const Eigen::MatrixXd centered = x.rowwise() - x.colwise().mean();
+  const Eigen::MatrixXd covariance = centered.transpose() * centered;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
+  const Eigen::MatrixXf axes = eigen.eigenvectors().rowwise().reverse().cast<float>();
+  return {axes.data(), axes.data() + axes.size()};
+}
+
+Expected<Planes> quantized(const Channels& input, const Transform& t) {
+  const std::size_t n = input.channels, splats = input.splats();
+  Planes planes(n, std::vector<std::int32_t>(splats));
+  std::vector<double> centered(n);
+  for (std::size_t i = 0; i < splats; ++i) {
+    for (std::size_t c = 0; c < n; ++c)
+      centered[c] = double{input.values[i * n + c]} - double{t.mean[c]};
+    for (std::size_t c = 0; c < n; ++c) {
+      double z = centered[c];
+      if (!t.basis.empty()) {
+        z = 0;
+        for (std::size_t k = 0; k < n; ++k) z += double{t.basis[c * n + k]} * centered[k];
+      }
+      z = std::round(z / double{t.step});
+      if (!(std::abs(z) < kLargest))
+        return fail("", "",
+                    fmt::format("splat {}: its value over the step of {:g} is {:g}, expected less "
+                                "than {:g}",
+                                i, t.step, z, kLargest));
+      planes[c][i] = static_cast<std::int32_t>(z);
+    }
+  }
+  return planes;
+}
+
+/// The rounded mean of the values before; the sum of those is kept as it moves.
+class Prediction {
+ public:
+  std::int32_t next() const {
+    if (count_ == 0) return 0;
+    const std::int64_t twice = 2 * sum_ + count_;  // rounds halves up, also below zero
+    const std::int64_t by = 2 * count_;
+    return static_cast<std::int32_t>(twice >= 0 ? twice / by : -((-twice + by - 1) / by));
+  }
+  void add(std::int32_t value) {
+    std::int32_t& oldest = recent_[at_];
+    if (count_ == static_cast<std::int64_t>(kMemory))
+      sum_ -= oldest;
+    else
+      ++count_;
+    sum_ += oldest = value;
+    at_ = (at_ + 1) % kMemory;
+  }
+
+ private:
+  std::int32_t recent_[kMemory] = {};
+  std::size_t at_ = 0;
+  std::int64_t sum_ = 0, count_ = 0;
+};
+
+std::vector<std::int32_t> differences(const std::vector<std::int32_t>& values) {
+  std::vector<std::int32_t> result(values.size());
+  Prediction prediction;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    result[i] = values[i] - prediction.next();
+    prediction.add(values[i]);
+  }
+  return result;
+}
+
+void undo_differences(std::span<std::int32_t> values) {
+  Prediction prediction;
+  for (std::int32_t& value : values) {
+    // Damaged streams may leave the range: wraps instead of overflowing
+    value = static_cast<std::int32_t>(static_cast<std::uint32_t>(value) +
+                                      static_cast<std::uint32_t>(prediction.next()));
+    prediction.add(value);
+  }
+}
+
+/// A channel as it will be stored.
+struct Coded {
+  bool predicted = false;
+  std::vector<std::int32_t> values;
+  double bits = 0;
+};
+
+Coded code(std::vector<std::int32_t> plain) {
+  std::vector<std::int32_t> difference = differences(plain);
+  const double plain_bits = entropy_bits(plain), difference_bits = entropy_bits(difference);
+  return difference_bits < plain_bits ? Coded{true, std::move(difference), difference_bits}
+                                      : Coded{false, std::move(plain), plain_bits};
+}
+
+struct Choice {
+  Transform transform;
+  std::vector<Coded> channels;
+  double bits = 0;
+};
+
+Expected<Choice> code_all(const Channels& input, Transform transform) {
+  auto planes = quantized(input, transform);
+  if (!planes) return std::unexpected(planes.error());
+  Choice choice;
+  choice.transform = std::move(transform);
+  for (auto& plane : *planes) {
+    choice.channels.push_back(code(std::move(plane)));
+    choice.bits += choice.channels.back().bits;
+  }
+  choice.bits += 32.0 * static_cast<double>(choice.transform.basis.size());
+  return choice;
+}
+
+Expected<Choice> choose(const Channels& input, float step) {
+  const Eigen::MatrixXd x = matrix_of(input);
+  const Transform plain{.step = step, .mean = mean_of(x), .basis = {}};
+  auto best = code_all(input, plain);
+  if (!best || input.channels == 1) return best;
+  Transform turned = plain;
+  turned.basis = principal_axes(x);
+  auto other = code_all(input, std::move(turned));
+  return other && other->bits < best->bits ? other : best;
+}
+
+constexpr std::uint8_t kHasBasis = 1;
+
+Expected<Transform> take_transform(Reader& in, std::size_t channels) {
+  const auto stored = in.take_varint();
+  if (stored && *stored != channels)
+    return fail("", "", fmt::format("has {} channels, expected {}", *stored, channels));
+  const auto flags = in.take<std::uint8_t>();
+  const auto step = in.take<float>();
+  if (!stored || !flags || !step) return fail("", "", "is cut off in its header");
+  if (!(std::isfinite(*step) && *step > 0) || *flags > kHasBasis)
+    return fail("", "", "its header is damaged");
+  Transform t{.step = *step, .mean = std::vector<float>(channels), .basis = {}};
+  t.basis.resize(*flags & kHasBasis ? channels * channels : 0);
+  for (auto* list : {&t.mean, &t.basis})
+    for (float& value : *list) {
+      const auto number = in.take<float>();
+      if (!number) return fail("", "", "is cut off in its header");
+      if (!(std::abs(*number) < 1e30f)) return fail("", "", "its header has numbers out of range");
+      value = *number;
+    }
+  return t;
+}
+
+/// x = mean + basis·(step·k), for one splat whose k stand in `x`.
+void restore(const Transform& t, const float* k, float* x) {
+  const std::size_t n = t.mean.size();
+  for (std::size_t c = 0; c < n; ++c) x[c] = t.mean[c];
+  for (std::size_t c = 0; c < n; ++c) {
+    const float z = k[c] * t.step;
+    if (t.basis.empty())
+      x[c] += z;
+    else if (z != 0)
+      for (std::size_t i = 0; i < n; ++i) x[i] += t.basis[c * n + i] * z;
+  }
+}
+
+}  // namespace
+
+Expected<void> encode_channels(const Channels& input, float step, Bytes& out) {
+  const auto choice = choose(input, step);
+  if (!choice) return std::unexpected(choice.error());
+  const Transform& t = choice->transform;
+  put_varint(out, input.channels);
+  put(out, static_cast<std::uint8_t>(t.basis.empty() ? 0 : kHasBasis));
+  put(out, t.step);
+  for (const auto* list : {&t.mean, &t.basis})
+    for (const float value : *list) put(out, value);
+  for (const Coded& channel : choice->channels) {
+    put(out, static_cast<std::uint8_t>(channel.predicted));
+    encode_values(channel.values, out);
+  }
+  return {};
+}
+
+Expected<double> channels_bits(const Channels& input, float step) {
+  const auto choice = choose(input, step);
+  if (!choice) return std::unexpected(choice.error());
+  return choice->bits;
+}
+
+Expected<void> decode_channels(Reader& in, std::size_t channels, std::span<float> values) {
+  if (channels == 0 || channels > kMostChannels)
+    return fail("", "", fmt::format("{} channels, expected 1 to {}", channels, kMostChannels));
+  const std::size_t splats = values.size() / channels;
+  if (splats == 0) return {};
+  const auto transform = take_transform(in, channels);
+  if (!transform) return std::unexpected(transform.error());
+  std::vector<std::int32_t> plane(splats);
+  for (std::size_t c = 0; c < channels; ++c) {
+    const auto predicted = in.take<std::uint8_t>();
+    if (!predicted || *predicted > 1)
+      return fail("", "", fmt::format("channel {} is cut off or damaged", c));
+    if (auto ok = decode_values(in, plane); !ok)
+      return fail("", fmt::format("channel {}", c), ok.error().what);
+    if (*predicted) undo_differences(plane);
+    for (std::size_t i = 0; i < splats; ++i)
+      values[i * channels + c] = static_cast<float>(plane[i]);
+  }
+  std::vector<float> k(channels);
+  for (std::size_t i = 0; i < splats; ++i) {
+    float* x = &values[i * channels];
+    std::copy_n(x, channels, k.begin());
+    restore(*transform, k.data(), x);
+    for (std::size_t c = 0; c < channels; ++c)
+      if (!std::isfinite(x[c])) return fail("", "", fmt::format("splat {} is not finite", i));
+  }
+  return {};
+}
+
+}  // namespace fluxgs::codec

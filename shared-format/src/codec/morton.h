@@ -1,0 +1,15 @@
+// An order that keeps neighbours together.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+namespace fluxgs::codec {
+
+/// Indices of the positions along a Z-order curve (Morton 1966) over their bounding cube, 21 bits
+/// an axis; ties keep their order. Positions are finite.
+std::vector<std::uint32_t> morton_order(const std::vector<glm::vec3>& positions);
+
+}  // namespace fluxgs::codec

@@ -1,0 +1,138 @@
+// A whole scene through the compact codec: what is lost, and what damaged bytes do.
+#include "codec/compact.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "codec/morton.h"
+#include "fluxgs/math/projection.h"
+#include "support/scenes.h"
+
+namespace fluxgs::codec {
+namespace {
+
+/// The covariance as a sum over the splat's axes, relative to its largest entry.
+glm::dmat3 shape_of(const SplatCloud& cloud, std::size_t i) {
+  const glm::dmat3 r = glm::mat3_cast(glm::normalize(glm::dquat(cloud.rotations[i])));
+  glm::dmat3 sum(0.0);
+  for (int a = 0; a < 3; ++a)
+    sum += std::exp(2 * double{cloud.log_scales[i][a]}) * glm::outerProduct(r[a], r[a]);
+  return sum;
+}
+
+double difference(const glm::dmat3& a, const glm::dmat3& b) {
+  double squares = 0, size = 0;
+  for (int c = 0; c < 3; ++c)
+    for (int r = 0; r < 3; ++r) {
+      squares += (a[c][r] - b[c][r]) * (a[c][r] - b[c][r]);
+      size += b[c][r] * b[c][r];
+    }
+  return std::sqrt(squares / size);
+}
+
+TEST(Compact, ErrorsFollowTheSteps) {
+  for (int degree = 0; degree <= 3; ++degree) {
+    const SplatCloud cloud = test::random_cloud(2000, degree, 5);
+    const CompactSteps steps{.position = 1e-3,
+                             .log_scale = 0.01f,
+                             .rotation = 0.002f,
+                             .opacity = 0.01f,
+                             .sh_dc = 0.02f,
+                             .sh_rest = 0.03f};
+    const auto bytes = encode_compact(cloud, steps);
+    ASSERT_TRUE(bytes) << bytes.error().message();
+    const auto back = decode_compact(*bytes, cloud.size(), degree);
+    ASSERT_TRUE(back) << back.error().message();
+    const auto order = morton_order(cloud.positions);
+    const auto rest = static_cast<std::size_t>(sh_rest_count(degree));
+    const double root = std::sqrt(3.0 * static_cast<double>(rest)) / 2;
+    for (std::size_t k = 0; k < cloud.size(); ++k) {
+      const std::uint32_t i = order[k];
+      ASSERT_LE(glm::distance(back->positions[k], cloud.positions[i]), 0.87e-3f);
+      ASSERT_LT(difference(shape_of(*back, k), shape_of(cloud, i)), 0.04);
+      ASSERT_NEAR(opacity_scale(back->opacity_logits[k]), opacity_scale(cloud.opacity_logits[i]),
+                  0.0051 + 0.021);  // and the ends that a picture cannot tell from 0 and 1
+      ASSERT_LE(glm::distance(back->sh_dc[k], cloud.sh_dc[i]), 0.02f);
+      for (std::size_t s = 0; s < rest; ++s)
+        for (int c = 0; c < 3; ++c)
+          ASSERT_NEAR(back->sh_rest[rest * k + s][c], cloud.sh_rest[rest * i + s][c], 0.03 * root);
+    }
+  }
+}
+
+TEST(Compact, HalfTurnsAboutTheOwnAxesCostNothing) {
+  SplatCloud cloud = test::random_cloud(300, 0, 6);
+  const CompactSteps fine{.rotation = 1e-4f};
+  const auto before = decode_compact(*encode_compact(cloud, fine), cloud.size(), 0);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const glm::quat turns[] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, -3}};
+    cloud.rotations[i] = cloud.rotations[i] * turns[i % 4];
+  }
+  const auto after = decode_compact(*encode_compact(cloud, fine), cloud.size(), 0);
+  ASSERT_TRUE(before && after);
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    ASSERT_LT(difference(shape_of(*before, i), shape_of(*after, i)), 1e-3);
+}
+
+TEST(Compact, EncodingAgainIsStable) {
+  const SplatCloud cloud = test::random_cloud(1000, 1, 7);
+  const CompactSteps steps;
+  const auto once = decode_compact(*encode_compact(cloud, steps), cloud.size(), 1);
+  ASSERT_TRUE(once);
+  const auto twice = decode_compact(*encode_compact(*once, steps), cloud.size(), 1);
+  ASSERT_TRUE(twice);
+  const auto order = morton_order(once->positions);
+  for (std::size_t k = 0; k < cloud.size(); ++k)
+    ASSERT_LE(glm::distance(twice->positions[k], once->positions[order[k]]), 0.87e-3f);
+}
+
+TEST(Compact, SmallScenes) {
+  EXPECT_TRUE(encode_compact(SplatCloud(), {})->empty());
+  EXPECT_EQ(decode_compact({}, 0, 2)->size(), 0u);
+  for (const std::size_t count : {1u, 2u, 3u}) {
+    const SplatCloud cloud = test::random_cloud(count, 3, 8);
+    const auto back = decode_compact(*encode_compact(cloud, {}), count, 3);
+    ASSERT_TRUE(back) << back.error().message();
+    EXPECT_EQ(back->size(), count);
+  }
+  SplatCloud same = test::random_cloud(1, 1, 9);
+  same.resize(50);
+  for (std::size_t i = 1; i < 50; ++i) same.rotations[i] = glm::quat(0, 0, 0, 0);  // of no length
+  EXPECT_TRUE(decode_compact(*encode_compact(same, {}), 50, 1));
+}
+
+TEST(Compact, SectionsAddUp) {
+  const SplatCloud cloud = test::random_cloud(500, 1, 3);
+  const auto bytes = encode_compact(cloud, {});
+  const auto sizes = attribute_bytes(*bytes);
+  ASSERT_TRUE(sizes);
+  ASSERT_EQ(sizes->size(), 6u);
+  std::size_t total = 0;
+  for (const std::size_t size : *sizes) total += size;
+  EXPECT_LE(total, bytes->size());
+  EXPECT_GE(total + 6 * 3, bytes->size());
+}
+
+TEST(Compact, CutsAndDamage) {
+  const SplatCloud cloud = test::random_cloud(60, 1, 4);
+  const Bytes good = *encode_compact(cloud, {});
+  for (std::size_t size = 0; size < good.size(); ++size)
+    ASSERT_FALSE(decode_compact(std::span<const std::byte>(good).first(size), 60, 1)) << size;
+  EXPECT_FALSE(decode_compact(good, 61, 1));
+  EXPECT_FALSE(decode_compact(good, 60, 2));
+  EXPECT_FALSE(decode_compact(good, 60, 0));
+  std::mt19937 random(1);
+  for (int round = 0; round < 3000; ++round) {
+    Bytes bytes = good;
+    bytes[random() % bytes.size()] ^= static_cast<std::byte>(1 + random() % 255);
+    const auto back = decode_compact(bytes, 60, 1);
+    if (back) {
+      EXPECT_EQ(count_non_finite(*back), 0u);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace fluxgs::codec
