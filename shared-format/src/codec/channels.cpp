@@ -60,7 +60,8 @@ Expected<Planes> quantized(const Channels& input, const Transform& t) {
         z = 0;
         for (std::size_t k = 0; k < n; ++k) z += double{t.basis[c * n + k]} * centered[k];
       }
-      z = std::round(z / double{t.step});
+      z = std::round(
+          z / (double{t.step} * (input.coarseness.empty() ? 1.0 : double{input.coarseness[i]})));
       if (!(std::abs(z) < kLargest))
         return fail("", "",
                     fmt::format("splat {}: its value over the step of {:g} is {:g}, expected less "
@@ -184,12 +185,12 @@ Expected<Transform> take_transform(Reader& in, std::size_t channels) {
   return t;
 }
 
-/// x = mean + basis·(step·k), for one splat whose k stand in `x`.
-void restore(const Transform& t, const float* k, float* x) {
+/// x = mean + basis·(step·k), for one splat.
+void restore(const Transform& t, float step, const float* k, float* x) {
   const std::size_t n = t.mean.size();
   for (std::size_t c = 0; c < n; ++c) x[c] = t.mean[c];
   for (std::size_t c = 0; c < n; ++c) {
-    const float z = k[c] * t.step;
+    const float z = k[c] * step;
     if (t.basis.empty())
       x[c] += z;
     else if (z != 0)
@@ -221,7 +222,8 @@ Expected<double> channels_bits(const Channels& input, float step) {
   return choice->bits;
 }
 
-Expected<void> decode_channels(Reader& in, std::size_t channels, std::span<float> values) {
+Expected<void> decode_channels(Reader& in, std::size_t channels, std::span<const float> coarseness,
+                               std::span<float> values) {
   if (channels == 0 || channels > kMostChannels)
     return fail("", "", fmt::format("{} channels, expected 1 to {}", channels, kMostChannels));
   const std::size_t splats = values.size() / channels;
@@ -243,7 +245,7 @@ Expected<void> decode_channels(Reader& in, std::size_t channels, std::span<float
   for (std::size_t i = 0; i < splats; ++i) {
     float* x = &values[i * channels];
     std::copy_n(x, channels, k.begin());
-    restore(*transform, k.data(), x);
+    restore(*transform, transform->step * (coarseness.empty() ? 1.0f : coarseness[i]), k.data(), x);
     for (std::size_t c = 0; c < channels; ++c)
       if (!std::isfinite(x[c])) return fail("", "", fmt::format("splat {} is not finite", i));
   }

@@ -11,28 +11,32 @@
 
 namespace fluxgs::codec {
 
-/// Numbers of `splats`·`channels`, splat by splat. At most 64 channels.
+/// Numbers of `splats`·`channels`, splat by splat. At most 64 channels. `coarseness` multiplies the
+/// step of each splat (> 0; empty: 1 for all); whoever decodes must have it too.
 struct Channels {
   std::size_t channels = 1;
   std::vector<float> values;
+  std::vector<float> coarseness = {};
 
   std::size_t splats() const { return values.size() / channels; }
 };
 
-/// Appends the values, rounded to multiples of `step` (in the units of the values; > 0) around
-/// their mean. The channels are turned by the orthogonal Karhunen–Loève transform of their
-/// covariance if that takes fewer bits, so a value is off by at most step/2·√channels and its mean
-/// square error is about step²/12. Each channel is predicted by the mean of the four splats before
-/// where that takes fewer bits; splats should therefore stand in an order that keeps neighbours
-/// together. An error if values/step is beyond ±2²⁸.
+/// Appends the values, rounded to multiples of `step` (in the units of the values; > 0) times the
+/// splat's coarseness around their mean. The channels are turned by the orthogonal Karhunen–Loève
+/// transform of their covariance if that takes fewer bits, so a value is off by at most
+/// step/2·√channels and its mean square error is about step²/12. Each channel is predicted by the
+/// mean of the four splats before where that takes fewer bits; splats should therefore stand in an
+/// order that keeps neighbours together. An error if values/step is beyond ±2²⁸.
 Expected<void> encode_channels(const Channels& input, float step, Bytes& out);
 
 /// Bits that encode_channels would take, without the few for tables.
 Expected<double> channels_bits(const Channels& input, float step);
 
 /// Reads what encode_channels wrote for `splats` splats of `channels` channels into `values`
-/// (splat by splat, already of that size). Errors (without a file's name): cut, damaged, another
-/// number of channels, or numbers that are not finite.
-Expected<void> decode_channels(Reader& in, std::size_t channels, std::span<float> values);
+/// (splat by splat, already of that size). `coarseness` is that of the encoder; where it differs in
+/// its last bits, so do the values, and no more. Errors (without a file's name): cut, damaged,
+/// another number of channels, or numbers that are not finite.
+Expected<void> decode_channels(Reader& in, std::size_t channels, std::span<const float> coarseness,
+                               std::span<float> values);
 
 }  // namespace fluxgs::codec

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "codec/channels.h"
+#include "codec/importance.h"
 #include "codec/morton.h"
 #include "codec/positions.h"
 #include "fluxgs/math/projection.h"
@@ -51,36 +52,79 @@ float opacity_logit(float scale) {
   return io::logit(opacity);
 }
 
-Channels channels_of(std::size_t channels, std::size_t splats) {
-  return {channels, std::vector<float>(channels * splats)};
+// Each attribute may rest on those before it: their decoded values tell how exactly it is stored.
+enum Attribute : std::size_t { kScale = 1, kOpacity, kRotation, kDc, kRest, kEnd };
+
+std::size_t channels_of(Attribute attribute, int sh_degree) {
+  if (attribute == kOpacity) return 1;
+  return attribute == kRest ? 3 * static_cast<std::size_t>(sh_rest_count(sh_degree)) : 3;
 }
 
-/// The attributes besides positions, in the order of kAttributeNames.
-std::vector<Channels> attributes_of(const SplatCloud& cloud,
-                                    const std::vector<std::uint32_t>& order) {
-  const std::size_t n = order.size();
+std::vector<float> coarseness_of(Attribute attribute, const SplatCloud& decoded) {
+  if (attribute == kRotation) return rotation_coarseness(decoded.log_scales);
+  if (attribute == kDc || attribute == kRest)
+    return color_coarseness(decoded.log_scales, decoded.opacity_logits);
+  return {};
+}
+
+void put_vec3(std::vector<float>& out, const glm::vec3& v) {
+  for (int c = 0; c < 3; ++c) out.push_back(v[c]);
+}
+glm::vec3 vec3_at(const float* v) { return {v[0], v[1], v[2]}; }
+
+std::vector<float> values_of(Attribute attribute, const SplatCloud& cloud) {
+  std::vector<float> out;
+  out.reserve(cloud.size() * channels_of(attribute, cloud.sh_degree));
+  if (attribute == kOpacity)
+    for (const float logit : cloud.opacity_logits) out.push_back(opacity_scale(logit));
+  else if (attribute == kRotation)
+    for (const glm::quat& q : cloud.rotations) put_vec3(out, reduced_rotation(q));
+  else
+    for (const glm::vec3& v : attribute == kScale ? cloud.log_scales
+                              : attribute == kDc  ? cloud.sh_dc
+                                                  : cloud.sh_rest)
+      put_vec3(out, v);
+  return out;
+}
+
+void store(Attribute attribute, const std::vector<float>& values, SplatCloud& cloud) {
+  const float* v = values.data();
+  if (attribute == kOpacity)
+    for (float& logit : cloud.opacity_logits) logit = opacity_logit(*v++);
+  else if (attribute == kRotation)
+    for (glm::quat& q : cloud.rotations) q = full_rotation(v), v += 3;
+  else
+    for (glm::vec3& to : attribute == kScale ? cloud.log_scales
+                         : attribute == kDc  ? cloud.sh_dc
+                                             : cloud.sh_rest)
+      to = vec3_at(v), v += 3;
+}
+
+SplatCloud in_order(const SplatCloud& cloud, const std::vector<std::uint32_t>& order) {
+  SplatCloud result;
+  result.sh_degree = cloud.sh_degree;
+  result.resize(order.size());
   const auto rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
-  std::vector<Channels> all{channels_of(3, n), channels_of(3, n), channels_of(1, n),
-                            channels_of(3, n)};
-  if (rest > 0) all.push_back(channels_of(3 * rest, n));
-  const auto put3 = [](Channels& to, std::size_t at, const glm::vec3& v) {
-    for (int c = 0; c < 3; ++c) to.values[at + static_cast<std::size_t>(c)] = v[c];
-  };
-  for (std::size_t k = 0; k < n; ++k) {
+  for (std::size_t k = 0; k < order.size(); ++k) {
     const std::uint32_t i = order[k];
-    put3(all[0], 3 * k, cloud.log_scales[i]);
-    put3(all[1], 3 * k, reduced_rotation(cloud.rotations[i]));
-    all[2].values[k] = opacity_scale(cloud.opacity_logits[i]);
-    put3(all[3], 3 * k, cloud.sh_dc[i]);
-    for (std::size_t s = 0; s < rest; ++s)
-      put3(all[4], 3 * (rest * k + s), cloud.sh_rest[rest * i + s]);
+    result.positions[k] = cloud.positions[i];
+    result.log_scales[k] = cloud.log_scales[i];
+    result.rotations[k] = cloud.rotations[i];
+    result.opacity_logits[k] = cloud.opacity_logits[i];
+    result.sh_dc[k] = cloud.sh_dc[i];
+    std::copy_n(&cloud.sh_rest[rest * i], rest, &result.sh_rest[rest * k]);
   }
-  return all;
+  return result;
+}
+
+float step_of(Attribute attribute, const CompactSteps& steps) {
+  const float by_attribute[] = {0,           steps.log_scale, steps.opacity, steps.rotation,
+                                steps.sh_dc, steps.sh_rest};
+  return by_attribute[attribute];
 }
 
 std::unexpected<Error> in_attribute(std::size_t attribute, const Error& error) {
-  const std::string inner = error.message();
-  return fail("", kAttributeNames[attribute], inner);
+  return fail("", kAttributeNames[attribute], error.message());
 }
 
 Expected<std::span<const std::byte>> take_section(Reader& in, std::size_t attribute) {
@@ -90,56 +134,25 @@ Expected<std::span<const std::byte>> take_section(Reader& in, std::size_t attrib
   return *bytes;
 }
 
-/// Reads one section of `channels` numbers a splat and hands each splat's numbers to `set`.
-template <class Set>
-Expected<void> decode_section(Reader& in, std::size_t attribute, std::size_t channels,
-                              std::vector<float>& values, std::size_t count, const Set& set) {
-  const auto section = take_section(in, attribute);
-  if (!section) return std::unexpected(section.error());
-  values.resize(count * channels);
-  Reader part(*section);
-  if (auto ok = decode_channels(part, channels, values); !ok)
-    return in_attribute(attribute, ok.error());
-  if (part.left() > 0) return fail("", kAttributeNames[attribute], "has bytes left over");
-  for (std::size_t i = 0; i < count; ++i) set(i, &values[i * channels]);
-  return {};
-}
-
-glm::vec3 vec3_at(const float* v) { return {v[0], v[1], v[2]}; }
-
-Expected<void> decode_attributes(Reader& in, SplatCloud& cloud) {
-  const std::size_t n = cloud.size();
-  const auto rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
-  std::vector<float> values;
-  const auto section = [&](std::size_t attribute, std::size_t channels, const auto& set) {
-    return decode_section(in, attribute, channels, values, n, set);
-  };
-  if (auto ok =
-          section(1, 3, [&](std::size_t i, const float* v) { cloud.log_scales[i] = vec3_at(v); });
-      !ok)
-    return ok;
-  if (auto ok = section(
-          2, 3, [&](std::size_t i, const float* v) { cloud.rotations[i] = full_rotation(v); });
-      !ok)
-    return ok;
-  if (auto ok = section(
-          3, 1,
-          [&](std::size_t i, const float* v) { cloud.opacity_logits[i] = opacity_logit(*v); });
-      !ok)
-    return ok;
-  if (auto ok = section(4, 3, [&](std::size_t i, const float* v) { cloud.sh_dc[i] = vec3_at(v); });
-      !ok)
-    return ok;
-  if (rest == 0) return {};
-  return section(5, 3 * rest, [&](std::size_t i, const float* v) {
-    for (std::size_t s = 0; s < rest; ++s) cloud.sh_rest[rest * i + s] = vec3_at(v + 3 * s);
-  });
-}
-
 void put_section(Bytes& out, const Bytes& section) {
   put_varint(out, section.size());
   out.insert(out.end(), section.begin(), section.end());
 }
+
+/// Decodes a section into the cloud, in which the attributes before it are decoded already.
+Expected<void> decode_section(Attribute attribute, std::span<const std::byte> section,
+                              SplatCloud& cloud) {
+  const std::size_t channels = channels_of(attribute, cloud.sh_degree);
+  std::vector<float> values(channels * cloud.size());
+  Reader in(section);
+  if (auto ok = decode_channels(in, channels, coarseness_of(attribute, cloud), values); !ok)
+    return in_attribute(attribute, ok.error());
+  if (in.left() > 0) return fail("", kAttributeNames[attribute], "has bytes left over");
+  store(attribute, values, cloud);
+  return {};
+}
+
+bool is_stored(Attribute attribute, int sh_degree) { return channels_of(attribute, sh_degree) > 0; }
 
 }  // namespace
 
@@ -149,23 +162,23 @@ float opacity_scale(float logit) {
 }
 
 Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactSteps& steps) {
-  Bytes out;
+  Bytes out, section;
   if (cloud.size() == 0) return out;
-  const std::vector<std::uint32_t> order = morton_order(cloud.positions);
-  std::vector<glm::vec3> positions;
-  positions.reserve(order.size());
-  for (const std::uint32_t i : order) positions.push_back(cloud.positions[i]);
-  Bytes section;
-  if (auto ok = encode_positions(positions, steps.position, section); !ok)
+  const SplatCloud ordered = in_order(cloud, morton_order(cloud.positions));
+  if (auto ok = encode_positions(ordered.positions, steps.position, section); !ok)
     return std::unexpected(ok.error());
   put_section(out, section);
-  const std::array by_attribute{steps.log_scale, steps.rotation, steps.opacity, steps.sh_dc,
-                                steps.sh_rest};
-  const std::vector<Channels> attributes = attributes_of(cloud, order);
-  for (std::size_t a = 0; a < attributes.size(); ++a) {
+  SplatCloud decoded = ordered;
+  for (std::size_t a = kScale; a < kEnd; ++a) {
+    const auto attribute = static_cast<Attribute>(a);
+    if (!is_stored(attribute, cloud.sh_degree)) continue;
+    const Channels input{channels_of(attribute, cloud.sh_degree), values_of(attribute, ordered),
+                         coarseness_of(attribute, decoded)};
     section.clear();
-    if (auto ok = encode_channels(attributes[a], by_attribute[a], section); !ok)
-      return in_attribute(a + 1, ok.error());
+    if (auto ok = encode_channels(input, step_of(attribute, steps), section); !ok)
+      return in_attribute(a, ok.error());
+    if (auto ok = decode_section(attribute, section, decoded); !ok)
+      return std::unexpected(ok.error());
     put_section(out, section);
   }
   return out;
@@ -176,11 +189,18 @@ Expected<SplatCloud> decode_compact(std::span<const std::byte> bytes, std::size_
   auto cloud = io::allocate_cloud(count, sh_degree, "");
   if (!cloud || count == 0) return cloud;
   Reader in(bytes);
-  const auto section = take_section(in, 0);
-  if (!section) return std::unexpected(section.error());
-  Reader part(*section);
+  const auto positions = take_section(in, 0);
+  if (!positions) return std::unexpected(positions.error());
+  Reader part(*positions);
   if (auto ok = decode_positions(part, cloud->positions); !ok) return std::unexpected(ok.error());
-  if (auto ok = decode_attributes(in, *cloud); !ok) return std::unexpected(ok.error());
+  for (std::size_t a = kScale; a < kEnd; ++a) {
+    const auto attribute = static_cast<Attribute>(a);
+    if (!is_stored(attribute, sh_degree)) continue;
+    const auto section = take_section(in, a);
+    if (!section) return std::unexpected(section.error());
+    if (auto ok = decode_section(attribute, *section, *cloud); !ok)
+      return std::unexpected(ok.error());
+  }
   if (in.left() > 0) return fail("", "", "bytes are left over behind the last attribute");
   return cloud;
 }

@@ -13,9 +13,9 @@ namespace fluxgs::codec {
 struct CompactSteps {
   double position = 1e-3;  ///< scene units
   float log_scale = 0.2f;  ///< of the natural logarithm
-  float rotation = 0.06f;  ///< of the quaternion's x, y, z
+  float rotation = 0.06f;  ///< of the quaternion's x, y, z; for usual splats, see importance.h
   float opacity = 0.06f;   ///< of opacity_scale(), 0…1
-  float sh_dc = 0.08f;     ///< of the coefficient; 0.28 of it is colour
+  float sh_dc = 0.08f;     ///< of the coefficient, 0.28 of which is colour; for usual splats
   float sh_rest = 0.1f;
 };
 
@@ -34,8 +34,8 @@ Expected<SplatCloud> decode_compact(std::span<const std::byte> bytes, std::size_
                                     int sh_degree);
 
 /// Bytes that each attribute takes in an encoded scene, in the order of kAttributeNames.
-inline constexpr const char* kAttributeNames[] = {"position", "scale", "rotation",
-                                                  "opacity",  "sh_dc", "sh_rest"};
+inline constexpr const char* kAttributeNames[] = {"position", "scale", "opacity",
+                                                  "rotation", "sh_dc", "sh_rest"};
 Expected<std::vector<std::size_t>> attribute_bytes(std::span<const std::byte> bytes);
 
 }  // namespace fluxgs::codec

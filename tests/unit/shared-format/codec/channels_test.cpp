@@ -13,7 +13,7 @@ namespace {
 Channels smooth(std::size_t splats, std::size_t channels, float noise, unsigned seed = 1) {
   std::mt19937 random(seed);
   std::normal_distribution<float> normal;
-  Channels input{channels, std::vector<float>(splats * channels)};
+  Channels input{channels, std::vector<float>(splats * channels), {}};
   for (std::size_t i = 0; i < splats; ++i) {
     const float common = 3 * std::sin(0.01f * static_cast<float>(i)) + 0.3f * normal(random);
     for (std::size_t c = 0; c < channels; ++c)
@@ -37,7 +37,7 @@ TEST(Channels, ErrorsAreThoseOfTheStep) {
       const Bytes bytes = encoded(input, step);
       Reader in(bytes);
       std::vector<float> back(input.values.size());
-      const auto done = decode_channels(in, channels, back);
+      const auto done = decode_channels(in, channels, {}, back);
       ASSERT_TRUE(done) << done.error().message();
       EXPECT_EQ(in.left(), 0u);
       double worst = 0, squares = 0;
@@ -59,7 +59,7 @@ TEST(Channels, CorrelationAndNeighboursMakeItSmaller) {
   const Channels together = smooth(20'000, 3, 0.02f);
   double apart = 0;
   for (std::size_t c = 0; c < 3; ++c) {
-    Channels one{1, {}};
+    Channels one{1, {}, {}};
     for (std::size_t i = 0; i < together.splats(); ++i)
       one.values.push_back(together.values[3 * i + c]);
     apart += *channels_bits(one, step);
@@ -77,18 +77,34 @@ TEST(Channels, CorrelationAndNeighboursMakeItSmaller) {
 
 TEST(Channels, OneSplatAndEqualSplats) {
   for (const std::size_t splats : {1u, 2u, 500u}) {
-    const Channels input{3, std::vector<float>(3 * splats, -2.5f)};
+    const Channels input{3, std::vector<float>(3 * splats, -2.5f), {}};
     const Bytes bytes = encoded(input, 0.1f);
     Reader in(bytes);
     std::vector<float> back(input.values.size());
-    ASSERT_TRUE(decode_channels(in, 3, back));
+    ASSERT_TRUE(decode_channels(in, 3, {}, back));
     for (const float v : back) EXPECT_NEAR(v, -2.5f, 1e-5);
   }
 }
 
+TEST(Channels, CoarseSplatsLoseMore) {
+  Channels input = smooth(4000, 3, 0.2f);
+  for (std::size_t i = 0; i < input.splats(); ++i) input.coarseness.push_back(i % 2 ? 4.0f : 1.0f);
+  const Bytes bytes = encoded(input, 0.05f);
+  Reader in(bytes);
+  std::vector<float> back(input.values.size());
+  ASSERT_TRUE(decode_channels(in, 3, input.coarseness, back));
+  double squares[2] = {0, 0};
+  for (std::size_t i = 0; i < back.size(); ++i) {
+    const double error = double{back[i]} - double{input.values[i]};
+    squares[i / 3 % 2] += error * error / 6000;
+  }
+  EXPECT_NEAR(std::sqrt(squares[0]), 0.05 / std::sqrt(12), 0.002);
+  EXPECT_NEAR(std::sqrt(squares[1]), 0.20 / std::sqrt(12), 0.008);
+}
+
 TEST(Channels, TooSmallAStepIsAnError) {
   Bytes out;
-  EXPECT_FALSE(encode_channels({1, {0, 1e9f}}, 1e-3f, out));
+  EXPECT_FALSE(encode_channels({1, {0, 1e9f}, {}}, 1e-3f, out));
 }
 
 TEST(Channels, CutsAndDamage) {
@@ -97,16 +113,16 @@ TEST(Channels, CutsAndDamage) {
   std::vector<float> back(input.values.size());
   for (std::size_t size = 0; size < good.size(); ++size) {
     Reader in(std::span<const std::byte>(good).first(size));
-    EXPECT_FALSE(decode_channels(in, 3, back)) << size;
+    EXPECT_FALSE(decode_channels(in, 3, {}, back)) << size;
   }
   Reader wrong(good);
-  EXPECT_FALSE(decode_channels(wrong, 4, back));
+  EXPECT_FALSE(decode_channels(wrong, 4, {}, back));
   std::mt19937 random(9);
   for (int round = 0; round < 3000; ++round) {
     Bytes bytes = good;
     bytes[random() % bytes.size()] ^= static_cast<std::byte>(1 + random() % 255);
     Reader in(bytes);
-    if (!decode_channels(in, 3, back)) continue;
+    if (!decode_channels(in, 3, {}, back)) continue;
     for (const float v : back) ASSERT_TRUE(std::isfinite(v));
   }
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "codec/importance.h"
 #include "codec/morton.h"
 #include "fluxgs/math/projection.h"
 #include "support/scenes.h"
@@ -48,16 +49,19 @@ TEST(Compact, ErrorsFollowTheSteps) {
     const auto order = morton_order(cloud.positions);
     const auto rest = static_cast<std::size_t>(sh_rest_count(degree));
     const double root = std::sqrt(3.0 * static_cast<double>(rest)) / 2;
+    const auto coarseness = color_coarseness(back->log_scales, back->opacity_logits);
     for (std::size_t k = 0; k < cloud.size(); ++k) {
       const std::uint32_t i = order[k];
       ASSERT_LE(glm::distance(back->positions[k], cloud.positions[i]), 0.87e-3f);
       ASSERT_LT(difference(shape_of(*back, k), shape_of(cloud, i)), 0.04);
       ASSERT_NEAR(opacity_scale(back->opacity_logits[k]), opacity_scale(cloud.opacity_logits[i]),
                   0.0051 + 0.021);  // and the ends that a picture cannot tell from 0 and 1
-      ASSERT_LE(glm::distance(back->sh_dc[k], cloud.sh_dc[i]), 0.02f);
+      const double coarse = double{coarseness[k]};
+      ASSERT_LE(double{glm::distance(back->sh_dc[k], cloud.sh_dc[i])}, 0.87 * 0.02 * coarse);
       for (std::size_t s = 0; s < rest; ++s)
         for (int c = 0; c < 3; ++c)
-          ASSERT_NEAR(back->sh_rest[rest * k + s][c], cloud.sh_rest[rest * i + s][c], 0.03 * root);
+          ASSERT_NEAR(back->sh_rest[rest * k + s][c], cloud.sh_rest[rest * i + s][c],
+                      0.03 * root * coarse);
     }
   }
 }
