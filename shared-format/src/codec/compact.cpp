@@ -112,7 +112,7 @@ SplatCloud in_order(const SplatCloud& cloud, const std::vector<std::uint32_t>& o
     result.rotations[k] = cloud.rotations[i];
     result.opacity_logits[k] = cloud.opacity_logits[i];
     result.sh_dc[k] = cloud.sh_dc[i];
-    std::copy_n(&cloud.sh_rest[rest * i], rest, &result.sh_rest[rest * k]);
+    std::copy_n(cloud.sh_rest.data() + rest * i, rest, result.sh_rest.data() + rest * k);
   }
   return result;
 }
