@@ -67,8 +67,8 @@ void Progress::clear() const {
 void Progress::finish(int done) const {
   clear();
   const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-  say(fmt::format("{} steps in {} ({:.1f} it/s)\n", done - first_, duration(seconds),
-                  seconds > 0 ? (done - first_) / seconds : 0.0));
+  say(fmt::format("{} steps in {} ({:.1f} {}/s)\n", done - first_, duration(seconds),
+                  seconds > 0 ? (done - first_) / seconds : 0.0, unit_));
 }
 
 ProgressReport show_progress(const std::string& unit) {
