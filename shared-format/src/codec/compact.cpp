@@ -181,11 +181,16 @@ Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactSteps& step
       return std::unexpected(ok.error());
     put_section(out, section);
   }
+  while (cloud.size() > most_splats(out.size())) out.push_back(std::byte{0});
   return out;
 }
 
 Expected<SplatCloud> decode_compact(std::span<const std::byte> bytes, std::size_t count,
                                     int sh_degree) {
+  if (count > most_splats(bytes.size()))
+    return fail("", "",
+                fmt::format("{} splats in {} bytes, expected {} at most", count, bytes.size(),
+                            most_splats(bytes.size())));
   auto cloud = io::allocate_cloud(count, sh_degree, "");
   if (!cloud || count == 0) return cloud;
   Reader in(bytes);
@@ -201,7 +206,9 @@ Expected<SplatCloud> decode_compact(std::span<const std::byte> bytes, std::size_
     if (auto ok = decode_section(attribute, *section, *cloud); !ok)
       return std::unexpected(ok.error());
   }
-  if (in.left() > 0) return fail("", "", "bytes are left over behind the last attribute");
+  const auto padding = *in.take_bytes(in.left());
+  if (std::ranges::any_of(padding, [](std::byte b) { return b != std::byte{0}; }))
+    return fail("", "", "bytes other than zeros are left over behind the last attribute");
   return cloud;
 }
 

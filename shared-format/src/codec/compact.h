@@ -5,19 +5,15 @@
 
 #include "codec/bytes.h"
 #include "fluxgs/error.h"
+#include "fluxgs/io/compact_glb.h"
 #include "fluxgs/splat_cloud.h"
 
 namespace fluxgs::codec {
 
-/// How coarsely each attribute is rounded: smaller steps, more bytes, less error. All > 0.
-struct CompactSteps {
-  double position = 1e-3;  ///< scene units
-  float log_scale = 0.2f;  ///< of the natural logarithm
-  float rotation = 0.06f;  ///< of the quaternion's x, y, z; for usual splats, see importance.h
-  float opacity = 0.06f;   ///< of opacity_scale(), 0…1
-  float sh_dc = 0.08f;     ///< of the coefficient, 0.28 of which is colour; for usual splats
-  float sh_rest = 0.1f;
-};
+/// The most splats that this many bytes may hold: real scenes take five bytes or more for each, so
+/// that a few bytes cannot ask for gigabytes of memory. What the encoder makes of simpler ones is
+/// padded with zeros.
+constexpr std::size_t most_splats(std::size_t bytes) { return 4096 + bytes; }
 
 /// Opacity on a scale of 0…1 that is finer towards both ends, where its effect is largest:
 /// asin(√opacity)·2/π.
@@ -28,8 +24,9 @@ float opacity_scale(float logit);
 /// length, their sign and half turns about the splat's own axes. An error names the attribute.
 Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactSteps& steps);
 
-/// Decodes `count` splats of a degree that the caller has checked against its limits. Holds at most
-/// the bytes, the cloud, and 64 bytes a splat. Errors (without a file's name) name the attribute.
+/// Decodes `count` splats, most_splats(bytes.size()) at most. Holds at most the bytes, the cloud,
+/// and 64 bytes a splat (of degree 2 and 3: 12 for each coefficient). Errors (without a file's
+/// name) name the attribute.
 Expected<SplatCloud> decode_compact(std::span<const std::byte> bytes, std::size_t count,
                                     int sh_degree);
 

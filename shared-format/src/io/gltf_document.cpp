@@ -12,6 +12,7 @@
 
 #include "fluxgs/splat_cloud.h"
 #include "gltf_accessor.h"
+#include "gltf_compressed.h"
 #include "gltf_spz.h"
 
 namespace fluxgs::io {
@@ -60,9 +61,11 @@ class PrimitiveReader {
   Expected<GltfSplats> read(const tinygltf::Primitive& primitive, const std::string& field) const {
     if (auto ok = check_kind(primitive, field); !ok) return std::unexpected(ok.error());
     const tinygltf::Value& extension = primitive.extensions.at(kSplatExtension);
-    if (extension.Has(kSpzView)) {
-      const int view = extension.Get(kSpzView).GetNumberAsInt();
-      return find_spz_splats(model_, primitive, view, buffer_, name_, field);
+    if (extension.Has(kCompression)) {
+      const GltfCompressedPlace place{model_, primitive, buffer_, name_, field};
+      const int view = extension.Get(kCompressedView).GetNumberAsInt();
+      const bool is_spz = extension.Get(kCompression).Get<std::string>() == kSpzExtension;
+      return is_spz ? find_spz_splats(place, view) : find_compact_splats(place, view);
     }
     GltfSplats splats;
     for (const auto& [target, expected] :
@@ -89,7 +92,7 @@ class PrimitiveReader {
          {std::pair("kernel", "ellipse"), std::pair("colorSpace", "srgb_rec709_display")}) {
       if (!extension.Has(key)) {
         // The drafts with compressed splats, and those who write by them, have neither.
-        if (extension.Has(kSpzView)) continue;
+        if (extension.Has(kCompression)) continue;
         return fail(name_, fmt::format("{}: {}", field, key),
                     fmt::format("is missing; expected \"{}\"", expected));
       }

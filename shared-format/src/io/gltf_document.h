@@ -32,16 +32,20 @@ struct GltfBounds {
   glm::dvec3 least{0.0}, most{0.0};
 };
 
-/// One splat primitive: either attributes or SPZ.
+/// What the splats of a primitive are compressed by.
+enum class GltfCompression { none, spz, compact };
+
+/// One splat primitive: either attributes or compressed splats.
 struct GltfSplats {
   std::size_t count = 0;
   int sh_degree = 0;
   GltfAttribute position, rotation, scale, opacity;
   std::array<GltfAttribute, 16> sh;  ///< degree 0, then 1…sh_degree in the order of the basis
 
-  std::span<const std::byte> spz;  ///< if not empty: compressed splats instead of the attributes
-  std::string spz_field;           ///< names them in errors
-  std::optional<GltfBounds> spz_bounds;
+  GltfCompression compression = GltfCompression::none;
+  std::span<const std::byte> compressed;  ///< instead of the attributes
+  std::string compressed_field;           ///< names them in errors
+  std::optional<GltfBounds> bounds;       ///< of compressed positions, if stated
 };
 
 /// Global transform of a node: p ↦ linear·p + translation, linear = scale·(rotation).

@@ -8,6 +8,8 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/vec3.hpp>
 
+#include "fluxgs/splat_cloud.h"
+
 namespace fluxgs::io {
 
 template <class T>
@@ -24,6 +26,14 @@ inline glm::quat turn_from_gltf(const glm::quat& q) { return glm::quat(q.z, q.y,
 inline float turn_sign(std::size_t basis) {
   constexpr float kSigns[15] = {-1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1};
   return kSigns[basis];
+}
+
+/// The whole cloud, from either frame into the other (a quaternion may change its sign).
+inline void turn_cloud(SplatCloud& cloud) {
+  for (glm::vec3& p : cloud.positions) p = turn_position(p);
+  for (glm::quat& q : cloud.rotations) q = turn_from_gltf(q);
+  const auto rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
+  for (std::size_t i = 0; i < cloud.sh_rest.size(); ++i) cloud.sh_rest[i] *= turn_sign(i % rest);
 }
 
 }  // namespace fluxgs::io

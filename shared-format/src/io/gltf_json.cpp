@@ -20,8 +20,9 @@ constexpr std::size_t kMaxEntries = 65536;
 
 // The splat data do not depend on materials, so an unlit one may be required; quantised positions
 // are read.
-constexpr std::array<std::string_view, 4> kKnownRequired{
-    kSplatExtension, kSpzExtension, "KHR_mesh_quantization", "KHR_materials_unlit"};
+constexpr std::array<std::string_view, 5> kKnownRequired{kSplatExtension, kSpzExtension,
+                                                         kCompactExtension, "KHR_mesh_quantization",
+                                                         "KHR_materials_unlit"};
 
 // Collects the first thing that is wrong; the checks read as a list.
 class Checker {
@@ -171,14 +172,24 @@ json reduce_accessors(Checker& check, std::vector<bool>& sparse) {
   return result;
 }
 
+void check_compact_version(Checker& check, const json& compact, const std::string& field) {
+  const json& version = member(compact, "version");
+  if (version == kCompactVersion) return;
+  check.bad(fmt::format("{}.{}.version", field, kCompactExtension),
+            fmt::format("is {}; this program reads version {}", shown(version), kCompactVersion));
+}
+
 // What the splats are compressed by, if anything.
 void reduce_compression(Checker& check, const json& nested, const std::string& field, json& kept) {
   if (!nested.is_object()) return;
   for (const auto& [key, value] : nested.items()) {
-    if (key == kSpzExtension) {
+    if (key == kSpzExtension || key == kCompactExtension) {
       const json& view = member(value, "bufferView");
-      check.whole(view, fmt::format("{}.{}.bufferView", field, kSpzExtension), kIndexLimit);
-      kept[kSpzView] = view;
+      check.whole(view, fmt::format("{}.{}.bufferView", field, key), kIndexLimit);
+      if (kept.contains(kCompression)) check.bad(field, "its splats are compressed twice");
+      kept[kCompression] = key;
+      kept[kCompressedView] = view;
+      if (key == kCompactExtension) check_compact_version(check, value, field);
     } else if (key.starts_with("KHR_gaussian_splatting_compression")) {
       check.bad(field,
                 fmt::format("its splats are compressed by {}, which is not supported", shown(key)));

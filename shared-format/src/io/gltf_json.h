@@ -13,13 +13,17 @@ namespace fluxgs::io {
 
 inline constexpr char kSplatExtension[] = "KHR_gaussian_splatting";
 inline constexpr char kSpzExtension[] = "KHR_gaussian_splatting_compression_spz_2";
-/// Where the reduced document keeps the bufferView of a primitive's SPZ data.
-inline constexpr char kSpzView[] = "spzBufferView";
+inline constexpr char kCompactExtension[] = "FLUXGS_gaussian_splatting_compact";
+inline constexpr int kCompactVersion = 1;  ///< the only one; see schema/
+/// Where the reduced document keeps by which of the two a primitive's splats are compressed, and
+/// the bufferView of their data.
+inline constexpr char kCompression[] = "compression", kCompressedView[] = "compressedBufferView";
 
 struct GltfJson {
   /// A glTF document of bufferViews, accessors, meshes, nodes and scenes under their old indices:
   /// no URIs, images, materials, foreign extensions or extras, and all its numbers are of the kinds
-  /// that the specification wants. The nested kSpzExtension becomes the member kSpzView.
+  /// that the specification wants. A nested kSpzExtension or
+  /// kCompactExtension becomes the members kCompression and kCompressedView.
   std::string reduced;
   std::vector<std::string> extensions_used;
   std::vector<bool> sparse;      ///< for each accessor, whether it is a sparse one

@@ -10,6 +10,7 @@
 
 #include "activation.h"
 #include "cloud_memory.h"
+#include "codec/compact.h"
 #include "fluxgs/io/gltf.h"
 #include "fluxgs/math/sh_rotation.h"
 #include "glb_container.h"
@@ -104,6 +105,25 @@ void place_splat(const Placement& place, int sh_degree, SplatValues& splat) {
   for (std::size_t k = 0; k < rest; ++k) splat.sh_rest[k] *= turn_sign(k);
 }
 
+SplatValues load_splat(const SplatCloud& from, std::size_t i) {
+  SplatValues splat{};
+  splat.position = from.positions[i];
+  splat.rotation = from.rotations[i];
+  splat.log_scale = from.log_scales[i];
+  splat.opacity_logit = from.opacity_logits[i];
+  splat.sh_dc = from.sh_dc[i];
+  const auto rest = static_cast<std::size_t>(sh_rest_count(from.sh_degree));
+  std::copy_n(from.sh_rest.data() + i * rest, rest, splat.sh_rest.data());
+  return splat;
+}
+
+// In glTF's frame.
+Expected<SplatCloud> decode_compact_splats(const GltfSplats& from, const std::string& name) {
+  auto cloud = codec::decode_compact(from.compressed, from.count, from.sh_degree);
+  if (!cloud) return fail(name, from.compressed_field, cloud.error().message());
+  return cloud;
+}
+
 // Appends the splats of one primitive at `next`.
 Expected<void> read_instance(const GltfInstance& instance, const std::string& name,
                              SplatCloud& cloud, std::size_t& next) {
@@ -114,19 +134,28 @@ Expected<void> read_instance(const GltfInstance& instance, const std::string& na
     place_splat(place, from.sh_degree, splat);
     store_splat(splat, rest, cloud, next++);
   };
-  if (from.spz.empty()) {
+  if (from.compression == GltfCompression::none) {
     for (std::size_t i = 0; i < from.count; ++i) {
       SplatValues splat = load_splat(from, i);
       append(splat);
     }
     return {};
   }
-  const SpzSource source{from.spz, name, from.spz_field};
+  if (from.compression == GltfCompression::compact) {
+    const auto decoded = decode_compact_splats(from, name);
+    if (!decoded) return std::unexpected(decoded.error());
+    for (std::size_t i = 0; i < from.count; ++i) {
+      SplatValues splat = load_splat(*decoded, i);
+      append(splat);
+    }
+    return {};
+  }
+  const SpzSource source{from.compressed, name, from.compressed_field};
   const auto header = read_spz_header(source);
   if (!header) return std::unexpected(header.error());
   const auto packed = unpack_spz(source, *header);
   if (!packed) return std::unexpected(packed.error());
-  const AxisFlip flip = make_axis_flip(spz_signs_in_gltf(*packed, from.spz_bounds));
+  const AxisFlip flip = make_axis_flip(spz_signs_in_gltf(*packed, from.bounds));
   SplatValues splat{};
   for (std::size_t i = 0; i < from.count; ++i) {
     read_spz_splat(*packed, i, flip, splat);
@@ -144,8 +173,8 @@ Expected<std::size_t> count_splats(const std::vector<GltfInstance>& instances, s
   for (const GltfInstance& instance : instances) {
     const GltfSplats& splats = instance.splats;
     // Every count has 32 bits or is at most the size of the file, and there are at most 65,536.
-    (splats.spz.empty() ? plain : compressed) += splats.count;
-    decoded += splats.spz.size();
+    (splats.compression == GltfCompression::none ? plain : compressed) += splats.count;
+    decoded += splats.compressed.size();
     if (plain <= most_plain && compressed <= most_compressed && decoded <= kMostDecoding * file) {
       continue;
     }
@@ -157,15 +186,48 @@ Expected<std::size_t> count_splats(const std::vector<GltfInstance>& instances, s
   return plain + compressed;
 }
 
-// Compressed attributes cannot be told apart.
+// SPZ's attributes cannot be told apart.
 AttributeBits bits_of(const std::vector<GltfInstance>& instances, int sh_degree) {
-  double bytes = 0, splats = 0;
+  AttributeBits bits;
+  double splats = 0;
   for (const GltfInstance& instance : instances) {
-    bytes += static_cast<double>(instance.splats.spz.size());
-    splats += static_cast<double>(instance.splats.count);
+    const GltfSplats& from = instance.splats;
+    splats += static_cast<double>(from.count);
+    if (from.compression == GltfCompression::spz)
+      bits["spz"] += 8 * static_cast<double>(from.compressed.size());
+    if (from.compression != GltfCompression::compact) continue;
+    const auto sizes = codec::attribute_bytes(from.compressed);
+    for (std::size_t a = 0; sizes && a < sizes->size(); ++a)
+      bits[codec::kAttributeNames[a]] += 8 * static_cast<double>((*sizes)[a]);
   }
-  if (bytes == 0) return float_attribute_bits(sh_degree);
-  return {{"spz", 8 * bytes / splats}};
+  if (bits.empty()) return float_attribute_bits(sh_degree);
+  for (auto& [attribute, sum] : bits) sum /= splats;
+  return bits;
+}
+
+// All instances in one cloud.
+Expected<SplatCloud> read_instances(const std::vector<GltfInstance>& instances, std::size_t total,
+                                    const std::string& name) {
+  // What most files hold needs no second copy
+  if (instances.size() == 1 && instances[0].transform.identity &&
+      instances[0].splats.compression == GltfCompression::compact) {
+    auto cloud = decode_compact_splats(instances[0].splats, name);
+    if (cloud) turn_cloud(*cloud);
+    return cloud;
+  }
+  int degree = 0;
+  for (const GltfInstance& instance : instances) {
+    degree = std::max(degree, instance.splats.sh_degree);
+  }
+  auto cloud = allocate_cloud(total, degree, name);
+  if (!cloud) return cloud;
+  std::size_t next = 0;
+  for (const GltfInstance& instance : instances) {
+    if (auto ok = read_instance(instance, name, *cloud, next); !ok) {
+      return std::unexpected(ok.error());
+    }
+  }
+  return cloud;
 }
 
 Expected<SceneFile> read(std::span<const std::byte> bytes, const std::string& name) {
@@ -182,18 +244,8 @@ Expected<SceneFile> read(std::span<const std::byte> bytes, const std::string& na
   }
   const auto total = count_splats(*instances, bytes.size(), name);
   if (!total) return std::unexpected(total.error());
-  int degree = 0;
-  for (const GltfInstance& instance : *instances) {
-    degree = std::max(degree, instance.splats.sh_degree);
-  }
-  auto cloud = allocate_cloud(*total, degree, name);
+  auto cloud = read_instances(*instances, *total, name);
   if (!cloud) return std::unexpected(cloud.error());
-  std::size_t next = 0;
-  for (const GltfInstance& instance : *instances) {
-    if (auto ok = read_instance(instance, name, *cloud, next); !ok) {
-      return std::unexpected(ok.error());
-    }
-  }
   SceneFile scene;
   scene.cloud = std::move(*cloud);
   scene.dropped = drop_non_finite(scene.cloud);

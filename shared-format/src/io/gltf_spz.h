@@ -3,31 +3,19 @@
 
 #include <cstddef>
 #include <optional>
-#include <span>
-#include <string>
 
 #include <glm/vec3.hpp>
 
 #include "fluxgs/error.h"
+#include "gltf_compressed.h"
 #include "gltf_document.h"
 #include "spz_packed.h"
 
-namespace tinygltf {
-class Model;
-struct Primitive;
-}  // namespace tinygltf
-
 namespace fluxgs::io {
-
-/// The highest degree of which the primitive names a coefficient.
-int highest_degree(const tinygltf::Primitive& primitive);
 
 /// Check that the SPZ data in buffer view `view` and the accessors, which describe what comes out
 /// of them, agree about the number of splats and the degree.
-Expected<GltfSplats> find_spz_splats(const tinygltf::Model& model,
-                                     const tinygltf::Primitive& primitive, int view,
-                                     std::span<const std::byte> buffer, const std::string& name,
-                                     const std::string& field);
+Expected<GltfSplats> find_spz_splats(const GltfCompressedPlace& place, int view);
 
 /// The signs from the axes stored in the SPZ to those of glTF. The draft wants right-up-back turned
 /// into glTF's left-up-front, and some programs do it; others, CesiumJS among them, store and show
