@@ -1,5 +1,6 @@
 #include "fluxgs/splat_cloud.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace fluxgs {
@@ -9,7 +10,41 @@ bool finite(const glm::vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
+/// The first `kept` of every `coefficients` harmonics.
+std::vector<glm::vec3> first_of_each(const std::vector<glm::vec3>& harmonics,
+                                     std::size_t coefficients, std::size_t kept) {
+  std::vector<glm::vec3> result;
+  for (std::size_t at = 0; kept > 0 && at < harmonics.size(); at += coefficients)
+    for (std::size_t k = 0; k < kept; ++k) result.push_back(harmonics[at + k]);
+  return result;
+}
+
 }  // namespace
+
+SplatCloud in_order(const SplatCloud& cloud, std::span<const std::uint32_t> order) {
+  SplatCloud result;
+  result.sh_degree = cloud.sh_degree;
+  result.resize(order.size());
+  const auto rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const std::uint32_t i = order[k];
+    result.positions[k] = cloud.positions[i];
+    result.log_scales[k] = cloud.log_scales[i];
+    result.rotations[k] = cloud.rotations[i];
+    result.opacity_logits[k] = cloud.opacity_logits[i];
+    result.sh_dc[k] = cloud.sh_dc[i];
+    std::copy_n(cloud.sh_rest.data() + rest * i, rest, result.sh_rest.data() + rest * k);
+  }
+  return result;
+}
+
+void limit_sh_degree(SplatCloud& cloud, int degree) {
+  if (cloud.sh_degree <= degree) return;
+  cloud.sh_rest =
+      first_of_each(cloud.sh_rest, static_cast<std::size_t>(sh_rest_count(cloud.sh_degree)),
+                    static_cast<std::size_t>(sh_rest_count(degree)));
+  cloud.sh_degree = degree;
+}
 
 bool is_finite(const SplatCloud& cloud, std::size_t i) {
   const std::size_t rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));

@@ -1,10 +1,17 @@
 // fluxgs convert: from one scene format to another.
+#include <optional>
+#include <utility>
+
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/io/file.h"
 #include "tools/fluxgs/command.h"
+#include "tools/fluxgs/data_options.h"
+#include "tools/fluxgs/measuring_views.h"
+#include "tools/fluxgs/progress.h"
+#include "trainer/compress/compact_search.h"
 
 namespace fluxgs::cli {
 namespace {
@@ -13,35 +20,92 @@ struct ConvertSettings {
   std::string in, out;
   bool compact = false, plain_attributes = false;
   double coarseness = 1;
+  int sh_degree = 3;
+  std::optional<std::size_t> max_bytes;
+  std::optional<double> max_loss;
+  DataOptions data;
+
+  bool searches() const { return max_bytes || max_loss; }
 };
 
-Expected<std::size_t> write_compact(const ConvertSettings& settings, const SplatCloud& cloud) {
-  const CompactOptions options{usual_compact_steps(cloud, settings.coarseness),
-                               settings.plain_attributes};
-  const auto bytes = encode_compact_glb(cloud, options, settings.out);
+Expected<void> write_compact(const ConvertSettings& s, const SplatCloud& cloud) {
+  const CompactOptions options{usual_compact_steps(cloud, s.coarseness), s.plain_attributes};
+  const auto bytes = encode_compact_glb(cloud, options, s.out);
   if (!bytes) return std::unexpected(bytes.error());
-  if (auto written = write_file_atomic(settings.out, *bytes); !written)
-    return std::unexpected(written.error());
-  return bytes->size();
+  if (auto written = write_file_atomic(s.out, *bytes); !written) return written;
+  spdlog::info("{}: {} splats, {} bytes", s.out, cloud.size(), bytes->size());
+  return {};
 }
 
-Expected<void> convert(const ConvertSettings& settings) {
-  const auto format = scene_format_for(settings.out);
-  if (!format) return std::unexpected(format.error());
-  if (settings.compact && (*format)->name != "glb")
-    return fail(settings.out, "--compact", "expected a name that ends in .glb");
-  const auto scene = load_scene(settings.in);
-  if (!scene) return std::unexpected(scene.error());
-  warn_of_lost_degrees(settings.out, **format, scene->cloud.sh_degree);
-  if (settings.compact) {
-    const auto bytes = write_compact(settings, scene->cloud);
-    if (!bytes) return std::unexpected(bytes.error());
-    spdlog::info("{}: {} splats, {} bytes", settings.out, scene->cloud.size(), *bytes);
-    return {};
-  }
-  if (auto written = write_scene(settings.out, scene->cloud); !written) return written;
-  spdlog::info("{}: {} splats", settings.out, scene->cloud.size());
+Expected<CompactTrial> search(const ConvertSettings& s, const SplatCloud& cloud) {
+  const auto loaded = load_if_given(s.data);
+  if (!loaded) return std::unexpected(loaded.error());
+  const Dataset* data = *loaded ? &**loaded : nullptr;
+  const Threads threads(s.data.threads);
+  RenderOptions options;
+  options.background = s.data.background_color();
+  const std::vector<Camera> cameras = measuring_views(cloud, data);
+  const SceneError error(cloud, cameras, options, threads);
+  Progress progress("trials", CompactSearch::kUsualTrials, 0);
+  int trials = 0;
+  CompactOptions start{usual_compact_steps(cloud), s.plain_attributes};
+  if (data != nullptr) start.weights = contributions_to(data->train, cloud, options, threads);
+  const CompactSearch search(cloud, error, std::move(start), [&](const CompactTrial& t) {
+    progress.update(++trials, fmt::format("{} bytes  {:.2f} dB", t.file.size(), t.psnr()));
+  });
+  auto found = s.max_bytes ? search.within_bytes(*s.max_bytes) : search.within_loss(*s.max_loss);
+  progress.clear();
+  if (!found) return fail(s.out, found.error().field, found.error().what);
+  return found;
+}
+
+Expected<void> write_searched(const ConvertSettings& s, const SplatCloud& cloud) {
+  if (cloud.size() == 0) return write_compact(s, cloud);
+  const auto found = search(s, cloud);
+  if (!found) return std::unexpected(found.error());
+  if (auto written = write_file_atomic(s.out, found->file); !written) return written;
+  spdlog::info("{}: {} splats, {} bytes, {:.2f} dB from the pictures of {}", s.out, cloud.size(),
+               found->file.size(), found->psnr(), s.in);
   return {};
+}
+
+Expected<void> convert(const ConvertSettings& s) {
+  const auto format = scene_format_for(s.out);
+  if (!format) return std::unexpected(format.error());
+  const bool compact = s.compact || s.searches();
+  if (compact && (*format)->name != "glb")
+    return fail(s.out, "extension", "expected .glb, which a compact scene is written as");
+  auto scene = load_scene(s.in);
+  if (!scene) return std::unexpected(scene.error());
+  limit_sh_degree(scene->cloud, s.sh_degree);
+  warn_of_lost_degrees(s.out, **format, scene->cloud.sh_degree);
+  if (s.searches()) return write_searched(s, scene->cloud);
+  if (compact) return write_compact(s, scene->cloud);
+  if (auto written = write_scene(s.out, scene->cloud); !written) return written;
+  spdlog::info("{}: {} splats", s.out, scene->cloud.size());
+  return {};
+}
+
+void add_compact_options(CLI::App& command, ConvertSettings& s) {
+  const std::string group = "Compact .glb";
+  CLI::Option* compact =
+      command.add_flag("--compact", s.compact, "a fraction of the bytes, with a small error");
+  CLI::Option* coarseness = command.add_option("--coarseness", s.coarseness,
+                                               "with --compact: 0.5 is finer, 2 is smaller");
+  coarseness->check(CLI::Range(0.001, 1000.0))->capture_default_str()->needs(compact);
+  CLI::Option* bytes = command.add_option("--max-bytes", s.max_bytes,
+                                          "search for the least error in a file of this size");
+  bytes->check(CLI::PositiveNumber);
+  CLI::Option* loss = command.add_option(
+      "--max-loss", s.max_loss, "search for the smallest file whose pictures are this near, in dB");
+  loss->check(CLI::Range(1.0, 120.0))->excludes(bytes)->excludes(coarseness);
+  bytes->excludes(coarseness);
+  CLI::Option* plain = command.add_flag(
+      "--plain-attributes", s.plain_attributes,
+      "store the compact splats as plain floats too: a large file that other viewers open");
+  CLI::Option* data = command.add_option(
+      "--data", s.data.folder, "measure by the views of this data set instead of an orbit");
+  for (CLI::Option* option : {compact, coarseness, bytes, loss, plain, data}) option->group(group);
 }
 
 }  // namespace
@@ -51,23 +115,17 @@ void add_convert(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("convert", "Rewrite a scene in another format");
   command->footer(
       "The format read is found by content, the one written by the file's name.\n"
-      "Example: fluxgs convert garden.ply garden.glb --compact");
+      "Example: fluxgs convert garden.ply garden.glb --max-loss 40");
   command->add_option("in", settings->in, "the scene to read")->required();
   command->add_option("out", settings->out, "the scene to write: " + writable_extensions())
       ->required();
-  CLI::Option* compact =
-      command->add_flag("--compact", settings->compact,
-                        "write a compact .glb: a fraction of the bytes, with a small error");
   command
-      ->add_option("--coarseness", settings->coarseness,
-                   "of the compact .glb: 0.5 is finer, 2 smaller")
-      ->check(CLI::Range(0.001, 1000.0))
-      ->capture_default_str()
-      ->needs(compact);
-  command
-      ->add_flag("--plain-attributes", settings->plain_attributes,
-                 "store the compact splats as plain floats too, for other viewers")
-      ->needs(compact);
+      ->add_option("--sh-degree", settings->sh_degree,
+                   "highest degree of harmonics to keep; the others are left out")
+      ->check(CLI::Range(0, 3))
+      ->capture_default_str();
+  add_compact_options(*command, *settings);
+  add_data_options(*command, settings->data);
   command->callback([=, &action] { action = [=] { return convert(*settings); }; });
 }
 

@@ -50,4 +50,11 @@ Expected<Dataset> load(const DataOptions& options) {
   return data;
 }
 
+Expected<std::optional<Dataset>> load_if_given(const DataOptions& options) {
+  if (options.folder.empty()) return std::nullopt;
+  auto data = load(options);
+  if (!data) return std::unexpected(data.error());
+  return std::move(*data);
+}
+
 }  // namespace fluxgs::cli

@@ -1,6 +1,7 @@
 // What the sub-commands that look at a data set share: its options, and loading it.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,5 +29,8 @@ void add_split_option(CLI::App& command, std::string& split);
 
 /// Loads the data set and prints its warnings.
 Expected<Dataset> load(const DataOptions& options);
+
+/// Nothing if no folder was named.
+Expected<std::optional<Dataset>> load_if_given(const DataOptions& options);
 
 }  // namespace fluxgs::cli

@@ -1,9 +1,6 @@
 // fluxgs doctor: what this machine has.
-#include <unistd.h>
-
-#include <cstdlib>
-#include <filesystem>
-#include <sstream>
+#include <optional>
+#include <string>
 #include <thread>
 
 #include <draco/core/draco_version.h>
@@ -15,6 +12,7 @@
 
 #include "platform/host/host_context.h"
 #include "tools/fluxgs/command.h"
+#include "tools/fluxgs/find_program.h"
 #include "tools/fluxgs/renderers.h"
 #include "trainer/simd/isa.h"
 
@@ -37,15 +35,9 @@ json gl_implementations() {
   return all;
 }
 
-/// The first program of that name on the PATH, or null.
-json find_program(const std::string& name) {
-  const char* path = std::getenv("PATH");
-  std::istringstream folders(path ? path : "");
-  for (std::string folder; std::getline(folders, folder, ':');) {
-    const std::string candidate = (std::filesystem::path(folder) / name).string();
-    if (access(candidate.c_str(), X_OK) == 0) return candidate;
-  }
-  return nullptr;
+json program_path(const std::string& name) {
+  const auto found = find_program(name);
+  return found ? json(*found) : json(nullptr);
 }
 
 json examine() {
@@ -56,7 +48,8 @@ json examine() {
           {"instruction_sets", sets},
           {"gl", gl_implementations()},
           {"cuda", {{"available", false}, {"reason", "this build has no CUDA backend"}}},
-          {"colmap", find_program("colmap")},
+          {"colmap", program_path("colmap")},
+          {"gnuplot", program_path("gnuplot")},
           {"versions",
            {{"compiler", __VERSION__},
             {"opencv", CV_VERSION},
@@ -80,6 +73,9 @@ void print_lines(const json& found) {
   fmt::print("COLMAP      {}\n", found["colmap"].is_null()
                                      ? "not found; needed only for photos without poses"
                                      : found["colmap"].get<std::string>());
+  fmt::print("gnuplot     {}\n", found["gnuplot"].is_null()
+                                     ? "not found; needed only for the charts of fluxgs report"
+                                     : found["gnuplot"].get<std::string>());
   for (const auto& [name, version] : found["versions"].items())
     fmt::print("{:<11} {}\n", name, version.get<std::string>());
 }

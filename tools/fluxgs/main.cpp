@@ -52,6 +52,7 @@ int main(int argc, char** argv) {
   fluxgs::cli::add_render(app, action);
   fluxgs::cli::add_convert(app, action);
   fluxgs::cli::add_info(app, action);
+  fluxgs::cli::add_report(app, action);
   fluxgs::cli::add_doctor(app, action);
 
   try {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include <glm/gtc/quaternion.hpp>
@@ -36,6 +38,12 @@ struct SplatCloud {
     sh_rest.resize(count * static_cast<std::size_t>(sh_rest_count(sh_degree)));
   }
 };
+
+/// The splats order[0], order[1], … of a cloud.
+SplatCloud in_order(const SplatCloud& cloud, std::span<const std::uint32_t> order);
+
+/// Leaves out the harmonics beyond a degree; a cloud of that degree or less stays as it is.
+void limit_sh_degree(SplatCloud& cloud, int degree);
 
 /// Whether every attribute of splat i is a finite number.
 bool is_finite(const SplatCloud& cloud, std::size_t i);

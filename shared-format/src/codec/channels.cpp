@@ -6,13 +6,13 @@
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 
+#include "codec/prediction.h"
 #include "codec/rans.h"
 
 namespace fluxgs::codec {
 namespace {
 
 constexpr std::size_t kMostChannels = 64;
-constexpr std::size_t kMemory = 4;  // splats that a prediction looks back at
 constexpr double kLargest = 0x1p28;
 
 /// How the numbers of a splat become whole ones: k = round(basisᵀ·(x − mean) / step).
@@ -22,8 +22,8 @@ struct Transform {
   std::vector<float> basis;  ///< channels², column by column; empty: none
 };
 
-/// Whole numbers, channel by channel.
-using Planes = std::vector<std::vector<std::int32_t>>;
+/// Multiples of the step, not yet whole, channel by channel.
+using Planes = std::vector<std::vector<double>>;
 
 Eigen::MatrixXd matrix_of(const Channels& input) {
   using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -47,11 +47,13 @@ std::vector<float> principal_axes(const Eigen::MatrixXd& x) {
   return {axes.data(), axes.data() + axes.size()};
 }
 
-Expected<Planes> quantized(const Channels& input, const Transform& t) {
+Expected<Planes> in_steps(const Channels& input, const Transform& t) {
   const std::size_t n = input.channels, splats = input.splats();
-  Planes planes(n, std::vector<std::int32_t>(splats));
+  Planes planes(n, std::vector<double>(splats));
   std::vector<double> centered(n);
   for (std::size_t i = 0; i < splats; ++i) {
+    const double step =
+        double{t.step} * (input.coarseness.empty() ? 1.0 : double{input.coarseness[i]});
     for (std::size_t c = 0; c < n; ++c)
       centered[c] = double{input.values[i * n + c]} - double{t.mean[c]};
     for (std::size_t c = 0; c < n; ++c) {
@@ -60,52 +62,16 @@ Expected<Planes> quantized(const Channels& input, const Transform& t) {
         z = 0;
         for (std::size_t k = 0; k < n; ++k) z += double{t.basis[c * n + k]} * centered[k];
       }
-      z = std::round(
-          z / (double{t.step} * (input.coarseness.empty() ? 1.0 : double{input.coarseness[i]})));
+      z /= step;
       if (!(std::abs(z) < kLargest))
         return fail("", "",
                     fmt::format("splat {}: its value over the step of {:g} is {:g}, expected less "
                                 "than {:g}",
                                 i, t.step, z, kLargest));
-      planes[c][i] = static_cast<std::int32_t>(z);
+      planes[c][i] = z;
     }
   }
   return planes;
-}
-
-/// The rounded mean of the values before; the sum of those is kept as it moves.
-class Prediction {
- public:
-  std::int32_t next() const {
-    if (count_ == 0) return 0;
-    const std::int64_t twice = 2 * sum_ + count_;  // rounds halves up, also below zero
-    const std::int64_t by = 2 * count_;
-    return static_cast<std::int32_t>(twice >= 0 ? twice / by : -((-twice + by - 1) / by));
-  }
-  void add(std::int32_t value) {
-    std::int32_t& oldest = recent_[at_];
-    if (count_ == static_cast<std::int64_t>(kMemory))
-      sum_ -= oldest;
-    else
-      ++count_;
-    sum_ += oldest = value;
-    at_ = (at_ + 1) % kMemory;
-  }
-
- private:
-  std::int32_t recent_[kMemory] = {};
-  std::size_t at_ = 0;
-  std::int64_t sum_ = 0, count_ = 0;
-};
-
-std::vector<std::int32_t> differences(const std::vector<std::int32_t>& values) {
-  std::vector<std::int32_t> result(values.size());
-  Prediction prediction;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    result[i] = values[i] - prediction.next();
-    prediction.add(values[i]);
-  }
-  return result;
 }
 
 void undo_differences(std::span<std::int32_t> values) {
@@ -125,11 +91,15 @@ struct Coded {
   double bits = 0;
 };
 
-Coded code(std::vector<std::int32_t> plain) {
-  std::vector<std::int32_t> difference = differences(plain);
-  const double plain_bits = entropy_bits(plain), difference_bits = entropy_bits(difference);
-  return difference_bits < plain_bits ? Coded{true, std::move(difference), difference_bits}
-                                      : Coded{false, std::move(plain), plain_bits};
+Coded code_as(const std::vector<double>& plane, bool predicted, const Rounding& rounding) {
+  Coded coded{predicted, round_cheaply(plane, predicted, rounding), 0};
+  coded.bits = entropy_bits(coded.values);
+  return coded;
+}
+
+Coded code(const std::vector<double>& plane, const Rounding& rounding) {
+  Coded plain = code_as(plane, false, rounding), predicted = code_as(plane, true, rounding);
+  return predicted.bits < plain.bits ? predicted : plain;
 }
 
 struct Choice {
@@ -138,27 +108,27 @@ struct Choice {
   double bits = 0;
 };
 
-Expected<Choice> code_all(const Channels& input, Transform transform) {
-  auto planes = quantized(input, transform);
+Expected<Choice> code_all(const Channels& input, Transform transform, const Rounding& rounding) {
+  const auto planes = in_steps(input, transform);
   if (!planes) return std::unexpected(planes.error());
   Choice choice;
   choice.transform = std::move(transform);
-  for (auto& plane : *planes) {
-    choice.channels.push_back(code(std::move(plane)));
+  for (const auto& plane : *planes) {
+    choice.channels.push_back(code(plane, rounding));
     choice.bits += choice.channels.back().bits;
   }
   choice.bits += 32.0 * static_cast<double>(choice.transform.basis.size());
   return choice;
 }
 
-Expected<Choice> choose(const Channels& input, float step) {
+Expected<Choice> choose(const Channels& input, float step, const Rounding& rounding) {
   const Eigen::MatrixXd x = matrix_of(input);
   const Transform plain{.step = step, .mean = mean_of(x), .basis = {}};
-  auto best = code_all(input, plain);
+  auto best = code_all(input, plain, rounding);
   if (!best || input.channels == 1) return best;
   Transform turned = plain;
   turned.basis = principal_axes(x);
-  auto other = code_all(input, std::move(turned));
+  auto other = code_all(input, std::move(turned), rounding);
   return other && other->bits < best->bits ? other : best;
 }
 
@@ -200,8 +170,9 @@ void restore(const Transform& t, float step, const float* k, float* x) {
 
 }  // namespace
 
-Expected<void> encode_channels(const Channels& input, float step, Bytes& out) {
-  const auto choice = choose(input, step);
+Expected<void> encode_channels(const Channels& input, float step, const Rounding& rounding,
+                               Bytes& out) {
+  const auto choice = choose(input, step, rounding);
   if (!choice) return std::unexpected(choice.error());
   const Transform& t = choice->transform;
   put_varint(out, input.channels);
@@ -217,7 +188,7 @@ Expected<void> encode_channels(const Channels& input, float step, Bytes& out) {
 }
 
 Expected<double> channels_bits(const Channels& input, float step) {
-  const auto choice = choose(input, step);
+  const auto choice = choose(input, step, {});
   if (!choice) return std::unexpected(choice.error());
   return choice->bits;
 }

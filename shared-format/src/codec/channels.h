@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "codec/bytes.h"
+#include "codec/rounding.h"
 #include "fluxgs/error.h"
 
 namespace fluxgs::codec {
@@ -23,13 +24,15 @@ struct Channels {
 
 /// Appends the values, rounded to multiples of `step` (in the units of the values; > 0) times the
 /// splat's coarseness around their mean. The channels are turned by the orthogonal Karhunen–Loève
-/// transform of their covariance if that takes fewer bits, so a value is off by at most
-/// step/2·√channels and its mean square error is about step²/12. Each channel is predicted by the
-/// mean of the four splats before where that takes fewer bits; splats should therefore stand in an
-/// order that keeps neighbours together. An error if values/step is beyond ±2²⁸.
-Expected<void> encode_channels(const Channels& input, float step, Bytes& out);
+/// transform of their covariance if that takes fewer bits. Rounded to the nearest, a value is off
+/// by at most step/2·√channels and its mean square error is about step²/12. Each channel is
+/// predicted by the mean of the four splats before where that takes fewer bits; splats should
+/// therefore stand in an order that keeps neighbours together. An error if values/step is beyond
+/// ±2²⁸.
+Expected<void> encode_channels(const Channels& input, float step, const Rounding& rounding,
+                               Bytes& out);
 
-/// Bits that encode_channels would take, without the few for tables.
+/// Bits that encode_channels would take, rounding to the nearest, without the few for tables.
 Expected<double> channels_bits(const Channels& input, float step);
 
 /// Reads what encode_channels wrote for `splats` splats of `channels` channels into `values`

@@ -52,6 +52,9 @@ float opacity_logit(float scale) {
   return io::logit(opacity);
 }
 
+// Splats that no picture shows keep a shape all the same
+constexpr double kLeastWeight = 0.05, kMostWeight = 20;
+
 // Each attribute may rest on those before it: their decoded values tell how exactly it is stored.
 enum Attribute : std::size_t { kScale = 1, kOpacity, kRotation, kDc, kRest, kEnd };
 
@@ -100,23 +103,6 @@ void store(Attribute attribute, const std::vector<float>& values, SplatCloud& cl
       to = vec3_at(v), v += 3;
 }
 
-SplatCloud in_order(const SplatCloud& cloud, const std::vector<std::uint32_t>& order) {
-  SplatCloud result;
-  result.sh_degree = cloud.sh_degree;
-  result.resize(order.size());
-  const auto rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    const std::uint32_t i = order[k];
-    result.positions[k] = cloud.positions[i];
-    result.log_scales[k] = cloud.log_scales[i];
-    result.rotations[k] = cloud.rotations[i];
-    result.opacity_logits[k] = cloud.opacity_logits[i];
-    result.sh_dc[k] = cloud.sh_dc[i];
-    std::copy_n(cloud.sh_rest.data() + rest * i, rest, result.sh_rest.data() + rest * k);
-  }
-  return result;
-}
-
 float step_of(Attribute attribute, const CompactSteps& steps) {
   const float by_attribute[] = {0,           steps.log_scale, steps.opacity, steps.rotation,
                                 steps.sh_dc, steps.sh_rest};
@@ -125,6 +111,25 @@ float step_of(Attribute attribute, const CompactSteps& steps) {
 
 std::unexpected<Error> in_attribute(std::size_t attribute, const Error& error) {
   return fail("", kAttributeNames[attribute], error.message());
+}
+
+/// Of errors in steps: those of a coarse splat are larger. In the order of the file, 1 on the
+/// average.
+std::vector<float> rounding_weights(std::span<const float> weights,
+                                    const std::vector<std::uint32_t>& order,
+                                    const std::vector<float>& coarseness) {
+  if (weights.empty()) return {};
+  std::vector<float> result(order.size());
+  double sum = 0;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const double c = coarseness.empty() ? 1.0 : double{coarseness[k]};
+    sum += double{result[k] = static_cast<float>(double{weights[order[k]]} * c * c)};
+  }
+  if (!(sum > 0)) return {};
+  const double mean = sum / static_cast<double>(order.size());
+  for (float& weight : result)
+    weight = static_cast<float>(std::clamp(double{weight} / mean, kLeastWeight, kMostWeight));
+  return result;
 }
 
 Expected<std::span<const std::byte>> take_section(Reader& in, std::size_t attribute) {
@@ -161,10 +166,12 @@ float opacity_scale(float logit) {
   return static_cast<float>(std::asin(root) * 2 / std::numbers::pi);
 }
 
-Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactSteps& steps) {
+Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactOptions& options) {
   Bytes out, section;
   if (cloud.size() == 0) return out;
-  const SplatCloud ordered = in_order(cloud, morton_order(cloud.positions));
+  const auto order = morton_order(cloud.positions);
+  const SplatCloud ordered = in_order(cloud, order);
+  const CompactSteps& steps = options.steps;
   if (auto ok = encode_positions(ordered.positions, steps.position, section); !ok)
     return std::unexpected(ok.error());
   put_section(out, section);
@@ -174,8 +181,11 @@ Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactSteps& step
     if (!is_stored(attribute, cloud.sh_degree)) continue;
     const Channels input{channels_of(attribute, cloud.sh_degree), values_of(attribute, ordered),
                          coarseness_of(attribute, decoded)};
+    const auto weights = rounding_weights(options.weights, order, input.coarseness);
     section.clear();
-    if (auto ok = encode_channels(input, step_of(attribute, steps), section); !ok)
+    if (auto ok = encode_channels(input, step_of(attribute, steps), {options.rate_weight, weights},
+                                  section);
+        !ok)
       return in_attribute(a, ok.error());
     if (auto ok = decode_section(attribute, section, decoded); !ok)
       return std::unexpected(ok.error());

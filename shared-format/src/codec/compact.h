@@ -21,8 +21,9 @@ float opacity_scale(float logit);
 
 /// Encodes the finite cloud in the Morton order of its positions (codec/morton.h): the order of the
 /// splats is lost, their number is not. Rotations lose what a covariance does not have: their
-/// length, their sign and half turns about the splat's own axes. An error names the attribute.
-Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactSteps& steps);
+/// length, their sign and half turns about the splat's own axes. Weights are one for each splat or
+/// none. An error names the attribute.
+Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactOptions& options);
 
 /// Decodes `count` splats, most_splats(bytes.size()) at most. Holds at most the bytes, the cloud,
 /// and 64 bytes a splat (of degree 2 and 3: 12 for each coefficient). Errors (without a file's

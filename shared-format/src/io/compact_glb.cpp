@@ -5,10 +5,12 @@
 #include <cstring>
 #include <utility>
 
+#include <fmt/format.h>
 #include <glm/common.hpp>
 
 #include "cloud_memory.h"
 #include "codec/compact.h"
+#include "codec/morton.h"
 #include "gltf_builder.h"
 #include "gltf_frame.h"
 #include "gltf_json.h"
@@ -67,15 +69,37 @@ json add_described_attributes(const SplatCloud& cloud, io::GltfBuilder& builder)
   return named;
 }
 
+std::vector<float> weights_of_finite(const std::vector<float>& weights, const SplatCloud& cloud) {
+  std::vector<float> kept;
+  for (std::size_t i = 0; i < weights.size(); ++i)
+    if (is_finite(cloud, i)) kept.push_back(weights[i]);
+  return kept;
+}
+
 }  // namespace
 
 CompactSteps usual_compact_steps(const SplatCloud& cloud, double coarseness) {
   CompactSteps steps = kUsual;
-  steps.position = std::max(kPositionPerSize * median_size(cloud) * coarseness, finest_step(cloud));
-  for (float* step :
-       {&steps.log_scale, &steps.rotation, &steps.opacity, &steps.sh_dc, &steps.sh_rest})
-    *step = static_cast<float>(double{*step} * coarseness);
+  steps.position = kPositionPerSize * median_size(cloud);
+  steps = scaled(steps, coarseness);
+  steps.position = std::max(steps.position, finest_step(cloud));
   return steps;
+}
+
+CompactSteps scaled(const CompactSteps& steps, double factor) {
+  CompactSteps result = steps;
+  result.position *= factor;
+  for (float* step :
+       {&result.log_scale, &result.rotation, &result.opacity, &result.sh_dc, &result.sh_rest})
+    *step = static_cast<float>(double{*step} * factor);
+  return result;
+}
+
+std::vector<std::uint32_t> compact_order(const SplatCloud& cloud) {
+  std::vector<glm::vec3> turned;
+  turned.reserve(cloud.size());
+  for (const glm::vec3& p : cloud.positions) turned.push_back(io::turn_position(p));
+  return codec::morton_order(turned);
 }
 
 Expected<std::vector<std::byte>> encode_compact_glb(const SplatCloud& cloud,
@@ -84,6 +108,12 @@ Expected<std::vector<std::byte>> encode_compact_glb(const SplatCloud& cloud,
   SplatCloud splats;
   const auto finite = io::writable_cloud(cloud, splats, name);
   if (!finite) return std::unexpected(finite.error());
+  if (!options.weights.empty() && options.weights.size() != cloud.size())
+    return fail(name, "weights",
+                fmt::format("{} of them, expected one for each of {} splats",
+                            options.weights.size(), cloud.size()));
+  CompactOptions own = options;
+  own.weights = weights_of_finite(options.weights, cloud);
   if (*finite == &cloud) splats = cloud;
   if (splats.size() == 0) {
     auto file = io::allocate_glb(io::empty_gltf_document(), 0, name);
@@ -91,7 +121,7 @@ Expected<std::vector<std::byte>> encode_compact_glb(const SplatCloud& cloud,
     return std::move(file->bytes);
   }
   io::turn_cloud(splats);
-  const auto data = codec::encode_compact(splats, options.steps);
+  const auto data = codec::encode_compact(splats, own);
   if (!data) return fail(name, data.error().field, data.error().what);
   // What comes out of the file: for its bounds, its plain attributes, and as a check
   auto decoded = codec::decode_compact(*data, splats.size(), splats.sh_degree);

@@ -22,7 +22,8 @@ CompactOptions exact(bool plain_attributes = false) {
            .opacity = 1e-4f,
            .sh_dc = 1e-4f,
            .sh_rest = 1e-4f},
-          plain_attributes};
+          plain_attributes,
+          0};
 }
 
 Bytes compact_glb(const SplatCloud& cloud, bool plain_attributes = false) {
@@ -126,6 +127,16 @@ TEST(CompactGlb, ValuesBeyondTheStepsReachAreAnError) {
   EXPECT_EQ(glb.error().field, "positions");
   const auto usual = encode_compact_glb(cloud, {usual_compact_steps(cloud)}, "far.glb");
   EXPECT_TRUE(usual) << usual.error().message();
+}
+
+TEST(CompactGlb, WeightsMustBeOneForEachSplat) {
+  SplatCloud cloud = random_cloud(20, 0);
+  const auto wrong = encode_compact_glb(cloud, {.weights = {1, 2}}, "x.glb");
+  ASSERT_FALSE(wrong);
+  EXPECT_EQ(wrong.error().message(),
+            "x.glb: weights: 2 of them, expected one for each of 20 splats");
+  cloud.positions[3].y = std::numeric_limits<float>::infinity();  // left out with its weight
+  EXPECT_TRUE(encode_compact_glb(cloud, {.weights = std::vector<float>(20, 1)}, "x.glb"));
 }
 
 struct Damage {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -26,16 +27,31 @@ struct CompactSteps {
 /// relative to the median size of the splats.
 CompactSteps usual_compact_steps(const SplatCloud& cloud, double coarseness = 1);
 
+/// Every step times `factor`.
+CompactSteps scaled(const CompactSteps& steps, double factor);
+
+/// Which splat of a cloud of finite splats is where in its compact file: order[k] is the index in
+/// the cloud of splat k of the file.
+std::vector<std::uint32_t> compact_order(const SplatCloud& cloud);
+
+/// How many squared steps of error a bit is worth when values are rounded. At fine steps, where a
+/// bit more quarters the mean square error of step²/12, it is 2·ln 2/12.
+inline constexpr double kUsualRateWeight = 0.115;
+
 struct CompactOptions {
-  CompactSteps steps;
-  bool plain_attributes = false;  ///< also store what is decoded as plain floats, see below
+  CompactSteps steps = {};
+  bool plain_attributes = false;          ///< also store what is decoded as plain floats, see below
+  double rate_weight = kUsualRateWeight;  ///< ≥ 0; 0 rounds to the nearest
+  /// How much each splat's error counts when values are rounded, such as its contribution to the
+  /// pictures Σ α·T, on any scale, in the order of the cloud. Empty: by area and opacity alone.
+  std::vector<float> weights = {};
 };
 
 /// Write one node with one POINTS primitive in the Morton order of the positions. Without plain
 /// attributes the file is smallest, and the extension is listed as required; with them it is larger
 /// than encode_glb's, and opens in every viewer of KHR_gaussian_splatting. Splats with a NaN or
 /// infinity are left out. A scene without splats is written without a mesh. An error names an
-/// attribute whose values are beyond its step's reach.
+/// attribute whose values are beyond its step's reach, or weights that are not one for each splat.
 Expected<std::vector<std::byte>> encode_compact_glb(const SplatCloud& cloud,
                                                     const CompactOptions& options,
                                                     const std::string& name);

@@ -25,7 +25,7 @@ Channels smooth(std::size_t splats, std::size_t channels, float noise, unsigned 
 
 Bytes encoded(const Channels& input, float step) {
   Bytes out;
-  const auto done = encode_channels(input, step, out);
+  const auto done = encode_channels(input, step, {}, out);
   EXPECT_TRUE(done) << done.error().message();
   return out;
 }
@@ -104,7 +104,7 @@ TEST(Channels, CoarseSplatsLoseMore) {
 
 TEST(Channels, TooSmallAStepIsAnError) {
   Bytes out;
-  EXPECT_FALSE(encode_channels({1, {0, 1e9f}, {}}, 1e-3f, out));
+  EXPECT_FALSE(encode_channels({1, {0, 1e9f}, {}}, 1e-3f, {}, out));
 }
 
 TEST(Channels, CutsAndDamage) {

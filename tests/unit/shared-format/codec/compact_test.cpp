@@ -42,7 +42,7 @@ TEST(Compact, ErrorsFollowTheSteps) {
                              .opacity = 0.01f,
                              .sh_dc = 0.02f,
                              .sh_rest = 0.03f};
-    const auto bytes = encode_compact(cloud, steps);
+    const auto bytes = encode_compact(cloud, {.steps = steps, .rate_weight = 0});
     ASSERT_TRUE(bytes) << bytes.error().message();
     const auto back = decode_compact(*bytes, cloud.size(), degree);
     ASSERT_TRUE(back) << back.error().message();
@@ -69,23 +69,42 @@ TEST(Compact, ErrorsFollowTheSteps) {
 TEST(Compact, HalfTurnsAboutTheOwnAxesCostNothing) {
   SplatCloud cloud = test::random_cloud(300, 0, 6);
   const CompactSteps fine{.rotation = 1e-4f};
-  const auto before = decode_compact(*encode_compact(cloud, fine), cloud.size(), 0);
+  const auto before = decode_compact(*encode_compact(cloud, {.steps = fine}), cloud.size(), 0);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const glm::quat turns[] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, -3}};
     cloud.rotations[i] = cloud.rotations[i] * turns[i % 4];
   }
-  const auto after = decode_compact(*encode_compact(cloud, fine), cloud.size(), 0);
+  const auto after = decode_compact(*encode_compact(cloud, {.steps = fine}), cloud.size(), 0);
   ASSERT_TRUE(before && after);
   for (std::size_t i = 0; i < cloud.size(); ++i)
     ASSERT_LT(difference(shape_of(*before, i), shape_of(*after, i)), 1e-3);
 }
 
+TEST(Compact, SplatsThatCountMoreAreMoreExact) {
+  SplatCloud cloud = test::random_cloud(4000, 1, 8);
+  std::vector<float> weights(cloud.size());
+  for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = i % 2 == 0 ? 5.0f : 0.1f;
+  const auto bytes = encode_compact(cloud, {.steps = {.sh_rest = 0.4f}, .weights = weights});
+  const auto back = decode_compact(*bytes, cloud.size(), 1);
+  ASSERT_TRUE(back);
+  const auto order = morton_order(cloud.positions);
+  double heavy = 0, light = 0;
+  for (std::size_t k = 0; k < cloud.size(); ++k)
+    for (std::size_t s = 0; s < 3; ++s) {
+      const glm::vec3 d = back->sh_rest[3 * k + s] - cloud.sh_rest[3 * order[k] + s];
+      (order[k] % 2 == 0 ? heavy : light) += double{glm::dot(d, d)};
+    }
+  EXPECT_LT(heavy, 0.8 * light);
+}
+
 TEST(Compact, EncodingAgainIsStable) {
   const SplatCloud cloud = test::random_cloud(1000, 1, 7);
   const CompactSteps steps;
-  const auto once = decode_compact(*encode_compact(cloud, steps), cloud.size(), 1);
+  const auto once =
+      decode_compact(*encode_compact(cloud, {.steps = steps, .rate_weight = 0}), cloud.size(), 1);
   ASSERT_TRUE(once);
-  const auto twice = decode_compact(*encode_compact(*once, steps), cloud.size(), 1);
+  const auto twice =
+      decode_compact(*encode_compact(*once, {.steps = steps, .rate_weight = 0}), cloud.size(), 1);
   ASSERT_TRUE(twice);
   const auto order = morton_order(once->positions);
   for (std::size_t k = 0; k < cloud.size(); ++k)

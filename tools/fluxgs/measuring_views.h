@@ -1,0 +1,25 @@
+// The views by which a scene stored less exactly is compared with the exact one.
+#pragma once
+
+#include <vector>
+
+#include "fluxgs/camera.h"
+#include "fluxgs/render_options.h"
+#include "fluxgs/splat_cloud.h"
+#include "trainer/base/parallel.h"
+#include "trainer/data/dataset.h"
+
+namespace fluxgs::cli {
+
+/// How many pictures tell the error of a scene to a few hundredths of a decibel.
+inline constexpr int kMeasuringViews = 12;
+
+/// At most kMeasuringViews cameras, evenly spread over the training photos; without `data`, on an
+/// orbit around the scene, 640x480.
+std::vector<Camera> measuring_views(const SplatCloud& cloud, const Dataset* data);
+
+/// Σ α·T of each splat over all of these photos' views, with a bar if it takes long.
+std::vector<float> contributions_to(const std::vector<Photo>& photos, const SplatCloud& cloud,
+                                    const RenderOptions& options, const Threads& threads);
+
+}  // namespace fluxgs::cli

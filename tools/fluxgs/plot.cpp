@@ -1,0 +1,86 @@
+#include "tools/fluxgs/plot.h"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "fluxgs/io/file.h"
+#include "tools/fluxgs/find_program.h"
+
+namespace fluxgs::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// gnuplot's single quotes: nothing in them is special but the quote, which is doubled.
+std::string quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) {
+    if (static_cast<unsigned char>(c) < 0x20) continue;
+    result += c;
+    if (c == '\'') result += c;
+  }
+  return result + "'";
+}
+
+std::string script_of(const Plot& plot, const fs::path& out) {
+  const bool svg = out.extension() == ".svg";
+  std::string script = fmt::format(
+      "set terminal {} size 960,600 noenhanced {}\nset output {}\nset title {}\nset xlabel {}\n"
+      "set ylabel {}\nset grid\nset key bottom right\nset encoding utf8\n",
+      svg ? "svg" : "pngcairo", svg ? "background 'white'" : "", quoted(out.string()),
+      quoted(plot.title), quoted(plot.x_label), quoted(plot.y_label));
+  if (plot.log_x) script += "set logscale x 2\n";
+  std::string commands;
+  for (std::size_t i = 0; i < plot.series.size(); ++i) {
+    const PlotSeries& series = plot.series[i];
+    script += fmt::format("$s{} << EOD\n", i);
+    for (const auto& [x, y] : series.points)
+      if (std::isfinite(x) && std::isfinite(y)) script += fmt::format("{} {}\n", x, y);
+    script += "EOD\n";
+    commands +=
+        fmt::format("{}$s{} with {} linewidth 2 pointtype 7 title {}", i > 0 ? ", " : "", i,
+                    series.line ? "linespoints" : "points pointsize 1.5", quoted(series.name));
+  }
+  return script + "plot " + commands + "\n";
+}
+
+/// Runs gnuplot on a script; false if it failed.
+bool run_gnuplot(const std::string& script) {
+  std::FILE* pipe = ::popen("gnuplot 2>/dev/null", "w");
+  if (pipe == nullptr) return false;
+  const bool written = std::fwrite(script.data(), 1, script.size(), pipe) == script.size();
+  return ::pclose(pipe) == 0 && written;
+}
+
+}  // namespace
+
+Expected<void> check_plot(const std::string& path) {
+  const std::string extension = fs::path(path).extension().string();
+  if (extension != ".png" && extension != ".svg")
+    return fail(path, "--plot", "expected a name that ends in .png or .svg");
+  if (!find_program("gnuplot"))
+    return fail(path, "--plot",
+                "gnuplot is not installed, which draws charts (tools/setup has it)");
+  return {};
+}
+
+Expected<void> write_plot(const std::string& path, const Plot& plot) {
+  if (auto ok = check_plot(path); !ok) return ok;
+  std::error_code ignored;
+  const fs::path drawn =
+      fs::temp_directory_path(ignored) /
+      fmt::format("fluxgs-plot-{}{}", ::getpid(), fs::path(path).extension().string());
+  const bool done = run_gnuplot(script_of(plot, drawn));
+  const auto bytes = read_file(drawn);
+  fs::remove(drawn, ignored);
+  if (!done || !bytes || bytes->empty()) return fail(path, "--plot", "gnuplot could not draw it");
+  return write_file_atomic(path, *bytes);
+}
+
+}  // namespace fluxgs::cli

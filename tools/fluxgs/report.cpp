@@ -1,0 +1,36 @@
+// fluxgs report: speed or size against error, for each setting.
+#include "tools/fluxgs/report.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace fluxgs::cli {
+
+nlohmann::json finite_or_null(double value) {
+  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
+}
+
+std::string decibels(double psnr) {
+  return std::isfinite(psnr) ? fmt::format("{:.2f} dB", psnr) : "exact";
+}
+
+Expected<void> give_report(const std::string& path, const nlohmann::json& numbers,
+                           const std::function<void()>& print_table) {
+  if (path == "-") {
+    print_json(numbers);
+    return {};
+  }
+  print_table();
+  return path.empty() ? Expected<void>() : write_json(path, numbers);
+}
+
+void add_report(CLI::App& app, Action& action) {
+  CLI::App* command =
+      app.add_subcommand("report", "Size or speed against error: a table, a JSON and a plot");
+  command->require_subcommand(1);
+  command->footer("Example: fluxgs report codec garden.ply --plot codec.png");
+  add_report_codec(*command, action);
+}
+
+}  // namespace fluxgs::cli

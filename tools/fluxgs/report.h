@@ -1,0 +1,28 @@
+// What the reports share: speed or size against error, as a table, a JSON and a plot.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "fluxgs/error.h"
+#include "tools/fluxgs/command.h"
+
+namespace fluxgs::cli {
+
+/// JSON has no infinity.
+nlohmann::json finite_or_null(double value);
+
+/// "40.00 dB", "exact" for infinity.
+std::string decibels(double psnr);
+
+/// Writes the numbers to a file and the table to standard output, or the numbers alone to standard
+/// output for "-", or the table alone for "".
+Expected<void> give_report(const std::string& path, const nlohmann::json& numbers,
+                           const std::function<void()>& print_table);
+
+void add_report_codec(CLI::App& app, Action& action);
+
+}  // namespace fluxgs::cli

@@ -1,0 +1,199 @@
+#include "trainer/compress/compact_search.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "fluxgs/io/gltf.h"
+
+namespace fluxgs {
+namespace {
+
+constexpr const char* kName = "compact .glb";
+constexpr double kFinest = 0x1p-8, kCoarsest = 0x1p6;  // of the steps that the search begins with
+constexpr int kBalances = 2, kMostTrials = 16;
+constexpr double kStride = std::numbers::ln2;  // of the logarithm of the coarseness
+constexpr double kCloseEnough = 0.003;         // the same
+constexpr double kExcessThatIsNone = 1e-3;     // 0.1% of the size or of the error
+
+/// An attribute of the codec: its name in AttributeBits, its step, and its array.
+struct Part {
+  const char* name;
+  void (*scale_step)(CompactSteps&, double);
+  void (*take)(SplatCloud& to, const SplatCloud& from);
+};
+
+constexpr Part kParts[] = {
+    {"position", [](CompactSteps& s, double f) { s.position *= f; },
+     [](SplatCloud& to, const SplatCloud& from) { to.positions = from.positions; }},
+    {"scale", [](CompactSteps& s, double f) { s.log_scale *= static_cast<float>(f); },
+     [](SplatCloud& to, const SplatCloud& from) { to.log_scales = from.log_scales; }},
+    {"rotation", [](CompactSteps& s, double f) { s.rotation *= static_cast<float>(f); },
+     [](SplatCloud& to, const SplatCloud& from) { to.rotations = from.rotations; }},
+    {"opacity", [](CompactSteps& s, double f) { s.opacity *= static_cast<float>(f); },
+     [](SplatCloud& to, const SplatCloud& from) { to.opacity_logits = from.opacity_logits; }},
+    {"sh_dc", [](CompactSteps& s, double f) { s.sh_dc *= static_cast<float>(f); },
+     [](SplatCloud& to, const SplatCloud& from) { to.sh_dc = from.sh_dc; }},
+    {"sh_rest", [](CompactSteps& s, double f) { s.sh_rest *= static_cast<float>(f); },
+     [](SplatCloud& to, const SplatCloud& from) { to.sh_rest = from.sh_rest; }},
+};
+constexpr std::size_t kPartCount = std::size(kParts);
+
+struct Stored {
+  std::vector<std::byte> file;
+  SceneFile scene;
+};
+
+Expected<Stored> store(const SplatCloud& cloud, const CompactOptions& options) {
+  auto file = encode_compact_glb(cloud, options, kName);
+  if (!file) return std::unexpected(file.error());
+  auto scene = read_glb(*file, kName);
+  if (!scene) return std::unexpected(scene.error());
+  return Stored{std::move(*file), std::move(*scene)};
+}
+
+}  // namespace
+
+CompactSearch::CompactSearch(const SplatCloud& cloud, const SceneError& error,
+                             CompactOptions options,
+                             std::function<void(const CompactTrial&)> on_trial)
+    : cloud_(cloud),
+      ordered_(in_order(cloud, compact_order(cloud))),
+      error_(error),
+      options_(std::move(options)),
+      on_trial_(std::move(on_trial)) {}
+
+Expected<CompactTrial> CompactSearch::trial(const CompactSteps& steps) const {
+  CompactTrial result{.options = options_, .file = {}, .attribute_bits = {}};
+  result.options.steps = steps;
+  auto stored = store(cloud_, result.options);
+  if (!stored) return std::unexpected(stored.error());
+  const auto mse = error_.mse(stored->scene.cloud);
+  if (!mse) return std::unexpected(mse.error());
+  result.file = std::move(stored->file);
+  result.attribute_bits = std::move(stored->scene.attribute_bits);
+  result.mse = *mse;
+  if (on_trial_) on_trial_(result);
+  return result;
+}
+
+Expected<CompactSteps> CompactSearch::balanced(const CompactSteps& steps) const {
+  CompactOptions options = options_;
+  options.steps = steps;
+  const auto stored = store(cloud_, options);
+  if (!stored) return std::unexpected(stored.error());
+  options.steps = scaled(steps, std::numbers::sqrt2 / 2);
+  const auto finer = store(cloud_, options);
+  if (!finer) return std::unexpected(finer.error());
+
+  // With mse ∝ step² and so many bits for each halving of the step, one bit more of an attribute
+  // buys 2·ln 2·mse/bits.
+  std::array<double, kPartCount> bits{}, gain{};
+  double sum = 0, mean = 0;
+  for (std::size_t p = 0; p < kPartCount; ++p) {
+    const Part& part = kParts[p];
+    if (!stored->scene.attribute_bits.contains(part.name)) continue;
+    bits[p] = 2 * (finer->scene.attribute_bits.at(part.name) -
+                   stored->scene.attribute_bits.at(part.name));
+    SplatCloud one = ordered_;
+    part.take(one, stored->scene.cloud);
+    const auto mse = error_.mse(one);
+    if (!mse) return std::unexpected(mse.error());
+    if (!(bits[p] > 1e-3 && *mse > 0)) continue;
+    gain[p] = *mse / bits[p];
+    sum += bits[p];
+    mean += bits[p] * std::log(gain[p]);
+  }
+  CompactSteps result = steps;
+  for (std::size_t p = 0; p < kPartCount; ++p)
+    if (gain[p] > 0)
+      kParts[p].scale_step(result,
+                           std::clamp(std::exp(0.5 * (mean / sum - std::log(gain[p]))), 0.5, 2.0));
+  return result;
+}
+
+/// The cheapest trial that fits at any coarseness of these steps. Where nothing fits, nothing;
+/// `last` is then the finest.
+Expected<std::optional<CompactTrial>> CompactSearch::solve(const CompactSteps& steps,
+                                                           const Goal& goal,
+                                                           CompactTrial& last) const {
+  double low = std::log(kFinest), high = std::log(kCoarsest), at = 0;
+  double low_excess = 0, high_excess = 0;
+  bool has_low = false, has_high = false;
+  std::optional<CompactTrial> best;
+  for (int i = 0; i < kMostTrials && high - low > kCloseEnough; ++i) {
+    auto tried = trial(scaled(steps, std::exp(at)));
+    if (!tried) return std::unexpected(tried.error());
+    const double excess = goal.excess(*tried);
+    last = *tried;
+    if (excess > 0) {
+      high = at, high_excess = excess, has_high = true;
+    } else {
+      low = at, low_excess = excess, has_low = true;
+      if (!best || goal.cost(*tried) < goal.cost(*best)) best = std::move(*tried);
+      if (excess > -kExcessThatIsNone) break;
+    }
+    if (has_low && has_high) {
+      // Along the straight line between the ends, but never stuck at one of them
+      const double part = std::clamp(low_excess / (low_excess - high_excess), 0.05, 0.95);
+      at = low + part * (high - low);
+    } else {
+      at = std::clamp(at + (excess > 0 ? -1 : 1) * kStride, low, high);
+    }
+  }
+  return best;
+}
+
+Expected<CompactTrial> CompactSearch::reach(const Goal& goal, CompactTrial& last) const {
+  CompactSteps steps = options_.steps;
+  std::optional<CompactTrial> best;
+  for (int round = 0; round <= kBalances; ++round) {
+    auto found = solve(steps, goal, last);
+    if (!found) return std::unexpected(found.error());
+    if (!*found) break;
+    const CompactSteps from = (*found)->options.steps;
+    if (!best || goal.cost(**found) < goal.cost(*best)) best = std::move(**found);
+    if (round == kBalances) break;
+    const auto balance = balanced(from);
+    if (!balance) return std::unexpected(balance.error());
+    steps = *balance;
+  }
+  if (!best) return fail("", "", "");  // the caller says what was missed
+  return std::move(*best);
+}
+
+Expected<CompactTrial> CompactSearch::within_loss(double decibels) const {
+  const double most = std::pow(10, -0.1 * decibels);
+  const Goal goal{
+      .excess = [most](const CompactTrial& t) { return std::log(std::max(t.mse, 1e-30) / most); },
+      .cost = [](const CompactTrial& t) { return static_cast<double>(t.file.size()); }};
+  CompactTrial last;
+  auto result = reach(goal, last);
+  if (result || !result.error().what.empty()) return result;
+  return fail("", "loss",
+              fmt::format("the finest compact file is {:.2f} dB from the scene, expected {:g}; "
+                          "a plain one is exact",
+                          last.psnr(), decibels));
+}
+
+Expected<CompactTrial> CompactSearch::within_bytes(std::size_t bytes) const {
+  const auto most = static_cast<double>(std::max<std::size_t>(bytes, 1));
+  const Goal goal{.excess =
+                      [most](const CompactTrial& t) {
+                        return std::log(static_cast<double>(t.file.size()) / most);
+                      },
+                  .cost = [](const CompactTrial& t) { return t.mse; }};
+  CompactTrial last;
+  auto result = reach(goal, last);
+  if (result || !result.error().what.empty()) return result;
+  return fail("", "size",
+              fmt::format("the coarsest compact file has {} bytes, expected {} at most",
+                          last.file.size(), bytes));
+}
+
+}  // namespace fluxgs

@@ -1,0 +1,70 @@
+// Choosing the steps of a compact .glb for one scene: the smallest file for an error, or the
+// smallest error for a size.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fluxgs/error.h"
+#include "fluxgs/io/compact_glb.h"
+#include "fluxgs/io/scene_file.h"
+#include "fluxgs/splat_cloud.h"
+#include "trainer/compress/scene_error.h"
+
+namespace fluxgs {
+
+/// A scene stored once.
+struct CompactTrial {
+  CompactOptions options;
+  std::vector<std::byte> file;
+  AttributeBits attribute_bits;
+  double mse = 0;  ///< of its pictures to those of the exact scene
+
+  double psnr() const { return psnr_of_mse(mse); }
+};
+
+class CompactSearch {
+ public:
+  static constexpr int kUsualTrials = 24;  ///< of within_loss() and within_bytes(), about
+
+  /// `cloud` (finite) and `error` (of the same cloud) must outlive this. `on_trial` is called after
+  /// each trial. `options` holds what is not searched for; its steps are where the search begins.
+  CompactSearch(const SplatCloud& cloud, const SceneError& error, CompactOptions options,
+                std::function<void(const CompactTrial&)> on_trial = {});
+
+  /// Stores and measures.
+  Expected<CompactTrial> trial(const CompactSteps& steps) const;
+
+  /// Steps whose file is about as large as that of `steps`, moved towards where one more bit for
+  /// any attribute buys the same error: the condition of Lagrange for the least error of all files
+  /// of that size. Errors of different attributes are taken to add up.
+  Expected<CompactSteps> balanced(const CompactSteps& steps) const;
+
+  /// The smallest file found with psnr() ≥ `decibels`. An error if even very fine steps do not
+  /// reach it.
+  Expected<CompactTrial> within_loss(double decibels) const;
+
+  /// The file with the smallest error found that has `bytes` at most. An error if even very coarse
+  /// steps do not fit, which says how many bytes are needed.
+  Expected<CompactTrial> within_bytes(std::size_t bytes) const;
+
+ private:
+  struct Goal {
+    std::function<double(const CompactTrial&)> excess;  ///< > 0: too much; grows with the steps
+    std::function<double(const CompactTrial&)> cost;    ///< to be made small
+  };
+  Expected<std::optional<CompactTrial>> solve(const CompactSteps& steps, const Goal& goal,
+                                              CompactTrial& last) const;
+  Expected<CompactTrial> reach(const Goal& goal, CompactTrial& last) const;
+
+  const SplatCloud& cloud_;
+  SplatCloud ordered_;  ///< as in the file
+  const SceneError& error_;
+  CompactOptions options_;
+  std::function<void(const CompactTrial&)> on_trial_;
+};
+
+}  // namespace fluxgs

@@ -1,0 +1,51 @@
+#include "trainer/compress/scene_error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "trainer/train/evaluate.h"
+
+namespace fluxgs {
+namespace {
+
+double squares(const PlanarImage& a, const PlanarImage& b) {
+  double sum = 0;
+  for (int c = 0; c < a.channels(); ++c)
+    for (int y = 0; y < a.height(); ++y)
+      for (int x = 0; x < a.width(); ++x) {
+        const double d = double{std::clamp(a.row(c, y)[x], 0.0f, 1.0f)} -
+                         double{std::clamp(b.row(c, y)[x], 0.0f, 1.0f)};
+        sum += d * d;
+      }
+  return sum;
+}
+
+}  // namespace
+
+double psnr_of_mse(double mse) {
+  return mse > 0 ? -10 * std::log10(mse) : std::numeric_limits<double>::infinity();
+}
+
+SceneError::SceneError(const SplatCloud& exact, std::vector<Camera> cameras,
+                       const RenderOptions& options, const Threads& threads)
+    : cameras_(std::move(cameras)), options_(options), threads_(threads) {
+  const ViewRenderer render = cpu_view_renderer(exact, options_, threads_);
+  // The trainer's own renderer has no way to fail
+  for (const Camera& camera : cameras_) exact_.push_back(*render(camera));
+}
+
+Expected<double> SceneError::mse(const SplatCloud& other) const {
+  const ViewRenderer render = cpu_view_renderer(other, options_, threads_);
+  double sum = 0, values = 0;
+  for (std::size_t i = 0; i < cameras_.size(); ++i) {
+    const auto picture = render(cameras_[i]);
+    if (!picture) return std::unexpected(picture.error());
+    sum += squares(*picture, exact_[i]);
+    values += 3.0 * picture->width() * picture->height();
+  }
+  return values > 0 ? sum / values : 0;
+}
+
+}  // namespace fluxgs

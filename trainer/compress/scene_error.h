@@ -1,0 +1,35 @@
+// What a scene's pictures lose when the scene is stored less exactly.
+#pragma once
+
+#include <vector>
+
+#include "fluxgs/camera.h"
+#include "fluxgs/error.h"
+#include "fluxgs/render_options.h"
+#include "fluxgs/splat_cloud.h"
+#include "trainer/base/parallel.h"
+#include "trainer/raster/planar_image.h"
+
+namespace fluxgs {
+
+/// 10·log₁₀(1/mse): decibels for colours of 0…1; infinity for 0.
+double psnr_of_mse(double mse);
+
+/// Compares scenes with an exact one by pictures of the trainer's renderer, limited to 0…1.
+class SceneError {
+ public:
+  /// Renders `exact` once for each of `cameras` (one or more). `threads` must outlive this.
+  SceneError(const SplatCloud& exact, std::vector<Camera> cameras, const RenderOptions& options,
+             const Threads& threads);
+
+  /// The mean square error over all channels of all pixels of all pictures.
+  Expected<double> mse(const SplatCloud& other) const;
+
+ private:
+  std::vector<Camera> cameras_;
+  RenderOptions options_;
+  const Threads& threads_;
+  std::vector<PlanarImage> exact_;
+};
+
+}  // namespace fluxgs
