@@ -16,6 +16,7 @@
 #include "fluxgs/io/ply.h"
 #include "ply_columns.h"
 #include "ply_header.h"
+#include "printable.h"
 
 namespace fluxgs {
 namespace {
@@ -166,7 +167,7 @@ Expected<Tables> find_tables(const PlyHeader& header, std::span<const std::byte>
   }
   for (const PlyElement& element : header.elements) {
     if (!element.has_lists()) continue;
-    return fail(name, "element " + element.name.substr(0, 60),
+    return fail(name, "element " + printable(element.name),
                 "holds a list property; expected only scalars");
   }
   Tables tables;

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "printable.h"
+
 namespace fluxgs::io {
 namespace {
 
@@ -46,7 +48,7 @@ Expected<json> parse_json_object(std::string_view text, const std::string& name,
     if (!root.is_object()) return fail(name, field, "expected an object");
     return root;
   } catch (const json::exception& error) {
-    return fail(name, field, error.what());
+    return fail(name, field, printable(error.what(), 200));
   }
 }
 

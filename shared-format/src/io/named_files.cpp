@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "printable.h"
+
 namespace fluxgs::io {
 namespace {
 
@@ -28,11 +30,9 @@ bool is_plain_name(std::string_view file) {
 }
 
 Error name_error(const std::string& name, const std::string& field, std::string_view file) {
-  std::string text(file.substr(0, 60));
-  std::ranges::replace_if(text, is_control, '?');
   return {name, field,
           fmt::format("\"{}\" is not read; expected the plain name of a file in the same folder",
-                      text)};
+                      printable(file))};
 }
 
 }  // namespace fluxgs::io

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "printable.h"
+
 namespace fluxgs::io {
 namespace {
 
@@ -51,14 +53,7 @@ std::uint64_t saturating_add(std::uint64_t a, std::uint64_t b) {
   return a + b < a ? std::numeric_limits<std::uint64_t>::max() : a + b;
 }
 
-// Text from the file, short and printable enough for a message of one line.
-std::string quoted(std::string_view text) {
-  std::string shown(text.substr(0, 60));
-  for (char& c : shown) {
-    if (c < ' ' || c > '~') c = '?';
-  }
-  return '"' + shown + (text.size() > 60 ? "...\"" : "\"");
-}
+std::string quoted(std::string_view text) { return '"' + printable(text) + '"'; }
 
 class HeaderParser {
  public:

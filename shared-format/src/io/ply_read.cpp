@@ -11,6 +11,7 @@
 #include "fluxgs/io/ply.h"
 #include "ply_columns.h"
 #include "ply_header.h"
+#include "printable.h"
 
 namespace fluxgs {
 namespace {
@@ -204,8 +205,9 @@ Expected<void> read_text_rows(TextCursor& cursor, const PlyElement& vertex, cons
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     for (std::size_t p = 0; p < row.size(); ++p) {
       if (cursor.number(row[p])) continue;
-      return fail(name, fmt::format("element vertex, row {}", i),
-                  fmt::format("expected a number for property {}", vertex.properties[p].name));
+      return fail(
+          name, fmt::format("element vertex, row {}", i),
+          fmt::format("expected a number for property {}", printable(vertex.properties[p].name)));
     }
     for (std::size_t k = 0; k < columns.property.size(); ++k) values[k] = row[columns.property[k]];
     store(values, i, cloud);
@@ -227,7 +229,7 @@ class DataReader {
     if (is_text() ? text_.skip_element(element) : binary_.skip_element(element, encoding_)) {
       return {};
     }
-    return fail(name_, "element " + element.name.substr(0, 60),
+    return fail(name_, "element " + printable(element.name),
                 "its lists run past the end of the file");
   }
 
