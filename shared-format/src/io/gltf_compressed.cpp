@@ -8,6 +8,7 @@
 #include "codec/compact.h"
 #include "gltf_accessor.h"
 #include "gltf_json.h"
+#include "printable.h"
 
 namespace fluxgs::io {
 namespace {
@@ -23,7 +24,8 @@ Expected<std::size_t> shared_count(const tinygltf::Model& model,
   std::optional<std::size_t> count;
   const auto check = [&](const std::string& semantic, int accessor) -> Expected<void> {
     const auto index = static_cast<std::size_t>(accessor);
-    const std::string where = fmt::format("{}: {}: accessor {}", field, semantic, accessor);
+    const std::string where =
+        fmt::format("{}: {}: accessor {}", field, printable(semantic), accessor);
     if (index >= model.accessors.size()) return fail(name, where, "does not exist");
     const std::size_t own = model.accessors[index].count;
     if (!count) count = own;

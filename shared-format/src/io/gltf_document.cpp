@@ -14,6 +14,7 @@
 #include "gltf_accessor.h"
 #include "gltf_compressed.h"
 #include "gltf_spz.h"
+#include "printable.h"
 
 namespace fluxgs::io {
 namespace {
@@ -48,7 +49,7 @@ Expected<tinygltf::Model> load_model(const std::string& reduced, const std::stri
     error = thrown.what();
   }
   std::ranges::replace(error, '\n', ' ');
-  return fail(name, "JSON", "is not a glTF document: " + error);
+  return fail(name, "JSON", "is not a glTF document: " + printable(error, 200));
 }
 
 // Reads the primitives of one document; every failure names the primitive.
@@ -100,7 +101,7 @@ class PrimitiveReader {
       if (value == expected) continue;
       return fail(
           name_, fmt::format("{}: {}", field, key),
-          fmt::format("\"{}\" is not supported; expected \"{}\"", value.substr(0, 60), expected));
+          fmt::format("\"{}\" is not supported; expected \"{}\"", printable(value), expected));
     }
     return {};
   }

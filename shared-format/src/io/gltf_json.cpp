@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "json_text.h"
+#include "printable.h"
 
 namespace fluxgs::io {
 namespace {
@@ -75,7 +76,7 @@ class Checker {
     if (failed()) return result;
     for (const json& entry : found) {
       if (entry.is_string()) {
-        result.push_back(entry.get<std::string>());
+        result.push_back(printable(entry.get_ref<const std::string&>(), 200));
       } else {
         bad(key, "expected names, found " + shown(entry));
       }
@@ -226,11 +227,19 @@ json reduce_primitive(Checker& check, const json& primitive, const std::string& 
   return result;
 }
 
+// A primitive takes three bytes of JSON and hundreds in memory: the limit is for all meshes
+// together.
 json reduce_meshes(Checker& check) {
   const json& meshes = check.list("meshes");
   json result = json::array();
+  std::size_t total = 0;
   for (std::size_t i = 0; i < meshes.size() && !check.failed(); ++i) {
     const std::string field = fmt::format("meshes[{}].primitives", i);
+    total += member(meshes[i], "primitives").size();
+    if (total > kMaxEntries) {
+      check.bad(field, fmt::format("more than {} primitives in all meshes", kMaxEntries));
+      break;
+    }
     json primitives = json::array();
     for (const json& primitive : check.objects(member(meshes[i], "primitives"), field)) {
       primitives.push_back(
@@ -315,7 +324,7 @@ Expected<GltfJson> check_gltf_json(std::string_view text, std::size_t bin_bytes,
   try {
     return check_document(*root, bin_bytes, name);
   } catch (const json::exception& error) {
-    return fail(name, "JSON", error.what());
+    return fail(name, "JSON", printable(error.what(), 200));
   }
 }
 

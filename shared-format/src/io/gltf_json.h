@@ -30,7 +30,8 @@ struct GltfJson {
   std::size_t buffer_bytes = 0;  ///< length of buffer 0, at most that of the BIN chunk
 };
 
-/// Parse and check. Bounds: 16 MiB of text, 64 levels, 65,536 entries in each list.
+/// Parse and check. Bounds: 16 MiB of text, 64 levels, 65,536 entries in each list, 65,536
+/// primitives in all meshes.
 Expected<GltfJson> check_gltf_json(std::string_view text, std::size_t bin_bytes,
                                    const std::string& name);
 

@@ -201,7 +201,7 @@ AttributeBits bits_of(const std::vector<GltfInstance>& instances, int sh_degree)
       bits[codec::kAttributeNames[a]] += 8 * static_cast<double>((*sizes)[a]);
   }
   if (bits.empty()) return float_attribute_bits(sh_degree);
-  for (auto& [attribute, sum] : bits) sum /= splats;
+  for (auto& [attribute, sum] : bits) sum /= std::max(splats, 1.0);
   return bits;
 }
 
