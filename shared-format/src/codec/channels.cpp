@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t kMostChannels = 64;
 constexpr double kLargest = 0x1p28;
+constexpr float kLargestInHeader = 1e30f;  // so that no sum of products overflows
 
 /// How the numbers of a splat become whole ones: k = round(basisᵀ·(x − mean) / step).
 struct Transform {
@@ -124,6 +125,10 @@ Expected<Choice> code_all(const Channels& input, Transform transform, const Roun
 Expected<Choice> choose(const Channels& input, float step, const Rounding& rounding) {
   const Eigen::MatrixXd x = matrix_of(input);
   const Transform plain{.step = step, .mean = mean_of(x), .basis = {}};
+  for (const float mean : plain.mean)
+    if (!(std::abs(mean) < kLargestInHeader))
+      return fail("", "",
+                  fmt::format("its mean is {:g}, expected less than {:g}", mean, kLargestInHeader));
   auto best = code_all(input, plain, rounding);
   if (!best || input.channels == 1) return best;
   Transform turned = plain;
@@ -149,7 +154,8 @@ Expected<Transform> take_transform(Reader& in, std::size_t channels) {
     for (float& value : *list) {
       const auto number = in.take<float>();
       if (!number) return fail("", "", "is cut off in its header");
-      if (!(std::abs(*number) < 1e30f)) return fail("", "", "its header has numbers out of range");
+      if (!(std::abs(*number) < kLargestInHeader))
+        return fail("", "", "its header has numbers out of range");
       value = *number;
     }
   return t;

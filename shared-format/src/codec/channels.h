@@ -28,7 +28,7 @@ struct Channels {
 /// by at most step/2·√channels and its mean square error is about step²/12. Each channel is
 /// predicted by the mean of the four splats before where that takes fewer bits; splats should
 /// therefore stand in an order that keeps neighbours together. An error if values/step is beyond
-/// ±2²⁸.
+/// ±2²⁸ or their mean beyond ±10³⁰.
 Expected<void> encode_channels(const Channels& input, float step, const Rounding& rounding,
                                Bytes& out);
 

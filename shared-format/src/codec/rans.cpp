@@ -131,7 +131,7 @@ Expected<Split> take_split(Reader& in) {
   const bool sound =
       split.lowest > -kLimit && split.lowest < kLimit && *raw_bits <= kMostRawBits &&
       *symbols >= 1 && *symbols <= kMostSymbols &&
-      split.lowest + (static_cast<std::int64_t>(*symbols) << split.raw_bits) <= kLimit;
+      split.lowest + (static_cast<std::int64_t>(*symbols - 1) << split.raw_bits) < kLimit;
   if (!sound) return damaged("the range of the coded values is not one that this codec writes");
   return split;
 }
