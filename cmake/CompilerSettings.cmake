@@ -1,5 +1,6 @@
 # Warnings, sanitizers, clang-tidy and ccache, the same for every target of the project.
 option(FLUXGS_SANITIZE "Build with AddressSanitizer and UndefinedBehaviorSanitizer" OFF)
+option(FLUXGS_FUZZ "Build the fuzz targets (clang), with the sanitizers" OFF)
 option(FLUXGS_TIDY "Run clang-tidy on every file while compiling" OFF)
 
 find_program(CCACHE_PROGRAM ccache)
@@ -18,6 +19,17 @@ target_compile_options(fluxgs_settings INTERFACE
 if(FLUXGS_SANITIZE)
   target_compile_options(fluxgs_settings INTERFACE
     -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(fluxgs_settings INTERFACE -fsanitize=address,undefined)
+endif()
+
+if(FLUXGS_FUZZ)
+  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    message(FATAL_ERROR "FLUXGS_FUZZ needs clang for libFuzzer; use the preset fuzz")
+  endif()
+  # clang warns about what libstdc++ 12 itself calls when it is compiled as C++23
+  target_compile_options(fluxgs_settings INTERFACE
+    -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+    -Wno-deprecated-declarations)
   target_link_options(fluxgs_settings INTERFACE -fsanitize=address,undefined)
 endif()
 

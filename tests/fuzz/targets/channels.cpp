@@ -1,0 +1,67 @@
+// An attribute of the compact codec: two bytes of count, one of channels, one that says whether the
+// splats differ in coarseness, then the stream. What can be decoded must encode again to within the
+// error that channels.h states, or be refused.
+#include "codec/channels.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "harness.h"
+
+namespace fluxgs::fuzz {
+namespace {
+
+std::vector<float> some_coarseness(std::size_t splats) {
+  std::vector<float> coarseness(splats);
+  for (std::size_t i = 0; i < splats; ++i) {
+    coarseness[i] = 0.25f * static_cast<float>(1 + i * 7 % 16);
+  }
+  return coarseness;
+}
+
+void check_round_trip(const codec::Channels& input) {
+  constexpr float kStep = 0.125f;
+  Bytes bytes;
+  const auto encoded = codec::encode_channels(input, kStep, {}, bytes);
+  if (!encoded) return check_error(encoded.error());
+  std::vector<float> back(input.values.size());
+  codec::Reader in(bytes);
+  const auto decoded = codec::decode_channels(in, input.channels, input.coarseness, back);
+  if (!decoded) broken("what was encoded can be decoded: " + decoded.error().message());
+  require(in.left() == 0, "nothing is left over");
+  float largest = 0;
+  for (const float value : input.values) largest = std::max(largest, std::abs(value));
+  for (std::size_t i = 0; i < back.size(); ++i) {
+    const float coarseness = input.coarseness.empty() ? 1 : input.coarseness[i / input.channels];
+    const float channels = static_cast<float>(input.channels);
+    // Single precision: the mean and the axes are stored in it, sums over channels done in it.
+    const float rounding = 1e-5f * channels * largest;
+    require(std::abs(back[i] - input.values[i]) <=
+                kStep * coarseness / 2 * std::sqrt(channels) * 1.001f + rounding,
+            "a value is off by at most half a step for each channel");
+  }
+}
+
+}  // namespace
+
+FLUXGS_FUZZ_TARGET(channels) {
+  Parameters parameters(input);
+  const std::size_t splats = parameters.word() % 4096, channels = parameters.byte();
+  const bool coarse = parameters.byte() % 2 != 0;
+  codec::Channels output{std::max<std::size_t>(channels, 1), std::vector<float>(splats * channels),
+                         coarse ? some_coarseness(splats) : std::vector<float>()};
+  codec::Reader in(parameters.rest());
+  const Meter meter;
+  const auto decoded = codec::decode_channels(in, channels, output.coarseness, output.values);
+  check_memory(meter.peak(), {256 << 10, 0}, input.size(), 2 * splats);
+  if (!decoded) {
+    check_error(decoded.error());
+    return Worth::keep;
+  }
+  require(std::ranges::all_of(output.values, [](float v) { return std::isfinite(v); }),
+          "values are finite");
+  if (splats > 0) check_round_trip(output);
+  return Worth::keep;
+}
+
+}  // namespace fluxgs::fuzz

@@ -1,0 +1,34 @@
+// A whole scene of the compact codec: two bytes of count, one of degree, then the stream.
+#include "codec/compact.h"
+
+#include <algorithm>
+
+#include "harness.h"
+
+namespace fluxgs::fuzz {
+
+FLUXGS_FUZZ_TARGET(compact) {
+  Parameters parameters(input);
+  const std::size_t asked = parameters.word();
+  const int degree = parameters.byte() % 4;
+  const std::size_t count = std::min(asked, codec::most_splats(parameters.rest().size()));
+  if (const auto sizes = codec::attribute_bytes(parameters.rest()); !sizes) {
+    check_error(sizes.error());
+  }
+  const Meter meter;
+  const auto cloud = codec::decode_compact(parameters.rest(), count, degree);
+  // compact.h: the cloud and 64 bytes a splat, or 12 for each coefficient; a table of Draco's.
+  const std::size_t each =
+      std::max<std::size_t>(64, 12 * static_cast<std::size_t>(sh_rest_count(degree)) + 16);
+  check_memory(meter.peak(), {(6 << 20) + each * count + splat_memory_bytes(count, degree), 64},
+               input.size(), 0);
+  if (!cloud) {
+    check_error(cloud.error());
+    return Worth::keep;
+  }
+  require(cloud->size() == count && cloud->sh_degree == degree, "the scene is as large as asked");
+  check_cloud(*cloud);
+  return worth_of(count);
+}
+
+}  // namespace fluxgs::fuzz
