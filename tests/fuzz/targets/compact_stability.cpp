@@ -29,16 +29,16 @@ void check_positions(const SplatCloud& before, const SplatCloud& after, double s
 }
 
 void try_compact(SplatCloud cloud) {
-  const CompactSteps steps;
+  const CompactOptions options;
   drop_non_finite(cloud);  // compact.h: the cloud is finite
   for (int i = 0; i < 2; ++i) {
-    const auto bytes = codec::encode_compact(cloud, steps);
+    const auto bytes = codec::encode_compact(cloud, options);
     if (!bytes) return check_error(bytes.error());
     auto back = codec::decode_compact(*bytes, cloud.size(), cloud.sh_degree);
     if (!back) broken("compact: reads its own: " + back.error().message());
     require(back->size() == cloud.size(), "compact: the number of splats is stable");
     check_cloud(*back);
-    check_positions(cloud, *back, steps.position);
+    check_positions(cloud, *back, options.steps.position);
     cloud = std::move(*back);
   }
 }
