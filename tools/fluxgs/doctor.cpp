@@ -10,6 +10,7 @@
 #include <CLI/Version.hpp>
 #include <opencv2/core/version.hpp>
 
+#include "fluxgs/networks/onnx_runtime.h"
 #include "platform/host/host_context.h"
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/find_program.h"
@@ -40,6 +41,12 @@ json program_path(const std::string& name) {
   return found ? json(*found) : json(nullptr);
 }
 
+json onnxruntime() {
+  const auto info = networks::onnx_runtime_info();
+  if (!info) return {{"available", false}, {"reason", info.error().message()}};
+  return {{"available", true}, {"version", info->version}, {"path", info->path}};
+}
+
 json examine() {
   json sets = json::array();
   for (Isa isa : available_isas()) sets.push_back(name_of(isa));
@@ -50,6 +57,7 @@ json examine() {
           {"cuda", {{"available", false}, {"reason", "this build has no CUDA backend"}}},
           {"colmap", program_path("colmap")},
           {"gnuplot", program_path("gnuplot")},
+          {"onnxruntime", onnxruntime()},
           {"versions",
            {{"compiler", __VERSION__},
             {"opencv", CV_VERSION},
@@ -76,6 +84,11 @@ void print_lines(const json& found) {
   fmt::print("gnuplot     {}\n", found["gnuplot"].is_null()
                                      ? "not found; needed only for the charts of fluxgs report"
                                      : found["gnuplot"].get<std::string>());
+  const json& onnx = found["onnxruntime"];
+  fmt::print("onnxruntime {}\n",
+             onnx["available"].get<bool>()
+                 ? onnx["version"].get<std::string>() + " (" + onnx["path"].get<std::string>() + ")"
+                 : "missing: " + onnx["reason"].get<std::string>());
   for (const auto& [name, version] : found["versions"].items())
     fmt::print("{:<11} {}\n", name, version.get<std::string>());
 }

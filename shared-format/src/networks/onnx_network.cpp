@@ -1,0 +1,166 @@
+#include "networks/onnx_network.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "networks/flush_denormals.h"
+
+namespace fluxgs::networks {
+namespace {
+
+constexpr std::uint64_t kBatchFloats = (std::uint64_t{16} << 20) / sizeof(float);
+
+std::size_t batch_of(const RowCost& cost) {
+  const auto rows = kBatchFloats / std::max<std::uint64_t>(cost.columns, 1);
+  return static_cast<std::size_t>(std::clamp<std::uint64_t>(rows, 1, kMaxBatch));
+}
+
+/// An error of onnxruntime's, in the file that it is about.
+std::unexpected<Error> blame(const Place& place, const Error& error) {
+  return fail(place.in(error.field), error.what);
+}
+
+/// Takes over what `create` made; what it made of a failure is an error.
+template <class T, class Create>
+Expected<void> take(const ort::Api& api, std::unique_ptr<T, void (*)(T*)>& owner, const char* what,
+                    Create create) {
+  T* made = nullptr;
+  auto ok = ort::check(api, create(&made), what);
+  if (ok) owner.reset(made);
+  return ok;
+}
+
+}  // namespace
+
+OnnxNetwork::OnnxNetwork(const ort::Runtime& runtime, Signature signature, Place place,
+                         RowCost cost)
+    : runtime_(&runtime),
+      signature_(std::move(signature)),
+      place_(std::move(place)),
+      cost_(cost),
+      batch_(batch_of(cost)),
+      memory_(nullptr, runtime.api.release_memory_info),
+      session_(nullptr, runtime.api.release_session) {}
+
+Expected<OnnxNetwork> OnnxNetwork::load(std::span<const std::byte> bytes,
+                                        const Signature& signature, const Place& place) {
+  const auto model = read_onnx(bytes, place);
+  if (!model) return std::unexpected(model.error());
+  const auto cost = check_onnx(*model, signature, place);
+  if (!cost) return std::unexpected(cost.error());
+  const auto runtime = ort::load_runtime();
+  if (!runtime) return std::unexpected(runtime.error());
+  OnnxNetwork network(**runtime, signature, place, *cost);
+  if (auto ok = network.create_session(write_onnx(*model)); !ok) return blame(place, ok.error());
+  return network;
+}
+
+Expected<void> OnnxNetwork::create_session(const std::vector<std::byte>& model) {
+  const ort::Api& api = runtime_->api;
+  Owned<ort::SessionOptions> owner(nullptr, api.release_options);
+  auto ok = take(api, owner, "options", [&](auto** made) { return api.create_options(made); });
+  ort::SessionOptions* options = owner.get();
+  const auto set = [&](auto function, auto... values) {
+    if (ok) ok = ort::check(api, function(options, values...), "options");
+  };
+  set(api.set_threads, 1);  // no thread pool
+  set(api.set_optimization, ort::kOptimizeAll);
+  // Memory goes back at once: a scene is decoded once, then the network is gone
+  set(api.disable_arena);
+  set(api.disable_memory_pattern);
+  set(api.add_config, "session.load_model_format", "ONNX");  // never guessed from the bytes
+  if (ok) {
+    ok = take(api, memory_, "memory", [&](auto** made) {
+      return api.create_memory_info(ort::kDeviceAllocator, ort::kDefaultMemory, made);
+    });
+  }
+  if (ok) {
+    ok = take(api, session_, "load", [&](auto** made) {
+      return api.create_session(runtime_->env, model.data(), model.size(), options, made);
+    });
+  }
+  return ok;
+}
+
+Expected<void> OnnxNetwork::check_rows(std::size_t rows) const {
+  if (rows <= kMaxWork / std::max<std::uint64_t>(cost_.work, 1)) return {};
+  return fail(place_, fmt::format("{} splats of {} multiply-adds each; at most {} in all are "
+                                  "accepted",
+                                  rows, cost_.work, kMaxWork));
+}
+
+Expected<void> OnnxNetwork::run(std::size_t rows, std::span<const std::span<const float>> inputs,
+                                std::span<float> output) {
+  const ort::Api& api = runtime_->api;
+  const auto count = signature_.inputs.size();
+  const auto sized = [&](std::size_t size, const Columns& columns) {
+    return size == rows * static_cast<std::size_t>(columns.count);
+  };
+  bool fits = rows <= batch_ && inputs.size() == count && sized(output.size(), signature_.output);
+  for (std::size_t i = 0; fits && i < count; ++i) {
+    fits = sized(inputs[i].size(), signature_.inputs[i]);
+  }
+  if (!fits) return fail(place_, "its inputs or output are not of the size of its rows");
+  if (rows == 0) return {};
+
+  std::vector<Owned<ort::Value>> owners;
+  std::vector<const ort::Value*> values;
+  std::vector<const char*> names;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::array shape{static_cast<std::int64_t>(rows),
+                           std::int64_t{signature_.inputs[i].count}};
+    owners.emplace_back(nullptr, api.release_value);
+    // Inputs are not written to; the interface just has no type for that
+    const auto ok = take(api, owners.back(), "input", [&](auto** made) {
+      return api.wrap_tensor(memory_.get(), const_cast<float*>(inputs[i].data()),
+                             inputs[i].size_bytes(), shape.data(), shape.size(), ort::kFloat, made);
+    });
+    if (!ok) return blame(place_, ok.error());
+    values.push_back(owners.back().get());
+    names.push_back(signature_.inputs[i].name.c_str());
+  }
+  Owned<ort::Value> result(nullptr, api.release_value);
+  const char* output_name = signature_.output.name.c_str();
+  const FlushDenormals flush;
+  auto ok = take(api, result, "run", [&](auto** made) {
+    return api.run(session_.get(), nullptr, names.data(), values.data(), count, &output_name, 1,
+                   made);
+  });
+  if (!ok) return blame(place_, ok.error());
+  return copy_output(result.get(), rows, output);
+}
+
+Expected<void> OnnxNetwork::copy_output(ort::Value* value, std::size_t rows,
+                                        std::span<float> output) const {
+  const ort::Api& api = runtime_->api;
+  Owned<ort::ShapeInfo> shape(nullptr, api.release_shape);
+  std::size_t rank = 0;
+  int type = 0;
+  std::array<std::int64_t, 2> dims{};
+  void* data = nullptr;
+  auto ok = take(api, shape, "output", [&](auto** made) { return api.shape_of(value, made); });
+  if (ok) ok = ort::check(api, api.element_type(shape.get(), &type), "output");
+  if (ok) ok = ort::check(api, api.rank(shape.get(), &rank), "output");
+  if (ok && rank == dims.size()) {
+    ok = ort::check(api, api.dimensions(shape.get(), dims.data(), dims.size()), "output");
+  }
+  if (ok) ok = ort::check(api, api.tensor_data(value, &data), "output");
+  if (!ok) return blame(place_, ok.error());
+  if (type != ort::kFloat || rank != dims.size() || dims[0] != static_cast<std::int64_t>(rows) ||
+      dims[1] != signature_.output.count) {
+    return fail(place_.in("onnxruntime"), "its output is not a float32 matrix of the right size");
+  }
+  std::memcpy(output.data(), data, output.size_bytes());
+  const auto bad = std::ranges::find_if(output, [](float v) { return !std::isfinite(v); });
+  if (bad != output.end()) {
+    return fail(place_, fmt::format("output column {} is not finite for a splat",
+                                    (bad - output.begin()) % signature_.output.count));
+  }
+  return {};
+}
+
+}  // namespace fluxgs::networks
