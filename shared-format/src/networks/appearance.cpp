@@ -207,6 +207,7 @@ Normalisation measure_normalisation(const SplatCloud& cloud) {
     n.center[axis] = quantile(values, 0.5);
   }
   std::vector<double> distances;
+  distances.reserve(cloud.size());
   for (const glm::vec3& p : cloud.positions) {
     distances.push_back(glm::length(glm::dvec3(p) - glm::dvec3(n.center)));
   }
@@ -289,8 +290,9 @@ Expected<void> bake_appearance(SplatCloud& cloud, std::span<const float> energy,
   if (ok = make_degree_one(cloud, name); !ok) return ok;
   const Place place{name, "networks"};
   std::size_t batch = kMaxBatch;
-  if (*psi) batch = std::min(batch, (*psi)->network().batch());
-  if (*phi) batch = std::min(batch, (*phi)->network().batch());
+  for (const std::optional<Stage>* stage : {&*psi, &*phi}) {
+    if (stage->has_value()) batch = std::min(batch, stage->value().network().batch());
+  }
   for (std::size_t begin = 0; begin < splats; begin += batch) {
     const std::size_t count = std::min(batch, splats - begin);
     if (ok = bake_batch(cloud, begin, count, energy, *psi, *phi, n, place); !ok) return ok;

@@ -1,5 +1,6 @@
-// Weights chosen so that all sums are denormal numbers make a processor many times slower; within
-// the life of this object they count as zero on the calling thread.
+// Weights chosen so that all sums are denormal numbers make many processors (Intel's; not AMD's
+// recent ones) a hundred times slower. Within the life of this object such numbers count as zero on
+// the calling thread.
 #pragma once
 
 #include <cstdint>

@@ -19,7 +19,7 @@ namespace fluxgs::networks {
 inline constexpr std::uint64_t kMaxWork = std::uint64_t{1} << 38;
 
 /// Rows that are evaluated at once at most; fewer if the values between would exceed 16 MiB.
-inline constexpr std::size_t kMaxBatch = 8192;
+inline constexpr std::size_t kMaxBatch = 2048;
 
 /// Not thread-safe; different objects are independent.
 class OnnxNetwork {

@@ -80,8 +80,9 @@ struct AppearanceNetworks {
 /// Replace the colours of a finite cloud of degree 0 or 1 by what the networks make of them; it has
 /// degree 1 then. `energy` holds kEnergyColumns finite numbers a splat, and nothing without Ψ.
 /// Without networks nothing changes and onnxruntime is not loaded. One thread, in batches: memory
-/// beyond the cloud is that of the models (each at most 4 MiB, about four times) and 64 MiB. Errors
-/// name the file, the network and what is wrong with it; the cloud's colours are then of no use.
+/// beyond the cloud is that of the models (each at most 4 MiB, about four times), 16 MiB and
+/// onnxruntime itself. Errors name the file, the network and what is wrong with it; the cloud's
+/// colours are then of no use.
 Expected<void> bake_appearance(SplatCloud& cloud, std::span<const float> energy,
                                const AppearanceNetworks& networks,
                                const Normalisation& normalisation, const std::string& name);

@@ -159,7 +159,7 @@ TEST(Appearance, PhiByHandKeepsTheScenesOwnColours) {
 
 TEST(Appearance, AgreesWithFloat64OverSeveralBatches) {
   FLUXGS_NEEDS_ONNXRUNTIME();
-  const std::size_t count = 20'000;  // three batches, the last one not full
+  const std::size_t count = 20'000;  // ten batches, the last one not full
   SplatCloud cloud = random_cloud(count, 0, 3);
   const SplatCloud before = cloud;
   std::vector<float> energy = test::random_rows(count * 12, 4);

@@ -35,7 +35,8 @@ Expected<RowCost> check(Node node, std::vector<Tensor> tensors = {}, int outputs
 }
 
 TEST(OnnxCheck, FollowsColumnsThroughEveryOperator) {
-  const auto accepts = [](Node node, std::vector<Tensor> tensors, int outputs, std::uint64_t work) {
+  const auto accepts = [](const Node& node, std::vector<Tensor> tensors, int outputs,
+                          std::uint64_t work) {
     const auto cost = check(node, std::move(tensors), outputs);
     ASSERT_TRUE(cost) << node.op << ": " << cost.error().message();
     EXPECT_EQ(cost->work, work) << node.op;

@@ -11,7 +11,8 @@ namespace fluxgs::networks {
 namespace {
 
 using test::Bytes, test::RawModel, test::expect_error, test::floats, test::integer, test::message,
-    test::text, test::operator+;
+    test::text;
+using test::operator+;  // NOLINT(misc-unused-using-decls): it is used
 
 const Place kPlace{"scene.glb", "network psi"};
 

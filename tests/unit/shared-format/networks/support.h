@@ -2,6 +2,7 @@
 // onnxruntime is here.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <fstream>
