@@ -1,6 +1,6 @@
 // The functions of onnxruntime's C interface that are used here, declared by ourselves: the
 // interface is a table of pointers that only ever grows at its end (onnxruntime_c_api.h, "OrtApi"),
-// and the official header comes only in packages of 150 MB. onnx_api_test.cpp compares the two
+// and the official header comes only in packages of 150 MB. onnx_network_test.cpp compares the two
 // where that header is installed.
 #pragma once
 
