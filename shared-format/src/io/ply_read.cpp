@@ -1,12 +1,14 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <string_view>
 
 #include <fmt/format.h>
 
+#include "activation.h"
 #include "cloud_memory.h"
 #include "fluxgs/io/ply.h"
 #include "ply_columns.h"
@@ -53,10 +55,14 @@ Expected<Columns> find_columns(const PlyElement& vertex, const std::string& name
   return columns;
 }
 
+// Infinite logits are what converters make of opacities of exactly 0 and 1 in 8 bits
+// (splat-transform 3.7: most splats of some scenes).
+float finite_logit(float value) { return std::isinf(value) ? logit(value > 0 ? 1 : 0) : value; }
+
 void store(const Values& v, std::size_t i, SplatCloud& cloud) {
   cloud.positions[i] = {v[0], v[1], v[2]};
   cloud.sh_dc[i] = {v[3], v[4], v[5]};
-  cloud.opacity_logits[i] = v[6];
+  cloud.opacity_logits[i] = finite_logit(v[6]);
   cloud.log_scales[i] = {v[7], v[8], v[9]};
   cloud.rotations[i] = glm::quat(v[10], v[11], v[12], v[13]);  // w first
   const auto rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));

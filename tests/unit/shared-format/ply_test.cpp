@@ -284,6 +284,22 @@ TEST(Ply, NonFiniteSplatsAreDroppedAndCounted) {
   EXPECT_EQ(scene.cloud.sh_rest[4 * 3], cloud.sh_rest[7 * 3]);
 }
 
+TEST(Ply, InfiniteLogitsAreOpacitiesOfZeroAndOne) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const SplatCloud cloud = random_cloud(4, 0);
+  FLUXGS_UNWRAP(bytes, encode_ply(cloud, "x.ply"));
+  const std::size_t row = 17 * 4, opacity = bytes.size() - 4 * row + 9 * 4;
+  const float logits[] = {infinity, -infinity, nan};
+  for (std::size_t i = 0; i < 3; ++i) std::memcpy(&bytes[opacity + i * row], &logits[i], 4);
+  FLUXGS_UNWRAP(scene, read_ply(bytes, "x.ply"));
+  EXPECT_EQ(scene.dropped, 1u);  // the NaN
+  ASSERT_EQ(scene.cloud.size(), 3u);
+  EXPECT_NEAR(scene.cloud.opacity_logits[0], 17.33, 0.01);
+  EXPECT_NEAR(scene.cloud.opacity_logits[1], -87.34, 0.01);
+  EXPECT_EQ(scene.cloud.opacity_logits[2], cloud.opacity_logits[3]);
+}
+
 TEST(Ply, WriterLeavesOutNonFiniteSplatsAndRefusesBrokenClouds) {
   SplatCloud cloud = random_cloud(4, 2);
   cloud.log_scales[1].y = std::numeric_limits<float>::infinity();

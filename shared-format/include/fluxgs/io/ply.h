@@ -17,8 +17,10 @@ bool is_ply(std::span<const std::byte> bytes);
 
 /// Read a scene: ASCII, little- or big-endian; properties of element `vertex` found by name, in any
 /// order and of any scalar type; other properties and elements are skipped. 0, 9, 24 or 45
-/// properties f_rest_* (channel-major) give the degree. All counts are checked against the size of
-/// `bytes` before anything is allocated. `name` appears in errors.
+/// properties f_rest_* (channel-major) give the degree. Infinite logits of opacity, which other
+/// programs write for opacities of 0 and 1, become the finite ones that read_glb gives these. All
+/// counts are checked against the size of `bytes` before anything is allocated. `name` appears in
+/// errors.
 Expected<SceneFile> read_ply(std::span<const std::byte> bytes, const std::string& name);
 
 /// Write little-endian floats in INRIA's order (with zero normals): a finite scene comes back bit
