@@ -1,0 +1,102 @@
+// Reads a .glb with KHR_gaussian_splatting through glTF-Transform, which does not know the
+// extension: what it sees are accessors and nodes, checked as for any glTF.
+import {makeCloud, restCount} from './cloud.mjs';
+import {load} from './programs.mjs';
+
+const {Extension, Logger, NodeIO} = await load('@gltf-transform/core');
+
+const prefix = 'KHR_gaussian_splatting:';
+
+/** Makes glTF-Transform open a file that requires the extension; it carries no data. */
+class GaussianSplatting extends Extension {
+  static EXTENSION_NAME = 'KHR_gaussian_splatting';
+  extensionName = GaussianSplatting.EXTENSION_NAME;
+  read() { return this; }
+  write() { return this; }
+}
+
+const io = new NodeIO()
+  .setLogger(new Logger(Logger.Verbosity.SILENT))
+  .registerExtensions([GaussianSplatting]);
+
+/** Orders m of the basis functions from degree 1, in the order of their coefficients. */
+const orders = [1, 2, 3].flatMap((l) => Array.from({length: 2 * l + 1}, (_, i) => i - l));
+
+/** Nodes with a mesh that the default scene shows; their transforms must be the identity. */
+function splatPrimitives(document) {
+  const primitives = [];
+  const scene = document.getRoot().getDefaultScene();
+  if (!scene) throw new Error('no default scene');
+  scene.traverse((node) => {
+    const matrix = node.getWorldMatrix();
+    if (matrix.some((value, i) => value !== (i % 5 === 0 ? 1 : 0))) {
+      throw new Error('a node has a transform');
+    }
+    primitives.push(...(node.getMesh()?.listPrimitives() ?? []));
+  });
+  return primitives;
+}
+
+function rowsOf(primitive, semantic, width) {
+  const accessor = primitive.getAttribute(semantic);
+  if (!accessor) throw new Error(`no attribute ${semantic}`);
+  if (accessor.getElementSize() !== width) throw new Error(`${semantic}: wrong type`);
+  const row = [];
+  return {count: accessor.getCount(), at: (i) => accessor.getElement(i, row)};
+}
+
+function degreeOf(primitive) {
+  let degree = 0;
+  while (primitive.getAttribute(`${prefix}SH_DEGREE_${degree + 1}_COEF_0`)) ++degree;
+  return degree;
+}
+
+/**
+ * Half a turn about z from glTF's frame (y up) into that of a .ply (y down): positions change the
+ * sign of x and y, a quaternion q becomes (0, 0, 0, 1)·q, a basis function of order m takes (−1)^m.
+ * glTF stores scale and opacity, a .ply their logarithm and logit, both quaternions' w elsewhere.
+ */
+function fillCloud(cloud, primitive) {
+  const named = (name, width) => rowsOf(primitive, prefix + name, width);
+  const position = rowsOf(primitive, 'POSITION', 3), scale = named('SCALE', 3);
+  const rotation = named('ROTATION', 4), opacity = named('OPACITY', 1);
+  const dc = named('SH_DEGREE_0_COEF_0', 3);
+  for (let i = 0; i < cloud.count; ++i) {
+    const [x, y, z] = position.at(i);
+    cloud.position.set([-x, -y, z], 3 * i);
+    cloud.scale.set(scale.at(i).map(Math.log), 3 * i);
+    const [qx, qy, qz, qw] = rotation.at(i);
+    cloud.rotation.set([-qz, -qy, qx, qw], 4 * i);
+    const [o] = opacity.at(i);
+    cloud.opacity[i] = Math.log(o) - Math.log1p(-o);
+    cloud.dc.set(dc.at(i), 3 * i);
+  }
+  const count = restCount(cloud.degree);
+  for (let k = 0, l = 1, m = 0; k < count; ++k) {
+    const sign = orders[k] % 2 === 0 ? 1 : -1;
+    const coefficient = named(`SH_DEGREE_${l}_COEF_${m}`, 3);
+    for (let i = 0; i < cloud.count; ++i) {
+      const row = coefficient.at(i);
+      for (let c = 0; c < 3; ++c) cloud.rest[(3 * i + c) * count + k] = sign * row[c];
+    }
+    if (++m === 2 * l + 1) m = 0, ++l;
+  }
+}
+
+/** The splats of a .glb with one primitive. */
+export async function readGlb(file) {
+  const primitives = splatPrimitives(await io.read(file));
+  if (primitives.length !== 1) throw new Error(`${primitives.length} primitives; expected one`);
+  const [primitive] = primitives;
+  const count = primitive.getAttribute('POSITION')?.getCount() ?? 0;
+  const cloud = makeCloud(count, degreeOf(primitive));
+  fillCloud(cloud, primitive);
+  return cloud;
+}
+
+/** How many splats glTF-Transform finds in a .glb that may be empty. */
+export async function countGlb(file) {
+  const primitives = splatPrimitives(await io.read(file));
+  return primitives.reduce(
+    (sum, primitive) => sum + primitive.getAttribute('POSITION').getCount(), 0);
+}
