@@ -9,6 +9,7 @@
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/io/ply.h"
 #include "fluxgs/io/scene.h"
+#include "fluxgs/networks/mlp.h"
 #include "io/spz_layout.h"
 #include "seeds.h"
 #include "unit/shared-format/compressed_ply_support.h"
@@ -268,8 +269,8 @@ void add_codec(Seeds& seeds) {
   for (const std::size_t count : {1u, 3u, 40u}) {
     for (const int degree : kDegrees) {
       for (const auto& steps : {fine, coarse}) {
-        seeds["compact"][fmt::format("degree{}_{}_{}", degree, count, steps.position)] =
-            with_count(count, {degree}, *codec::encode_compact(random_cloud(count, degree), {steps}));
+        seeds["compact"][fmt::format("degree{}_{}_{}", degree, count, steps.position)] = with_count(
+            count, {degree}, *codec::encode_compact(random_cloud(count, degree), {steps}));
       }
     }
     const SplatCloud cloud = random_cloud(count, 1);
@@ -312,6 +313,20 @@ void add_floats(Seeds& seeds) {
   }
 }
 
+/// Networks of one layer and of three, as `onnx` expects them.
+void add_networks(Seeds& seeds) {
+  const networks::Signature signature{{{"a", 2}, {"b", 3}}, {"y", 3}};
+  const auto layer = [](int inputs, int outputs, bool relu) {
+    const auto size = static_cast<std::size_t>(inputs * outputs);
+    return networks::MlpLayer{inputs, outputs, std::vector<float>(size, 0.5f),
+                              std::vector<float>(static_cast<std::size_t>(outputs), -1.0f), relu};
+  };
+  const networks::Mlp shallow{{layer(5, 3, false)}};
+  const networks::Mlp deep{{layer(5, 4, true), layer(4, 4, true), layer(4, 3, true)}};
+  seeds["onnx"]["shallow"] = *networks::encode_onnx(shallow, signature);
+  seeds["onnx"]["deep"] = *networks::encode_onnx(deep, signature);
+}
+
 }  // namespace
 
 void add_own_seeds(Seeds& seeds) {
@@ -323,6 +338,7 @@ void add_own_seeds(Seeds& seeds) {
   add_sog(seeds);
   add_codec(seeds);
   add_floats(seeds);
+  add_networks(seeds);
 }
 
 }  // namespace fluxgs::fuzz

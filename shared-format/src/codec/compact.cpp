@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -56,26 +57,61 @@ float opacity_logit(float scale) {
 constexpr double kLeastWeight = 0.05, kMostWeight = 20;
 
 // Each attribute may rest on those before it: their decoded values tell how exactly it is stored.
-enum Attribute : std::size_t { kScale = 1, kOpacity, kRotation, kDc, kRest, kEnd };
+enum Attribute : std::size_t { kPosition, kScale, kOpacity, kRotation, kDc, kRest, kEnergy };
+constexpr const char* kNames[] = {"position", "scale",   "opacity", "rotation",
+                                  "sh_dc",    "sh_rest", "energy"};
+
+/// What a stream holds, as far as it is decoded.
+struct Content {
+  SplatCloud cloud;
+  bool has_energy = false;
+  std::vector<float> energy = {};
+  std::vector<float> rotation_coarseness = {}, color_coarseness = {};
+
+  /// To be called when `attribute` is there.
+  void note(Attribute attribute) {
+    if (attribute == kScale) rotation_coarseness = codec::rotation_coarseness(cloud.log_scales);
+    if (attribute == kOpacity)
+      color_coarseness = codec::color_coarseness(cloud.log_scales, cloud.opacity_logits);
+  }
+  std::span<const float> coarseness_of(Attribute attribute) const {
+    if (attribute == kRotation) return rotation_coarseness;
+    if (attribute > kRotation) return color_coarseness;
+    return {};
+  }
+};
+
+/// In the order of the stream, behind the positions.
+std::vector<Attribute> attributes_of(bool has_energy, int sh_degree) {
+  if (has_energy) return {kScale, kOpacity, kRotation, kEnergy};
+  if (sh_degree == 0) return {kScale, kOpacity, kRotation, kDc};
+  return {kScale, kOpacity, kRotation, kDc, kRest};
+}
 
 std::size_t channels_of(Attribute attribute, int sh_degree) {
   if (attribute == kOpacity) return 1;
+  if (attribute == kEnergy) return kEnergyChannels;
   return attribute == kRest ? 3 * static_cast<std::size_t>(sh_rest_count(sh_degree)) : 3;
 }
 
-std::vector<float> coarseness_of(Attribute attribute, const SplatCloud& decoded) {
-  if (attribute == kRotation) return rotation_coarseness(decoded.log_scales);
-  if (attribute == kDc || attribute == kRest)
-    return color_coarseness(decoded.log_scales, decoded.opacity_logits);
-  return {};
+float step_of(Attribute attribute, const CompactSteps& steps) {
+  const float by_attribute[] = {0,           steps.log_scale, steps.opacity, steps.rotation,
+                                steps.sh_dc, steps.sh_rest,   steps.energy};
+  return by_attribute[attribute];
+}
+
+/// The attributes that are three numbers, or a multiple of them, as they are.
+std::vector<glm::vec3>& vectors_of(Attribute attribute, SplatCloud& cloud) {
+  return attribute == kScale ? cloud.log_scales : attribute == kDc ? cloud.sh_dc : cloud.sh_rest;
 }
 
 void put_vec3(std::vector<float>& out, const glm::vec3& v) {
   for (int c = 0; c < 3; ++c) out.push_back(v[c]);
 }
-glm::vec3 vec3_at(const float* v) { return {v[0], v[1], v[2]}; }
 
-std::vector<float> values_of(Attribute attribute, const SplatCloud& cloud) {
+std::vector<float> values_of(Attribute attribute, Content& content) {
+  if (attribute == kEnergy) return content.energy;
+  SplatCloud& cloud = content.cloud;
   std::vector<float> out;
   out.reserve(cloud.size() * channels_of(attribute, cloud.sh_degree));
   if (attribute == kOpacity)
@@ -83,41 +119,33 @@ std::vector<float> values_of(Attribute attribute, const SplatCloud& cloud) {
   else if (attribute == kRotation)
     for (const glm::quat& q : cloud.rotations) put_vec3(out, reduced_rotation(q));
   else
-    for (const glm::vec3& v : attribute == kScale ? cloud.log_scales
-                              : attribute == kDc  ? cloud.sh_dc
-                                                  : cloud.sh_rest)
-      put_vec3(out, v);
+    for (const glm::vec3& v : vectors_of(attribute, cloud)) put_vec3(out, v);
   return out;
 }
 
-void store(Attribute attribute, const std::vector<float>& values, SplatCloud& cloud) {
+void store(Attribute attribute, std::vector<float> values, Content& content) {
+  SplatCloud& cloud = content.cloud;
   const float* v = values.data();
-  if (attribute == kOpacity)
+  if (attribute == kEnergy) {
+    content.energy = std::move(values);
+  } else if (attribute == kOpacity) {
     for (float& logit : cloud.opacity_logits) logit = opacity_logit(*v++);
-  else if (attribute == kRotation)
+  } else if (attribute == kRotation) {
     for (glm::quat& q : cloud.rotations) q = full_rotation(v), v += 3;
-  else
-    for (glm::vec3& to : attribute == kScale ? cloud.log_scales
-                         : attribute == kDc  ? cloud.sh_dc
-                                             : cloud.sh_rest)
-      to = vec3_at(v), v += 3;
+  } else {
+    for (glm::vec3& to : vectors_of(attribute, cloud)) to = {v[0], v[1], v[2]}, v += 3;
+  }
 }
 
-float step_of(Attribute attribute, const CompactSteps& steps) {
-  const float by_attribute[] = {0,           steps.log_scale, steps.opacity, steps.rotation,
-                                steps.sh_dc, steps.sh_rest};
-  return by_attribute[attribute];
-}
-
-std::unexpected<Error> in_attribute(std::size_t attribute, const Error& error) {
-  return fail("", kAttributeNames[attribute], error.message());
+std::unexpected<Error> in_attribute(Attribute attribute, const Error& error) {
+  return fail("", kNames[attribute], error.message());
 }
 
 /// Of errors in steps: those of a coarse splat are larger. In the order of the file, 1 on the
 /// average.
 std::vector<float> rounding_weights(std::span<const float> weights,
                                     const std::vector<std::uint32_t>& order,
-                                    const std::vector<float>& coarseness) {
+                                    std::span<const float> coarseness) {
   if (weights.empty()) return {};
   std::vector<float> result(order.size());
   double sum = 0;
@@ -132,10 +160,10 @@ std::vector<float> rounding_weights(std::span<const float> weights,
   return result;
 }
 
-Expected<std::span<const std::byte>> take_section(Reader& in, std::size_t attribute) {
+Expected<std::span<const std::byte>> take_section(Reader& in, Attribute attribute) {
   const auto size = in.take_varint();
   const auto bytes = size ? in.take_bytes(*size) : std::nullopt;
-  if (!bytes) return fail("", kAttributeNames[attribute], "is cut off");
+  if (!bytes) return fail("", kNames[attribute], "is cut off");
   return *bytes;
 }
 
@@ -144,91 +172,113 @@ void put_section(Bytes& out, const Bytes& section) {
   out.insert(out.end(), section.begin(), section.end());
 }
 
-/// Decodes a section into the cloud, in which the attributes before it are decoded already.
+/// Decodes a section into the content, in which the attributes before it are decoded already.
 Expected<void> decode_section(Attribute attribute, std::span<const std::byte> section,
-                              SplatCloud& cloud) {
-  const std::size_t channels = channels_of(attribute, cloud.sh_degree);
-  std::vector<float> values(channels * cloud.size());
+                              Content& content) {
+  const std::size_t channels = channels_of(attribute, content.cloud.sh_degree);
+  std::vector<float> values(channels * content.cloud.size());
   Reader in(section);
-  if (auto ok = decode_channels(in, channels, coarseness_of(attribute, cloud), values); !ok)
+  if (auto ok = decode_channels(in, channels, content.coarseness_of(attribute), values); !ok)
     return in_attribute(attribute, ok.error());
-  if (in.left() > 0) return fail("", kAttributeNames[attribute], "has bytes left over");
-  store(attribute, values, cloud);
+  if (in.left() > 0) return fail("", kNames[attribute], "has bytes left over");
+  store(attribute, std::move(values), content);
+  content.note(attribute);
   return {};
 }
 
-bool is_stored(Attribute attribute, int sh_degree) { return channels_of(attribute, sh_degree) > 0; }
+std::vector<float> energy_in_order(std::span<const float> energy,
+                                   const std::vector<std::uint32_t>& order) {
+  std::vector<float> result;
+  if (energy.empty()) return result;
+  result.reserve(energy.size());
+  for (const std::uint32_t i : order) {
+    const auto own = energy.subspan(i * kEnergyChannels, kEnergyChannels);
+    result.insert(result.end(), own.begin(), own.end());
+  }
+  return result;
+}
 
 }  // namespace
+
+glm::quat canonical_rotation(const glm::quat& rotation) {
+  const glm::vec3 v = reduced_rotation(rotation);
+  return full_rotation(&v.x);
+}
 
 float opacity_scale(float logit) {
   const double root = std::sqrt(double{io::sigmoid(logit)});
   return static_cast<float>(std::asin(root) * 2 / std::numbers::pi);
 }
 
-Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactOptions& options) {
+Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactOptions& options,
+                               std::span<const float> energy) {
   Bytes out, section;
   if (cloud.size() == 0) return out;
   const auto order = morton_order(cloud.positions);
-  const SplatCloud ordered = in_order(cloud, order);
-  const CompactSteps& steps = options.steps;
-  if (auto ok = encode_positions(ordered.positions, steps.position, section); !ok)
+  Content exact{in_order(cloud, order), !energy.empty(), energy_in_order(energy, order)};
+  if (auto ok = encode_positions(exact.cloud.positions, options.steps.position, section); !ok)
     return std::unexpected(ok.error());
   put_section(out, section);
-  SplatCloud decoded = ordered;
-  for (std::size_t a = kScale; a < kEnd; ++a) {
-    const auto attribute = static_cast<Attribute>(a);
-    if (!is_stored(attribute, cloud.sh_degree)) continue;
-    const Channels input{channels_of(attribute, cloud.sh_degree), values_of(attribute, ordered),
-                         coarseness_of(attribute, decoded)};
-    const auto weights = rounding_weights(options.weights, order, input.coarseness);
+  Content decoded = exact;
+  for (const Attribute attribute : attributes_of(exact.has_energy, cloud.sh_degree)) {
+    const auto coarseness = decoded.coarseness_of(attribute);
+    const Channels input{channels_of(attribute, cloud.sh_degree),
+                         values_of(attribute, exact),
+                         {coarseness.begin(), coarseness.end()}};
+    const auto weights = rounding_weights(options.weights, order, coarseness);
     section.clear();
-    if (auto ok = encode_channels(input, step_of(attribute, steps), {options.rate_weight, weights},
-                                  section);
+    if (auto ok = encode_channels(input, step_of(attribute, options.steps),
+                                  {options.rate_weight, weights}, section);
         !ok)
-      return in_attribute(a, ok.error());
+      return in_attribute(attribute, ok.error());
+    put_section(out, section);
+    if (attribute != kScale && attribute != kOpacity) continue;  // nothing rests on it
     if (auto ok = decode_section(attribute, section, decoded); !ok)
       return std::unexpected(ok.error());
-    put_section(out, section);
   }
   while (cloud.size() > most_splats(out.size())) out.push_back(std::byte{0});
   return out;
 }
 
 Expected<SplatCloud> decode_compact(std::span<const std::byte> bytes, std::size_t count,
-                                    int sh_degree) {
+                                    int sh_degree, std::vector<float>* energy) {
   if (count > most_splats(bytes.size()))
     return fail("", "",
                 fmt::format("{} splats in {} bytes, expected {} at most", count, bytes.size(),
                             most_splats(bytes.size())));
   auto cloud = io::allocate_cloud(count, sh_degree, "");
   if (!cloud || count == 0) return cloud;
+  Content content{std::move(*cloud), energy != nullptr};
   Reader in(bytes);
-  const auto positions = take_section(in, 0);
+  const auto positions = take_section(in, kPosition);
   if (!positions) return std::unexpected(positions.error());
   Reader part(*positions);
-  if (auto ok = decode_positions(part, cloud->positions); !ok) return std::unexpected(ok.error());
-  for (std::size_t a = kScale; a < kEnd; ++a) {
-    const auto attribute = static_cast<Attribute>(a);
-    if (!is_stored(attribute, sh_degree)) continue;
-    const auto section = take_section(in, a);
+  if (auto ok = decode_positions(part, content.cloud.positions); !ok)
+    return std::unexpected(ok.error());
+  for (const Attribute attribute : attributes_of(content.has_energy, sh_degree)) {
+    const auto section = take_section(in, attribute);
     if (!section) return std::unexpected(section.error());
-    if (auto ok = decode_section(attribute, *section, *cloud); !ok)
+    if (auto ok = decode_section(attribute, *section, content); !ok)
       return std::unexpected(ok.error());
   }
   const auto padding = *in.take_bytes(in.left());
   if (std::ranges::any_of(padding, [](std::byte b) { return b != std::byte{0}; }))
     return fail("", "", "bytes other than zeros are left over behind the last attribute");
-  return cloud;
+  if (energy != nullptr) *energy = std::move(content.energy);
+  return std::move(content.cloud);
 }
 
-Expected<std::vector<std::size_t>> attribute_bytes(std::span<const std::byte> bytes) {
+Expected<std::vector<std::pair<std::string, std::size_t>>> attribute_bytes(
+    std::span<const std::byte> bytes, int sh_degree, bool has_energy) {
+  std::vector<Attribute> attributes = attributes_of(has_energy, sh_degree);
+  attributes.insert(attributes.begin(), kPosition);
   Reader in(bytes);
-  std::vector<std::size_t> sizes;
-  while (in.left() > 0 && sizes.size() < std::size(kAttributeNames)) {
-    const auto section = take_section(in, sizes.size());
+  std::vector<std::pair<std::string, std::size_t>> sizes;
+  if (bytes.empty()) return sizes;
+  for (const Attribute attribute : attributes) {
+    const auto section = take_section(in, attribute);
     if (!section) return std::unexpected(section.error());
-    sizes.push_back(section->size());
+    sizes.emplace_back(kNames[attribute], section->size());
   }
   return sizes;
 }

@@ -2,6 +2,12 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <glm/gtc/quaternion.hpp>
 
 #include "codec/bytes.h"
 #include "fluxgs/error.h"
@@ -15,6 +21,11 @@ namespace fluxgs::codec {
 /// padded with zeros.
 constexpr std::size_t most_splats(std::size_t bytes) { return 4096 + bytes; }
 
+inline constexpr std::size_t kEnergyChannels = 12;
+
+/// The rotation that is stored for another, not yet rounded.
+glm::quat canonical_rotation(const glm::quat& rotation);
+
 /// Opacity on a scale of 0…1 that is finer towards both ends, where its effect is largest:
 /// asin(√opacity)·2/π.
 float opacity_scale(float logit);
@@ -23,17 +34,21 @@ float opacity_scale(float logit);
 /// splats is lost, their number is not. Rotations lose what a covariance does not have: their
 /// length, their sign and half turns about the splat's own axes. Weights are one for each splat or
 /// none. An error names the attribute.
-Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactOptions& options);
+///
+/// With `energy` (kEnergyChannels a splat) its steps and weights are used, its networks are not,
+/// and colours are not stored.
+Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactOptions& options,
+                               std::span<const float> energy = {});
 
 /// Decodes `count` splats, most_splats(bytes.size()) at most. Holds at most the bytes, the cloud,
-/// and 64 bytes a splat (of degree 2 and 3: 12 for each coefficient). Errors (without a file's
-/// name) name the attribute.
+/// and 64 bytes a splat (with energy 112; of degree 2 and 3: 12 for each coefficient). Errors
+/// (without a file's name) name the attribute. If `energy` is given, the stream has it instead of
+/// colours, which stay zero.
 Expected<SplatCloud> decode_compact(std::span<const std::byte> bytes, std::size_t count,
-                                    int sh_degree);
+                                    int sh_degree, std::vector<float>* energy = nullptr);
 
-/// Bytes that each attribute takes in an encoded scene, in the order of kAttributeNames.
-inline constexpr const char* kAttributeNames[] = {"position", "scale", "opacity",
-                                                  "rotation", "sh_dc", "sh_rest"};
-Expected<std::vector<std::size_t>> attribute_bytes(std::span<const std::byte> bytes);
+/// Bytes that each attribute takes in an encoded scene, by name.
+Expected<std::vector<std::pair<std::string, std::size_t>>> attribute_bytes(
+    std::span<const std::byte> bytes, int sh_degree, bool has_energy = false);
 
 }  // namespace fluxgs::codec

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 #include "codec/compact.h"
 #include "codec/morton.h"
 #include "gltf_builder.h"
+#include "gltf_compact.h"
 #include "gltf_frame.h"
 #include "gltf_json.h"
 #include "gltf_plain.h"
@@ -69,11 +71,118 @@ json add_described_attributes(const SplatCloud& cloud, io::GltfBuilder& builder)
   return named;
 }
 
-std::vector<float> weights_of_finite(const std::vector<float>& weights, const SplatCloud& cloud) {
+/// The entries, `columns` a splat, of finite splats.
+std::vector<float> of_finite(const std::vector<float>& values, std::size_t columns,
+                             const SplatCloud& cloud) {
   std::vector<float> kept;
-  for (std::size_t i = 0; i < weights.size(); ++i)
-    if (is_finite(cloud, i)) kept.push_back(weights[i]);
+  for (std::size_t i = 0; i < values.size() / columns; ++i) {
+    const auto own = values.begin() + static_cast<std::ptrdiff_t>(i * columns);
+    if (is_finite(cloud, i))
+      kept.insert(kept.end(), own, own + static_cast<std::ptrdiff_t>(columns));
+  }
   return kept;
+}
+
+Expected<void> check_networks(const CompactNetworks& networks, const SplatCloud& cloud,
+                              const std::string& name) {
+  const bool has_psi = !networks.models.psi.empty();
+  if (!has_psi && networks.models.phi.empty())
+    return fail(name, "networks", "there are none, expected one at least");
+  if (cloud.sh_degree != 1)
+    return fail(name, "networks",
+                fmt::format("the scene has degree {}, expected 1", cloud.sh_degree));
+  const std::size_t expected = has_psi ? codec::kEnergyChannels * cloud.size() : 0;
+  if (networks.energy.size() != expected)
+    return fail(name, "energy",
+                fmt::format("{} numbers, expected {}", networks.energy.size(), expected));
+  if (!std::ranges::all_of(networks.energy, [](float v) { return std::isfinite(v); }))
+    return fail(name, "energy", "has a number that is not finite");
+  return {};
+}
+
+Expected<void> check_options(const CompactOptions& options, const SplatCloud& cloud,
+                             const std::string& name) {
+  if (!options.weights.empty() && options.weights.size() != cloud.size())
+    return fail(name, "weights",
+                fmt::format("{} of them, expected one for each of {} splats",
+                            options.weights.size(), cloud.size()));
+  return options.networks ? check_networks(*options.networks, cloud, name) : Expected<void>();
+}
+
+/// What a file holds, beside the description of it.
+struct Payload {
+  std::vector<std::byte> stream;
+  const CompactNetworks* networks = nullptr;
+  std::size_t splats = 0;
+  int sh_degree = 0;
+};
+
+/// What comes out of the file.
+Expected<SplatCloud> decode(const Payload& payload, const std::string& name) {
+  io::GltfSplats splats;
+  splats.count = payload.splats;
+  splats.sh_degree = payload.sh_degree;
+  splats.compression = io::GltfCompression::compact;
+  splats.compressed = payload.stream;
+  splats.compressed_field = io::kCompactExtension;
+  if (const CompactNetworks* n = payload.networks; n != nullptr)
+    splats.networks = io::GltfNetworks{n->models.psi, n->models.phi, n->normalisation};
+  auto cloud = io::decode_compact_splats(splats, name);
+  if (cloud) io::turn_cloud(*cloud);
+  return cloud;
+}
+
+json networks_json(const CompactNetworks& networks, io::GltfBuilder& builder) {
+  const networks::Normalisation& n = networks.normalisation;
+  json result = {{"normalisation",
+                  {{"center", {n.center.x, n.center.y, n.center.z}},
+                   {"extent", n.extent},
+                   {"logScaleMean", n.log_scale_mean},
+                   {"logScaleDeviation", n.log_scale_deviation},
+                   {"shMean", n.sh_mean},
+                   {"shDeviation", n.sh_deviation}}}};
+  for (const auto& [key, model] :
+       {std::pair("psi", &networks.models.psi), std::pair("phi", &networks.models.phi)})
+    if (!model->empty()) result[key] = {{"bufferView", builder.add_view(model->size(), false)}};
+  return result;
+}
+
+/// The parts of the BIN chunk in the order in which they were announced.
+class BinWriter {
+ public:
+  explicit BinWriter(std::byte* at) : at_(at) {}
+
+  void put(const std::vector<std::byte>& bytes) {
+    if (!bytes.empty()) std::memcpy(at_, bytes.data(), bytes.size());
+    at_ += (bytes.size() + 3) / 4 * 4;
+  }
+  std::byte* rest() const { return at_; }
+
+ private:
+  std::byte* at_;
+};
+
+Expected<std::vector<std::byte>> make_file(const Payload& payload, const SplatCloud& decoded,
+                                           bool plain_attributes, const std::string& name) {
+  io::GltfBuilder builder;
+  json extension = {{"version", io::kCompactVersion},
+                    {"bufferView", builder.add_view(payload.stream.size(), false)}};
+  if (payload.networks != nullptr)
+    extension["networks"] = networks_json(*payload.networks, builder);
+  json attributes = plain_attributes ? io::add_plain_attributes(decoded, builder)
+                                     : add_described_attributes(decoded, builder);
+  const json nested = {{io::kCompactExtension, std::move(extension)}};
+  auto file = io::allocate_glb(builder.document(std::move(attributes), nested, !plain_attributes),
+                               builder.bin_bytes(), name);
+  if (!file) return std::unexpected(file.error());
+  BinWriter bin(file->bytes.data() + file->bin);
+  bin.put(payload.stream);
+  if (payload.networks != nullptr) {
+    bin.put(payload.networks->models.psi);
+    bin.put(payload.networks->models.phi);
+  }
+  if (plain_attributes) io::put_plain_attributes(decoded, bin.rest());
+  return std::move(file->bytes);
 }
 
 }  // namespace
@@ -89,10 +198,15 @@ CompactSteps usual_compact_steps(const SplatCloud& cloud, double coarseness) {
 CompactSteps scaled(const CompactSteps& steps, double factor) {
   CompactSteps result = steps;
   result.position *= factor;
-  for (float* step :
-       {&result.log_scale, &result.rotation, &result.opacity, &result.sh_dc, &result.sh_rest})
+  for (float* step : {&result.log_scale, &result.rotation, &result.opacity, &result.sh_dc,
+                      &result.sh_rest, &result.energy})
     *step = static_cast<float>(double{*step} * factor);
   return result;
+}
+
+void canonicalize_rotations(SplatCloud& cloud) {
+  for (glm::quat& q : cloud.rotations)
+    q = io::turn_from_gltf(codec::canonical_rotation(io::turn_to_gltf(q)));
 }
 
 std::vector<std::uint32_t> compact_order(const SplatCloud& cloud) {
@@ -108,12 +222,11 @@ Expected<std::vector<std::byte>> encode_compact_glb(const SplatCloud& cloud,
   SplatCloud splats;
   const auto finite = io::writable_cloud(cloud, splats, name);
   if (!finite) return std::unexpected(finite.error());
-  if (!options.weights.empty() && options.weights.size() != cloud.size())
-    return fail(name, "weights",
-                fmt::format("{} of them, expected one for each of {} splats",
-                            options.weights.size(), cloud.size()));
+  if (auto ok = check_options(options, cloud, name); !ok) return std::unexpected(ok.error());
   CompactOptions own = options;
-  own.weights = weights_of_finite(options.weights, cloud);
+  own.weights = of_finite(options.weights, 1, cloud);
+  if (own.networks)
+    own.networks->energy = of_finite(own.networks->energy, codec::kEnergyChannels, cloud);
   if (*finite == &cloud) splats = cloud;
   if (splats.size() == 0) {
     auto file = io::allocate_glb(io::empty_gltf_document(), 0, name);
@@ -121,28 +234,15 @@ Expected<std::vector<std::byte>> encode_compact_glb(const SplatCloud& cloud,
     return std::move(file->bytes);
   }
   io::turn_cloud(splats);
-  const auto data = codec::encode_compact(splats, own);
-  if (!data) return fail(name, data.error().field, data.error().what);
-  // What comes out of the file: for its bounds, its plain attributes, and as a check
-  auto decoded = codec::decode_compact(*data, splats.size(), splats.sh_degree);
-  if (!decoded) return fail(name, decoded.error().field, decoded.error().what);
-  io::turn_cloud(*decoded);
-
-  io::GltfBuilder builder;
-  const std::size_t view = builder.add_view(data->size(), false);
-  const std::size_t plain = builder.bin_bytes();
-  json attributes = options.plain_attributes ? io::add_plain_attributes(*decoded, builder)
-                                             : add_described_attributes(*decoded, builder);
-  const json nested = {
-      {io::kCompactExtension, {{"version", io::kCompactVersion}, {"bufferView", view}}}};
-  auto file =
-      io::allocate_glb(builder.document(std::move(attributes), nested, !options.plain_attributes),
-                       builder.bin_bytes(), name);
-  if (!file) return std::unexpected(file.error());
-  std::byte* bin = file->bytes.data() + file->bin;
-  std::memcpy(bin, data->data(), data->size());
-  if (options.plain_attributes) io::put_plain_attributes(*decoded, bin + plain);
-  return std::move(file->bytes);
+  const CompactNetworks* networks = own.networks ? &*own.networks : nullptr;
+  const std::span<const float> energy =
+      networks != nullptr ? std::span<const float>(networks->energy) : std::span<const float>();
+  auto stream = codec::encode_compact(splats, own, energy);
+  if (!stream) return fail(name, stream.error().field, stream.error().what);
+  const Payload payload{std::move(*stream), networks, splats.size(), splats.sh_degree};
+  const auto decoded = decode(payload, name);
+  if (!decoded) return std::unexpected(decoded.error());
+  return make_file(payload, *decoded, options.plain_attributes, name);
 }
 
 }  // namespace fluxgs

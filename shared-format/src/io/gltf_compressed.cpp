@@ -5,9 +5,7 @@
 #include <fmt/format.h>
 #include <tiny_gltf.h>
 
-#include "codec/compact.h"
 #include "gltf_accessor.h"
-#include "gltf_json.h"
 #include "printable.h"
 
 namespace fluxgs::io {
@@ -90,17 +88,6 @@ Expected<GltfSplats> describe_compressed(const GltfCompressedPlace& place, int v
   splats.compressed_field = fmt::format("{}: {}", place.field, extension);
   splats.bounds = position_bounds(place.model, place.primitive);
   return splats;
-}
-
-Expected<GltfSplats> find_compact_splats(const GltfCompressedPlace& place, int view) {
-  auto splats = describe_compressed(place, view, kCompactExtension);
-  if (!splats) return splats;
-  splats->compression = GltfCompression::compact;
-  const std::size_t most = codec::most_splats(splats->compressed.size());
-  if (splats->count <= most) return splats;
-  return fail(place.name, splats->compressed_field,
-              fmt::format("{} splats in {} bytes, expected {} at most", splats->count,
-                          splats->compressed.size(), most));
 }
 
 }  // namespace fluxgs::io

@@ -33,8 +33,4 @@ int highest_degree(const tinygltf::Primitive& primitive);
 Expected<GltfSplats> describe_compressed(const GltfCompressedPlace& place, int view,
                                          const char* extension);
 
-/// The same for FLUXGS_gaussian_splatting_compact, whose bytes may not promise more splats than
-/// codec/compact.h allows.
-Expected<GltfSplats> find_compact_splats(const GltfCompressedPlace& place, int view);
-
 }  // namespace fluxgs::io

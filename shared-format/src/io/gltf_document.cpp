@@ -12,6 +12,7 @@
 
 #include "fluxgs/splat_cloud.h"
 #include "gltf_accessor.h"
+#include "gltf_compact.h"
 #include "gltf_compressed.h"
 #include "gltf_spz.h"
 #include "printable.h"
@@ -66,7 +67,7 @@ class PrimitiveReader {
       const GltfCompressedPlace place{model_, primitive, buffer_, name_, field};
       const int view = extension.Get(kCompressedView).GetNumberAsInt();
       const bool is_spz = extension.Get(kCompression).Get<std::string>() == kSpzExtension;
-      return is_spz ? find_spz_splats(place, view) : find_compact_splats(place, view);
+      return is_spz ? find_spz_splats(place, view) : find_compact_splats(place, extension);
     }
     GltfSplats splats;
     for (const auto& [target, expected] :

@@ -14,6 +14,7 @@
 #include <glm/vec3.hpp>
 
 #include "fluxgs/error.h"
+#include "fluxgs/networks/appearance.h"
 #include "gltf_json.h"
 
 namespace fluxgs::io {
@@ -35,6 +36,12 @@ struct GltfBounds {
 /// What the splats of a primitive are compressed by.
 enum class GltfCompression { none, spz, compact };
 
+/// Networks of compact splats (networks/appearance.h), as they lie in the file.
+struct GltfNetworks {
+  std::span<const std::byte> psi, phi;  ///< empty: none
+  networks::Normalisation normalisation;
+};
+
 /// One splat primitive: either attributes or compressed splats.
 struct GltfSplats {
   std::size_t count = 0;
@@ -46,6 +53,7 @@ struct GltfSplats {
   std::span<const std::byte> compressed;  ///< instead of the attributes
   std::string compressed_field;           ///< names them in errors
   std::optional<GltfBounds> bounds;       ///< of compressed positions, if stated
+  std::optional<GltfNetworks> networks;   ///< of compact splats
 };
 
 /// Global transform of a node: p ↦ linear·p + translation, linear = scale·(rotation).

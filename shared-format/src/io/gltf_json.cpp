@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -180,6 +182,38 @@ void check_compact_version(Checker& check, const json& compact, const std::strin
             fmt::format("is {}; this program reads version {}", shown(version), kCompactVersion));
 }
 
+// All numbers of the constants, as lists.
+constexpr std::pair<const char*, std::size_t> kNormalisation[] = {
+    {"center", 3},  {"extent", 1},      {"logScaleMean", 1}, {"logScaleDeviation", 1},
+    {"shMean", 12}, {"shDeviation", 12}};
+constexpr double kLargestConstant = 1e30;
+
+// "networks" of the compact extension.
+json reduce_networks(Checker& check, const json& networks, const std::string& field) {
+  if (!networks.is_object()) check.bad(field, "expected an object");
+  json kept = json::object();
+  for (const char* key : {"psi", "phi"}) {
+    const json& view = member(member(networks, key), "bufferView");
+    if (member(networks, key).is_null()) continue;
+    check.whole(view, fmt::format("{}.{}.bufferView", field, key), kIndexLimit);
+    kept[key] = view;
+  }
+  if (kept.empty()) check.bad(field, "has neither psi nor phi; expected one of them at least");
+  const json& constants = member(networks, "normalisation");
+  for (const auto& [key, count] : kNormalisation) {
+    const std::string name = fmt::format("{}.normalisation.{}", field, key);
+    json list = member(constants, key);
+    if (list.is_number()) list = json::array({list});
+    check.numbers(list, name, count);
+    if (check.failed()) return kept;
+    for (const json& number : list)
+      if (!(std::abs(number.get<double>()) <= kLargestConstant))
+        check.bad(name, fmt::format("is beyond {:g}", kLargestConstant));
+    kept["normalisation"][key] = list;
+  }
+  return kept;
+}
+
 // What the splats are compressed by, if anything.
 void reduce_compression(Checker& check, const json& nested, const std::string& field, json& kept) {
   if (!nested.is_object()) return;
@@ -190,7 +224,11 @@ void reduce_compression(Checker& check, const json& nested, const std::string& f
       if (kept.contains(kCompression)) check.bad(field, "its splats are compressed twice");
       kept[kCompression] = key;
       kept[kCompressedView] = view;
-      if (key == kCompactExtension) check_compact_version(check, value, field);
+      if (key != kCompactExtension) continue;
+      check_compact_version(check, value, field);
+      if (const json& networks = member(value, "networks"); !networks.is_null())
+        kept[kNetworks] = reduce_networks(check, networks,
+                                          fmt::format("{}.{}.networks", field, kCompactExtension));
     } else if (key.starts_with("KHR_gaussian_splatting_compression")) {
       check.bad(field,
                 fmt::format("its splats are compressed by {}, which is not supported", shown(key)));

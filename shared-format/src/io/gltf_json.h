@@ -14,6 +14,9 @@ namespace fluxgs::io {
 inline constexpr char kSplatExtension[] = "KHR_gaussian_splatting";
 inline constexpr char kSpzExtension[] = "KHR_gaussian_splatting_compression_spz_2";
 inline constexpr char kCompactExtension[] = "FLUXGS_gaussian_splatting_compact";
+/// And where it keeps the compact extension's networks: "psi" and "phi" (bufferViews) and
+/// "normalisation".
+inline constexpr char kNetworks[] = "networks";
 inline constexpr int kCompactVersion = 1;  ///< the only one; see schema/
 /// Where the reduced document keeps by which of the two a primitive's splats are compressed, and
 /// the bufferView of their data.

@@ -20,8 +20,8 @@ std::vector<std::pair<std::string, const char*>> splat_semantics(int sh_degree);
 /// "min" and "max" of POSITION, which glTF demands; floats become doubles without loss.
 std::array<nlohmann::json, 2> gltf_bounds(const SplatCloud& cloud);
 
-/// Announces them one after the other, and behind POSITION COLOR_0 (linear, 8 bits) for viewers that
-/// do not know the extension. Returns semantic → accessor.
+/// Announces them one after the other, and behind POSITION COLOR_0 (linear, 8 bits) for viewers
+/// that do not know the extension. Returns semantic → accessor.
 nlohmann::json add_plain_attributes(const SplatCloud& cloud, GltfBuilder& builder);
 
 /// Writes them, from where the BIN chunk ended before they were announced.

@@ -10,10 +10,10 @@
 
 #include "activation.h"
 #include "cloud_memory.h"
-#include "codec/compact.h"
 #include "fluxgs/io/gltf.h"
 #include "fluxgs/math/sh_rotation.h"
 #include "glb_container.h"
+#include "gltf_compact.h"
 #include "gltf_document.h"
 #include "gltf_frame.h"
 #include "gltf_spz.h"
@@ -117,13 +117,6 @@ SplatValues load_splat(const SplatCloud& from, std::size_t i) {
   return splat;
 }
 
-// In glTF's frame.
-Expected<SplatCloud> decode_compact_splats(const GltfSplats& from, const std::string& name) {
-  auto cloud = codec::decode_compact(from.compressed, from.count, from.sh_degree);
-  if (!cloud) return fail(name, from.compressed_field, cloud.error().message());
-  return cloud;
-}
-
 // Appends the splats of one primitive at `next`.
 Expected<void> read_instance(const GltfInstance& instance, const std::string& name,
                              SplatCloud& cloud, std::size_t& next) {
@@ -196,9 +189,8 @@ AttributeBits bits_of(const std::vector<GltfInstance>& instances, int sh_degree)
     if (from.compression == GltfCompression::spz)
       bits["spz"] += 8 * static_cast<double>(from.compressed.size());
     if (from.compression != GltfCompression::compact) continue;
-    const auto sizes = codec::attribute_bytes(from.compressed);
-    for (std::size_t a = 0; sizes && a < sizes->size(); ++a)
-      bits[codec::kAttributeNames[a]] += 8 * static_cast<double>((*sizes)[a]);
+    for (const auto& [attribute, bytes] : compact_attribute_bytes(from))
+      bits[attribute] += 8 * static_cast<double>(bytes);
   }
   if (bits.empty()) return float_attribute_bits(sh_degree);
   for (auto& [attribute, sum] : bits) sum /= std::max(splats, 1.0);
@@ -257,6 +249,8 @@ Expected<SceneFile> read(std::span<const std::byte> bytes, const std::string& na
 }
 
 }  // namespace
+
+void turn_gltf_frame(SplatCloud& cloud) { turn_cloud(cloud); }
 
 bool is_glb(std::span<const std::byte> bytes) {
   return bytes.size() >= sizeof kGlbMagic &&

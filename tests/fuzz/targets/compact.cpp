@@ -1,4 +1,5 @@
-// A whole scene of the compact codec: two bytes of count, one of degree, then the stream.
+// A whole scene of the compact codec: two bytes of count, one of degree (from 128 on: with the
+// networks' energy instead of colours), then the stream.
 #include "codec/compact.h"
 
 #include <algorithm>
@@ -10,16 +11,20 @@ namespace fluxgs::fuzz {
 FLUXGS_FUZZ_TARGET(compact) {
   Parameters parameters(input);
   const std::size_t asked = parameters.word();
-  const int degree = parameters.byte() % 4;
+  const int kind = parameters.byte();
+  const int degree = kind % 4;
+  const bool has_energy = kind >= 128;
   const std::size_t count = std::min(asked, codec::most_splats(parameters.rest().size()));
-  if (const auto sizes = codec::attribute_bytes(parameters.rest()); !sizes) {
+  if (const auto sizes = codec::attribute_bytes(parameters.rest(), degree, has_energy); !sizes) {
     check_error(sizes.error());
   }
   const Meter meter;
-  const auto cloud = codec::decode_compact(parameters.rest(), count, degree);
+  std::vector<float> energy;
+  const auto cloud =
+      codec::decode_compact(parameters.rest(), count, degree, has_energy ? &energy : nullptr);
   // compact.h: the cloud and 64 bytes a splat, or 12 for each coefficient; a table of Draco's.
-  const std::size_t each =
-      std::max<std::size_t>(64, 12 * static_cast<std::size_t>(sh_rest_count(degree)) + 16);
+  const std::size_t each = std::max<std::size_t>(
+      has_energy ? 112 : 64, 12 * static_cast<std::size_t>(sh_rest_count(degree)) + 16);
   check_memory(meter.peak(), {(6 << 20) + each * count + splat_memory_bytes(count, degree), 64},
                input.size(), 0);
   if (!cloud) {
@@ -28,6 +33,8 @@ FLUXGS_FUZZ_TARGET(compact) {
   }
   require(cloud->size() == count && cloud->sh_degree == degree, "the scene is as large as asked");
   check_cloud(*cloud);
+  require(energy.size() == (has_energy ? count * codec::kEnergyChannels : 0),
+          "the energy is as large as asked");
   return worth_of(count);
 }
 

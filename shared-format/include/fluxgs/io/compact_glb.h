@@ -4,10 +4,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "fluxgs/error.h"
+#include "fluxgs/networks/appearance.h"
 #include "fluxgs/splat_cloud.h"
 
 namespace fluxgs {
@@ -20,6 +22,7 @@ struct CompactSteps {
   float opacity = 0.06f;   ///< of asin(√opacity)·2/π, 0…1
   float sh_dc = 0.08f;     ///< of the coefficient, 0.28 of which is colour; for usual splats
   float sh_rest = 0.1f;
+  float energy = 0.1f;  ///< of the networks' input, which then stands for the two above
 };
 
 /// Steps that suit most scenes, times `coarseness` (> 0): at 1, pictures of scans and of scenes
@@ -38,6 +41,19 @@ std::vector<std::uint32_t> compact_order(const SplatCloud& cloud);
 /// bit more quarters the mean square error of step²/12, it is 2·ln 2/12.
 inline constexpr double kUsualRateWeight = 0.115;
 
+/// Makes the rotations those that a compact file stores, before they are rounded: unit quaternions,
+/// and of the four that differ by half turns about the splat's own axes, and so have the same
+/// covariance, the one with the largest w in glTF's frame.
+void canonicalize_rotations(SplatCloud& cloud);
+
+/// Networks that make the colours when the scene is opened (networks/appearance.h). They know the
+/// scene in glTF's frame (turn_gltf_frame()): positions, rotations and harmonics, and the energy.
+struct CompactNetworks {
+  networks::AppearanceNetworks models;  ///< one of them at least
+  networks::Normalisation normalisation = {};
+  std::vector<float> energy = {};  ///< with Ψ: 12 finite numbers a splat, in the order of the cloud
+};
+
 struct CompactOptions {
   CompactSteps steps = {};
   bool plain_attributes = false;          ///< also store what is decoded as plain floats, see below
@@ -45,6 +61,10 @@ struct CompactOptions {
   /// How much each splat's error counts when values are rounded, such as its contribution to the
   /// pictures Σ α·T, on any scale, in the order of the cloud. Empty: by area and opacity alone.
   std::vector<float> weights = {};
+  /// The cloud is then of degree 1, and its colours are what Φ begins with; with Ψ they are not
+  /// stored. Φ gets rotations as the file has them: it must know them as canonicalize_rotations()
+  /// makes them. What is written is run once as a check, for which onnxruntime must be here.
+  std::optional<CompactNetworks> networks = {};
 };
 
 /// Write one node with one POINTS primitive in the Morton order of the positions. Without plain

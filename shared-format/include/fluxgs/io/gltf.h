@@ -14,6 +14,10 @@ namespace fluxgs {
 /// Whether the bytes begin like a .glb.
 bool is_glb(std::span<const std::byte> bytes);
 
+/// Turns a cloud from its frame into glTF's, or back: half a turn about z, x → −x, y → −y. Exact
+/// but for the signs of quaternions, which mean nothing.
+void turn_gltf_frame(SplatCloud& cloud);
+
 /// Read every splat primitive of the default scene (without one: of the first, or of all root
 /// nodes) into one cloud, its nodes' transforms applied, turned from glTF's frame (y up) into that
 /// of a SplatCloud (y down) by half a turn about z. The degree is the highest among the primitives;

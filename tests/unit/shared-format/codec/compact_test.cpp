@@ -129,13 +129,40 @@ TEST(Compact, SmallScenes) {
 TEST(Compact, SectionsAddUp) {
   const SplatCloud cloud = test::random_cloud(500, 1, 3);
   const auto bytes = encode_compact(cloud, {});
-  const auto sizes = attribute_bytes(*bytes);
+  const auto sizes = attribute_bytes(*bytes, 1);
   ASSERT_TRUE(sizes);
   ASSERT_EQ(sizes->size(), 6u);
   std::size_t total = 0;
-  for (const std::size_t size : *sizes) total += size;
+  for (const auto& [attribute, size] : *sizes) total += size;
   EXPECT_LE(total, bytes->size());
   EXPECT_GE(total + 6 * 3, bytes->size());
+}
+
+TEST(Compact, EnergyStandsForColours) {
+  const SplatCloud cloud = test::random_cloud(700, 1, 5);
+  std::vector<float> energy(kEnergyChannels * cloud.size());
+  std::mt19937 random(2);
+  std::normal_distribution<float> normal;
+  for (float& value : energy) value = normal(random);
+  const CompactOptions options{.steps = {.energy = 0.02f}, .rate_weight = 0};
+  const auto bytes = encode_compact(cloud, options, energy);
+  ASSERT_TRUE(bytes);
+  std::vector<float> back;
+  const auto decoded = decode_compact(*bytes, cloud.size(), 1, &back);
+  ASSERT_TRUE(decoded) << decoded.error().message();
+  ASSERT_EQ(back.size(), energy.size());
+  const auto order = morton_order(cloud.positions);
+  const auto coarseness = color_coarseness(decoded->log_scales, decoded->opacity_logits);
+  for (std::size_t i = 0; i < back.size(); ++i) {
+    const std::size_t splat = i / kEnergyChannels;
+    const float before = energy[order[splat] * kEnergyChannels + i % kEnergyChannels];
+    ASSERT_NEAR(back[i], before, 0.01 * std::sqrt(12.0) * double{coarseness[splat]});
+  }
+  EXPECT_EQ(decoded->sh_dc, std::vector<glm::vec3>(cloud.size(), glm::vec3(0)));
+  EXPECT_FALSE(decode_compact(*bytes, cloud.size(), 1));  // another number of channels
+  const auto sizes = attribute_bytes(*bytes, 1, true);
+  ASSERT_TRUE(sizes);
+  EXPECT_EQ(sizes->back().first, "energy");
 }
 
 TEST(Compact, CutsAndDamage) {
