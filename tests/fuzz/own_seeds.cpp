@@ -1,5 +1,6 @@
+#include <zlib.h>
+
 #include <fmt/format.h>
-#include <glm/gtc/matrix_transform.hpp>
 
 #include "codec/channels.h"
 #include "codec/compact.h"
@@ -242,6 +243,20 @@ Files version_one(Files files) {
   return files;
 }
 
+test::ZipEntry deflated(const std::string& name, const Bytes& content) {
+  test::ZipEntry entry = test::stored(name, content);
+  uLongf size = compressBound(content.size());
+  Bytes packed(size);
+  require(compress(reinterpret_cast<Bytef*>(packed.data()), &size,
+                   reinterpret_cast<const Bytef*>(content.data()), content.size()) == Z_OK,
+          "zlib packs");
+  // zlib's header of 2 bytes and checksum of 4 are not part of a ZIP archive
+  entry.data.assign(packed.begin() + 2, packed.begin() + static_cast<std::ptrdiff_t>(size) - 4);
+  entry.packed_size = static_cast<std::uint32_t>(entry.data.size());
+  entry.method = 8;
+  return entry;
+}
+
 void add_sog(Seeds& seeds) {
   for (const int degree : kDegrees) {
     const Files files = test::make_sog(random_cloud(kSplats, degree));
@@ -253,6 +268,9 @@ void add_sog(Seeds& seeds) {
         bundle_of(streamed(files, test::make_sog(random_cloud(kSplats, 1, 2)), kSplats));
   }
   Files small = test::make_sog(random_cloud(1, 0));
+  std::vector<test::ZipEntry> entries;
+  for (const auto& [name, content] : small) entries.push_back(deflated(name, content));
+  seeds["sog"]["sog_deflated"] = test::zip_of(entries);
   test::json meta = test::meta_of(small);
   for (const char* key : {"scales", "sh0"}) meta[key]["codebook"] = {0.5};
   test::set_meta(small, meta);

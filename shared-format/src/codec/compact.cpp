@@ -40,8 +40,7 @@ glm::vec3 reduced_rotation(const glm::quat& rotation) {
   return {sign * best[1], sign * best[2], sign * best[3]};
 }
 
-glm::quat full_rotation(const float* v) {
-  const glm::vec3 xyz(v[0], v[1], v[2]);
+glm::quat full_rotation(const glm::vec3& xyz) {
   const float square = xyz.x * xyz.x + xyz.y * xyz.y + xyz.z * xyz.z;
   if (square < 1) return glm::quat(std::sqrt(1 - square), xyz.x, xyz.y, xyz.z);
   return glm::normalize(glm::quat(0, xyz.x, xyz.y, xyz.z));
@@ -123,17 +122,37 @@ std::vector<float> values_of(Attribute attribute, Content& content) {
   return out;
 }
 
-void store(Attribute attribute, std::vector<float> values, Content& content) {
+/// Numbers that lie channel by channel.
+struct Planes {
+  const std::vector<float>& values;
+  std::size_t splats;
+
+  float at(std::size_t channel, std::size_t splat) const {
+    return values[channel * splats + splat];
+  }
+  glm::vec3 vec3(std::size_t first, std::size_t splat) const {
+    return {at(first, splat), at(first + 1, splat), at(first + 2, splat)};
+  }
+};
+
+void store(Attribute attribute, const Planes& from, Content& content) {
   SplatCloud& cloud = content.cloud;
-  const float* v = values.data();
-  if (attribute == kEnergy) {
-    content.energy = std::move(values);
-  } else if (attribute == kOpacity) {
-    for (float& logit : cloud.opacity_logits) logit = opacity_logit(*v++);
+  if (attribute == kOpacity) {
+    for (std::size_t i = 0; i < from.splats; ++i)
+      cloud.opacity_logits[i] = opacity_logit(from.at(0, i));
   } else if (attribute == kRotation) {
-    for (glm::quat& q : cloud.rotations) q = full_rotation(v), v += 3;
+    for (std::size_t i = 0; i < from.splats; ++i)
+      cloud.rotations[i] = full_rotation(from.vec3(0, i));
+  } else if (attribute == kEnergy) {
+    content.energy.resize(from.values.size());
+    for (std::size_t i = 0; i < from.splats; ++i)
+      for (std::size_t c = 0; c < kEnergyChannels; ++c)
+        content.energy[i * kEnergyChannels + c] = from.at(c, i);
   } else {
-    for (glm::vec3& to : vectors_of(attribute, cloud)) to = {v[0], v[1], v[2]}, v += 3;
+    auto& vectors = vectors_of(attribute, cloud);
+    const std::size_t each = vectors.size() / from.splats;
+    for (std::size_t i = 0; i < from.splats; ++i)
+      for (std::size_t k = 0; k < each; ++k) vectors[i * each + k] = from.vec3(3 * k, i);
   }
 }
 
@@ -181,7 +200,7 @@ Expected<void> decode_section(Attribute attribute, std::span<const std::byte> se
   if (auto ok = decode_channels(in, channels, content.coarseness_of(attribute), values); !ok)
     return in_attribute(attribute, ok.error());
   if (in.left() > 0) return fail("", kNames[attribute], "has bytes left over");
-  store(attribute, std::move(values), content);
+  store(attribute, {values, content.cloud.size()}, content);
   content.note(attribute);
   return {};
 }
@@ -201,8 +220,7 @@ std::vector<float> energy_in_order(std::span<const float> energy,
 }  // namespace
 
 glm::quat canonical_rotation(const glm::quat& rotation) {
-  const glm::vec3 v = reduced_rotation(rotation);
-  return full_rotation(&v.x);
+  return full_rotation(reduced_rotation(rotation));
 }
 
 float opacity_scale(float logit) {
