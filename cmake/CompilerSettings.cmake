@@ -28,8 +28,8 @@ if(FLUXGS_FUZZ)
   endif()
   # clang warns about what libstdc++ 12 itself calls when it is compiled as C++23
   target_compile_options(fluxgs_settings INTERFACE
-    -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
-    -Wno-deprecated-declarations)
+    -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fno-sanitize-recover=all
+    -fno-omit-frame-pointer -Wno-deprecated-declarations)
   target_link_options(fluxgs_settings INTERFACE -fsanitize=address,undefined)
 endif()
 

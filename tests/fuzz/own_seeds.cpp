@@ -10,11 +10,12 @@
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/io/ply.h"
 #include "fluxgs/io/scene.h"
-#include "fluxgs/networks/mlp.h"
+#include "fluxgs/networks/appearance.h"
 #include "io/spz_layout.h"
 #include "seeds.h"
 #include "unit/shared-format/compressed_ply_support.h"
 #include "unit/shared-format/glb_support.h"
+#include "unit/shared-format/networks/support.h"
 #include "unit/shared-format/sog_support.h"
 #include "unit/shared-format/spz_support.h"
 
@@ -314,6 +315,24 @@ void add_codec(Seeds& seeds) {
   }
 }
 
+void add_onnx(Seeds& seeds) {
+  using namespace networks;
+  auto& onnx = seeds["onnx"];
+  onnx["raw"] = networks::test::RawModel().bytes();
+  for (const auto& [name, signature] :
+       {std::pair("psi", psi_signature()), std::pair("phi", phi_signature())}) {
+    int columns = 0;
+    for (const Columns& in : signature.inputs) columns += in.count;
+    for (const std::vector<int>& hidden : {std::vector<int>{}, {4}, {3, 5}}) {
+      std::vector<int> sizes{columns};
+      sizes.insert(sizes.end(), hidden.begin(), hidden.end());
+      sizes.push_back(signature.output.count);
+      onnx[fmt::format("{}_{}", name, hidden.size())] =
+          *encode_onnx(networks::test::random_mlp(sizes, 1), signature);
+    }
+  }
+}
+
 void add_floats(Seeds& seeds) {
   for (const int degree : kDegrees) {
     const SplatCloud cloud = random_cloud(2, degree);
@@ -331,20 +350,6 @@ void add_floats(Seeds& seeds) {
   }
 }
 
-/// Networks of one layer and of three, as `onnx` expects them.
-void add_networks(Seeds& seeds) {
-  const networks::Signature signature{{{"a", 2}, {"b", 3}}, {"y", 3}};
-  const auto layer = [](int inputs, int outputs, bool relu) {
-    const auto size = static_cast<std::size_t>(inputs * outputs);
-    return networks::MlpLayer{inputs, outputs, std::vector<float>(size, 0.5f),
-                              std::vector<float>(static_cast<std::size_t>(outputs), -1.0f), relu};
-  };
-  const networks::Mlp shallow{{layer(5, 3, false)}};
-  const networks::Mlp deep{{layer(5, 4, true), layer(4, 4, true), layer(4, 3, true)}};
-  seeds["onnx"]["shallow"] = *networks::encode_onnx(shallow, signature);
-  seeds["onnx"]["deep"] = *networks::encode_onnx(deep, signature);
-}
-
 }  // namespace
 
 void add_own_seeds(Seeds& seeds) {
@@ -355,8 +360,8 @@ void add_own_seeds(Seeds& seeds) {
   add_glb(seeds);
   add_sog(seeds);
   add_codec(seeds);
+  add_onnx(seeds);
   add_floats(seeds);
-  add_networks(seeds);
 }
 
 }  // namespace fluxgs::fuzz

@@ -162,15 +162,16 @@ Expected<Transform> take_transform(Reader& in, std::size_t channels) {
   return t;
 }
 
-constexpr std::size_t kBlock = 64;  // splats that are restored together: loops that compilers vectorise
+constexpr std::size_t kBlock =
+    64;  // splats that are restored together: loops that compilers vectorise
 
-/// x = mean + basis·(step·k) for the splats from `first` on, `count` ≤ kBlock of them; x takes the
-/// place of k.
+/// x = mean + basis·(step·k) for the splats from `first` on, `count` ≤ kBlock of them; x, for which
+/// there is room, takes the place of k.
 void restore_block(const Transform& t, std::span<const float> steps, std::span<float> values,
-                   std::size_t splats, std::size_t first) {
+                   std::size_t splats, std::size_t first,
+                   std::array<std::array<float, kBlock>, kMostChannels>& x) {
   const std::size_t n = t.mean.size(), count = steps.size();
   std::array<float, kBlock> z;
-  std::vector<std::array<float, kBlock>> x(n);
   for (std::size_t c = 0; c < n; ++c) x[c].fill(t.mean[c]);
   for (std::size_t c = 0; c < n; ++c) {
     const float* k = &values[c * splats + first];
@@ -185,17 +186,19 @@ void restore_block(const Transform& t, std::span<const float> steps, std::span<f
     }
   }
   for (std::size_t c = 0; c < n; ++c)
-    std::copy_n(x[c].begin(), count, values.begin() + static_cast<std::ptrdiff_t>(c * splats + first));
+    std::copy_n(x[c].begin(), count,
+                values.begin() + static_cast<std::ptrdiff_t>(c * splats + first));
 }
 
 void restore(const Transform& t, std::span<const float> coarseness, std::span<float> values,
              std::size_t splats) {
   std::array<float, kBlock> steps;
+  std::array<std::array<float, kBlock>, kMostChannels> x;
   for (std::size_t first = 0; first < splats; first += kBlock) {
     const std::size_t count = std::min(kBlock, splats - first);
     for (std::size_t i = 0; i < count; ++i)
       steps[i] = t.step * (coarseness.empty() ? 1.0f : coarseness[first + i]);
-    restore_block(t, std::span(steps).first(count), values, splats, first);
+    restore_block(t, std::span(steps).first(count), values, splats, first, x);
   }
 }
 

@@ -35,10 +35,10 @@ Expected<void> encode_channels(const Channels& input, float step, const Rounding
 /// Bits that encode_channels would take, rounding to the nearest, without the few for tables.
 Expected<double> channels_bits(const Channels& input, float step);
 
-/// Reads what encode_channels wrote for `splats` splats of `channels` channels into `values`, already
-/// of that size; unlike Channels, these go channel by channel. `coarseness` is that of the encoder; where it differs in
-/// its last bits, so do the values, and no more. Errors (without a file's name): cut, damaged,
-/// another number of channels, or numbers that are not finite.
+/// Reads what encode_channels wrote for `splats` splats of `channels` channels into `values`,
+/// already of that size; unlike Channels, these go channel by channel. `coarseness` is that of the
+/// encoder; where it differs in its last bits, so do the values, and no more. Errors (without a
+/// file's name): cut, damaged, another number of channels, or numbers that are not finite.
 Expected<void> decode_channels(Reader& in, std::size_t channels, std::span<const float> coarseness,
                                std::span<float> values);
 

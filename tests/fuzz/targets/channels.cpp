@@ -33,11 +33,13 @@ void check_round_trip(const codec::Channels& input, const codec::Rounding& how) 
   float largest = 0;
   for (const float value : input.values) largest = std::max(largest, std::abs(value));
   for (std::size_t i = 0; i < back.size(); ++i) {
-    const float coarseness = input.coarseness.empty() ? 1 : input.coarseness[i / input.channels];
+    const std::size_t splat = i % input.splats(), channel = i / input.splats();
+    const float before = input.values[splat * input.channels + channel];
+    const float coarseness = input.coarseness.empty() ? 1 : input.coarseness[splat];
     const float channels = static_cast<float>(input.channels);
     // Single precision: the mean and the axes are stored in it, sums over channels done in it.
     const float rounding = 1e-5f * channels * largest;
-    require(std::abs(back[i] - input.values[i]) <=
+    require(std::abs(back[i] - before) <=
                 kStep * coarseness * steps * std::sqrt(channels) * 1.001f + rounding,
             "a value is off by at most as many steps as its rounding says");
   }

@@ -28,7 +28,7 @@ void write_files(const fs::path& folder, const Files& files) {
     fs::create_directories((folder / name).parent_path(), ignored);
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(
         std::fopen((folder / name).c_str(), "wb"), std::fclose);
-    if (file) std::fwrite(content.data(), 1, content.size(), file.get());
+    if (file && !content.empty()) std::fwrite(content.data(), 1, content.size(), file.get());
   }
 }
 

@@ -30,6 +30,15 @@ Bytes encoded(const Channels& input, float step) {
   return out;
 }
 
+/// What is decoded channel by channel, splat by splat.
+std::vector<float> by_splat(const std::vector<float>& planes, std::size_t channels) {
+  std::vector<float> result(planes.size());
+  const std::size_t splats = planes.size() / channels;
+  for (std::size_t i = 0; i < splats; ++i)
+    for (std::size_t c = 0; c < channels; ++c) result[i * channels + c] = planes[c * splats + i];
+  return result;
+}
+
 TEST(Channels, ErrorsAreThoseOfTheStep) {
   for (const std::size_t channels : {1u, 3u, 9u, 45u}) {
     for (const float step : {0.5f, 0.01f}) {
@@ -40,6 +49,7 @@ TEST(Channels, ErrorsAreThoseOfTheStep) {
       const auto done = decode_channels(in, channels, {}, back);
       ASSERT_TRUE(done) << done.error().message();
       EXPECT_EQ(in.left(), 0u);
+      back = by_splat(back, channels);
       double worst = 0, squares = 0;
       for (std::size_t i = 0; i < back.size(); ++i) {
         const double error = std::abs(double{back[i]} - double{input.values[i]});
@@ -93,6 +103,7 @@ TEST(Channels, CoarseSplatsLoseMore) {
   Reader in(bytes);
   std::vector<float> back(input.values.size());
   ASSERT_TRUE(decode_channels(in, 3, input.coarseness, back));
+  back = by_splat(back, 3);
   double squares[2] = {0, 0};
   for (std::size_t i = 0; i < back.size(); ++i) {
     const double error = double{back[i]} - double{input.values[i]};
