@@ -122,12 +122,15 @@ Expected<CompactSteps> CompactSearch::balanced(const CompactSteps& steps) const 
 Expected<std::optional<CompactTrial>> CompactSearch::solve(const CompactSteps& steps,
                                                            const Goal& goal,
                                                            CompactTrial& last) const {
-  double low = std::log(kFinest), high = std::log(kCoarsest), at = 0;
+  // Of the logarithm of the coarseness or, where coarser steps are what fits, of its negative
+  const double sign = goal.coarser_fits ? -1 : 1;
+  const double ends[] = {sign * std::log(kFinest), sign * std::log(kCoarsest)};
+  double low = std::min(ends[0], ends[1]), high = std::max(ends[0], ends[1]), at = 0;
   double low_excess = 0, high_excess = 0;
   bool has_low = false, has_high = false;
   std::optional<CompactTrial> best;
   for (int i = 0; i < kMostTrials && high - low > kCloseEnough; ++i) {
-    auto tried = trial(scaled(steps, std::exp(at)));
+    auto tried = trial(scaled(steps, std::exp(sign * at)));
     if (!tried) return std::unexpected(tried.error());
     const double excess = goal.excess(*tried);
     last = *tried;
@@ -170,6 +173,7 @@ Expected<CompactTrial> CompactSearch::reach(const Goal& goal, CompactTrial& last
 Expected<CompactTrial> CompactSearch::within_loss(double decibels) const {
   const double most = std::pow(10, -0.1 * decibels);
   const Goal goal{
+      .coarser_fits = false,
       .excess = [most](const CompactTrial& t) { return std::log(std::max(t.mse, 1e-30) / most); },
       .cost = [](const CompactTrial& t) { return static_cast<double>(t.file.size()); }};
   CompactTrial last;
@@ -183,7 +187,8 @@ Expected<CompactTrial> CompactSearch::within_loss(double decibels) const {
 
 Expected<CompactTrial> CompactSearch::within_bytes(std::size_t bytes) const {
   const auto most = static_cast<double>(std::max<std::size_t>(bytes, 1));
-  const Goal goal{.excess =
+  const Goal goal{.coarser_fits = true,
+                  .excess =
                       [most](const CompactTrial& t) {
                         return std::log(static_cast<double>(t.file.size()) / most);
                       },

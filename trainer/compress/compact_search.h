@@ -53,7 +53,8 @@ class CompactSearch {
 
  private:
   struct Goal {
-    std::function<double(const CompactTrial&)> excess;  ///< > 0: too much; grows with the steps
+    bool coarser_fits = false;                          ///< whether excess falls as steps grow
+    std::function<double(const CompactTrial&)> excess;  ///< > 0: too much
     std::function<double(const CompactTrial&)> cost;    ///< to be made small
   };
   Expected<std::optional<CompactTrial>> solve(const CompactSteps& steps, const Goal& goal,

@@ -227,6 +227,53 @@ TEST(Command, ConvertSaysWhatAFormatCannotHold) {
   EXPECT_EQ(facts["bits_per_splat"], 256);
 }
 
+TEST(Command, CompactScenesAreSearchedForAndReportedOn) {
+  const test::TempFolder folder;
+  const auto scene = folder / "scene.ply";
+  ASSERT_TRUE(write_scene(scene, test::random_cloud(500, 1)));
+  const std::string data = " --data " + quoted(capture_folder());  // small views
+  const auto run = [&](const std::string& more) {
+    return fluxgs(fmt::format("convert {} {} {}", quoted(scene), quoted(folder / "c.glb"), more));
+  };
+  EXPECT_EQ(run("--compact").status, 0);
+  const auto usual = std::filesystem::file_size(folder / "c.glb");
+  EXPECT_EQ(run("--compact --coarseness 2 --sh-degree 0").status, 0);
+  EXPECT_LT(std::filesystem::file_size(folder / "c.glb"), usual);
+  const Outcome bytes = run("--max-bytes 5000" + data);
+  EXPECT_EQ(bytes.status, 0) << bytes.err;
+  EXPECT_LE(std::filesystem::file_size(folder / "c.glb"), 5000u);
+  const Outcome loss = run("--max-loss 35" + data);
+  EXPECT_EQ(loss.status, 0) << loss.err;
+  EXPECT_NE(loss.err.find(" dB from the pictures of "), std::string::npos) << loss.err;
+  EXPECT_EQ(read_scene(folder / "c.glb")->cloud.size(), 500u);
+
+  expect_error(run("--max-bytes 100" + data), {"c.glb: size", "expected 100 at most"});
+  EXPECT_EQ(run("--coarseness 2").status, 2);
+  EXPECT_EQ(run("--max-bytes 100 --max-loss 30").status, 2);
+  expect_error(
+      fluxgs(fmt::format("convert {} {} --compact", quoted(scene), quoted(folder / "c.spz"))),
+      {"c.spz: extension", "expected .glb"});
+
+  const Outcome report = fluxgs(fmt::format("report codec {} --compare {} --json - {}",
+                                            quoted(scene), quoted(folder / "c.glb"), data));
+  ASSERT_EQ(report.status, 0) << report.err;
+  const json numbers = json::parse(report.out);
+  double last = 0;
+  int curve = 0;
+  for (const json& row : numbers.at("rows")) {
+    EXPECT_GT(row.at("bits_per_splat").get<double>(), 5);
+    if (!row.at("name").get<std::string>().starts_with("compact")) continue;
+    ++curve;
+    if (last > 0) {
+      EXPECT_LT(row.at("psnr").get<double>(), last);
+    }
+    last = row.at("psnr").get<double>();
+  }
+  EXPECT_GE(curve, 7);
+  expect_error(fluxgs(fmt::format("report codec {} --plot x.pdf", quoted(scene))),
+               {"x.pdf: --plot", ".png or .svg"});
+}
+
 TEST(Command, AnEmptySceneIsAWarning) {
   const test::TempFolder folder;
   ASSERT_TRUE(write_scene(folder / "none.ply", SplatCloud()));

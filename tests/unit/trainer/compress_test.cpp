@@ -1,0 +1,129 @@
+// Searching for a compact scene: what is measured, and whether the search keeps its promise.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "fluxgs/io/gltf.h"
+#include "support/scenes.h"
+#include "trainer/compress/compact_search.h"
+#include "trainer/compress/contribution.h"
+#include "trainer/train/evaluate.h"
+
+namespace fluxgs {
+namespace {
+
+std::vector<Camera> some_cameras() {
+  return {test::camera_at({0, 0, -4}, {0, 0, 0}, 64, 48),
+          test::camera_at({3, -1, -2}, {0, 0, 0}, 64, 48)};
+}
+
+/// A scene, its pictures, and a search of it.
+struct Fixture {
+  SplatCloud cloud = test::random_cloud(3000, 1, 4);
+  Threads threads{1};
+  SceneError error{cloud, some_cameras(), {}, threads};
+  CompactOptions options{.steps = usual_compact_steps(cloud)};
+};
+
+TEST(SceneError, IsZeroForTheSameSceneAndKnownForAShiftedColour) {
+  const Threads threads(1);
+  // One splat that fills the view: its colour is that of every pixel, but for α ≤ 0.99
+  SplatCloud cloud = test::one_splat({0, 0, 0}, 100, 20, glm::vec3(0));
+  const SceneError error(cloud, {test::camera_in_front(16, 12)}, {}, threads);
+  EXPECT_EQ(*error.mse(cloud), 0);
+  cloud.sh_dc[0] = glm::vec3(0.5f, 0, 0);
+  const double shift = 0.99 * 0.28209479 * 0.5;
+  EXPECT_NEAR(*error.mse(cloud), shift * shift / 3, 1e-5);
+  EXPECT_NEAR(psnr_of_mse(0.01), 20, 1e-12);
+  EXPECT_TRUE(std::isinf(psnr_of_mse(0)));
+}
+
+TEST(SceneError, ColoursBeyondTheDisplayDoNotCount) {
+  const Threads threads(1);
+  SplatCloud cloud = test::one_splat({0, 0, 0}, 100, 20, glm::vec3(10));
+  const SceneError error(cloud, {test::camera_in_front(16, 12)}, {}, threads);
+  cloud.sh_dc[0] = glm::vec3(20);
+  EXPECT_EQ(*error.mse(cloud), 0);
+}
+
+// Σ over the splats of Σ α·T is what the pictures of a grey scene add up to, over the grey.
+TEST(Contribution, AddsUpToThePicture) {
+  const Threads threads(1);
+  SplatCloud cloud = test::random_cloud(400, 2, 3);
+  const auto cameras = some_cameras();
+  const auto weights = splat_contributions(cloud, cameras, {}, threads);
+  ASSERT_EQ(weights.size(), cloud.size());
+  limit_sh_degree(cloud, 0);
+  for (glm::vec3& dc : cloud.sh_dc) dc = glm::vec3(0);  // colour 0.5
+  const ViewRenderer render = cpu_view_renderer(cloud, {}, threads);
+  double sum = 0;
+  for (const Camera& camera : cameras) {
+    const auto picture = render(camera);
+    for (int y = 0; y < picture->height(); ++y)
+      for (int x = 0; x < picture->width(); ++x) sum += 2 * double{picture->row(0, y)[x]};
+  }
+  EXPECT_NEAR(std::accumulate(weights.begin(), weights.end(), 0.0) / sum, 1, 1e-4);
+}
+
+TEST(Contribution, HiddenSplatsHaveNextToNone) {
+  const Threads threads(1);
+  SplatCloud cloud = test::one_splat({0, 0, 0}, 2, 20);  // opaque
+  const SplatCloud behind = test::one_splat({0, 0, 1}, 0.2f, 20);
+  cloud.resize(2);
+  cloud.positions[1] = behind.positions[0];
+  cloud.log_scales[1] = behind.log_scales[0];
+  cloud.opacity_logits[1] = 20;
+  const auto weights = splat_contributions(cloud, {test::camera_in_front(32, 32)}, {}, threads);
+  EXPECT_LT(weights[1], 0.02f * weights[0]);
+  EXPECT_GT(weights[1], 0);
+}
+
+TEST(CompactSearch, StaysWithinTheLossAndUsesIt) {
+  const Fixture f;
+  const CompactSearch search(f.cloud, f.error, f.options);
+  for (const double decibels : {30.0, 45.0}) {
+    const auto found = search.within_loss(decibels);
+    ASSERT_TRUE(found) << found.error().message();
+    EXPECT_GE(found->psnr(), decibels);
+    EXPECT_LT(found->psnr(), decibels + 0.7);
+    const auto scene = read_glb(found->file, "x");
+    ASSERT_TRUE(scene);
+    EXPECT_EQ(*f.error.mse(scene->cloud), found->mse);
+  }
+}
+
+TEST(CompactSearch, StaysWithinTheBytesAndUsesThem) {
+  const Fixture f;
+  const CompactSearch search(f.cloud, f.error, f.options);
+  const auto found = search.within_bytes(25'000);
+  ASSERT_TRUE(found) << found.error().message();
+  EXPECT_LE(found->file.size(), 25'000u);
+  EXPECT_GT(found->file.size(), 24'000u);
+}
+
+TEST(CompactSearch, BalancingMakesABadStartBetter) {
+  Fixture f;
+  f.options.steps.log_scale *= 6;
+  f.options.steps.sh_dc /= 6;
+  const CompactSearch search(f.cloud, f.error, f.options);
+  const auto before = search.trial(f.options.steps);
+  ASSERT_TRUE(before);
+  const auto after = search.within_bytes(before->file.size());
+  ASSERT_TRUE(after) << after.error().message();
+  EXPECT_GT(after->psnr(), before->psnr() + 1);
+}
+
+TEST(CompactSearch, WhatCannotBeReachedIsSaid) {
+  const Fixture f;
+  const CompactSearch search(f.cloud, f.error, f.options);
+  const auto small = search.within_bytes(2000);
+  ASSERT_FALSE(small);
+  EXPECT_NE(small.error().message().find("expected 2000 at most"), std::string::npos);
+  const auto exact = search.within_loss(119);
+  ASSERT_FALSE(exact);
+  EXPECT_NE(exact.error().message().find("expected 119"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace fluxgs
