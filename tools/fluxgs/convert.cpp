@@ -28,6 +28,14 @@ struct ConvertSettings {
   bool searches() const { return max_bytes || max_loss; }
 };
 
+/// A splat far from all others leaves few steps for them.
+void warn_of_outliers(const ConvertSettings& s, const SplatCloud& cloud) {
+  const double step = usual_compact_steps(cloud).position;
+  if (cloud.size() > 0 && step <= finest_position_step(cloud))
+    spdlog::warn("warning: {}: a few splats are so far away that positions are rounded to {:.3g}",
+                 s.in, step);
+}
+
 Expected<void> write_compact(const ConvertSettings& s, const SplatCloud& cloud) {
   const CompactOptions options{usual_compact_steps(cloud, s.coarseness), s.plain_attributes};
   const auto bytes = encode_compact_glb(cloud, options, s.out);
@@ -59,13 +67,14 @@ Expected<CompactTrial> search(const ConvertSettings& s, const SplatCloud& cloud)
   return found;
 }
 
-Expected<void> write_searched(const ConvertSettings& s, const SplatCloud& cloud) {
+Expected<void> write_searched(const ConvertSettings& s, const SplatCloud& cloud, int full_degree) {
   if (cloud.size() == 0) return write_compact(s, cloud);
   const auto found = search(s, cloud);
   if (!found) return std::unexpected(found.error());
   if (auto written = write_file_atomic(s.out, found->file); !written) return written;
-  spdlog::info("{}: {} splats, {} bytes, {:.2f} dB from the pictures of {}", s.out, cloud.size(),
-               found->file.size(), found->psnr(), s.in);
+  spdlog::info("{}: {} splats, {} bytes, {:.2f} dB from the pictures of {}{}", s.out, cloud.size(),
+               found->file.size(), found->psnr(), s.in,
+               cloud.sh_degree < full_degree ? fmt::format(" at degree {}", cloud.sh_degree) : "");
   return {};
 }
 
@@ -77,13 +86,36 @@ Expected<void> convert(const ConvertSettings& s) {
     return fail(s.out, "extension", "expected .glb, which a compact scene is written as");
   auto scene = load_scene(s.in);
   if (!scene) return std::unexpected(scene.error());
+  const int full_degree = scene->cloud.sh_degree;
   limit_sh_degree(scene->cloud, s.sh_degree);
   warn_of_lost_degrees(s.out, **format, scene->cloud.sh_degree);
-  if (s.searches()) return write_searched(s, scene->cloud);
+  if (compact) warn_of_outliers(s, scene->cloud);
+  if (s.searches()) return write_searched(s, scene->cloud, full_degree);
   if (compact) return write_compact(s, scene->cloud);
   if (auto written = write_scene(s.out, scene->cloud); !written) return written;
   spdlog::info("{}: {} splats", s.out, scene->cloud.size());
   return {};
+}
+
+/// A number from low to high; CLI::Range lets NaN pass.
+CLI::Validator between(double low, double high) {
+  return CLI::Validator(
+      [low, high](const std::string& text) {
+        double value = 0;
+        return CLI::detail::lexical_cast(text, value) && value >= low && value <= high
+                   ? std::string()
+                   : fmt::format("expected a number from {:g} to {:g}", low, high);
+      },
+      fmt::format("{:g} to {:g}", low, high));
+}
+
+/// What would do nothing is refused.
+void check_use(const ConvertSettings& s) {
+  if (!s.data.folder.empty() && !s.searches())
+    throw CLI::ValidationError("--data", "is used only by --max-loss and --max-bytes");
+  if (s.plain_attributes && !s.compact && !s.searches())
+    throw CLI::ValidationError("--plain-attributes",
+                               "is used only with --compact, --max-loss or --max-bytes");
 }
 
 void add_compact_options(CLI::App& command, ConvertSettings& s) {
@@ -92,13 +124,13 @@ void add_compact_options(CLI::App& command, ConvertSettings& s) {
       command.add_flag("--compact", s.compact, "a fraction of the bytes, with a small error");
   CLI::Option* coarseness = command.add_option("--coarseness", s.coarseness,
                                                "with --compact: 0.5 is finer, 2 is smaller");
-  coarseness->check(CLI::Range(0.001, 1000.0))->capture_default_str()->needs(compact);
+  coarseness->check(between(0.001, 1000))->capture_default_str()->needs(compact);
   CLI::Option* bytes = command.add_option("--max-bytes", s.max_bytes,
                                           "search for the least error in a file of this size");
-  bytes->check(CLI::PositiveNumber);
+  bytes->check(between(1, 1e15));
   CLI::Option* loss = command.add_option(
       "--max-loss", s.max_loss, "search for the smallest file whose pictures are this near, in dB");
-  loss->check(CLI::Range(1.0, 120.0))->excludes(bytes)->excludes(coarseness);
+  loss->check(between(1, 120))->excludes(bytes)->excludes(coarseness);
   bytes->excludes(coarseness);
   CLI::Option* plain = command.add_flag(
       "--plain-attributes", s.plain_attributes,
@@ -114,7 +146,8 @@ void add_convert(CLI::App& app, Action& action) {
   auto settings = std::make_shared<ConvertSettings>();
   CLI::App* command = app.add_subcommand("convert", "Rewrite a scene in another format");
   command->footer(
-      "The format read is found by content, the one written by the file's name.\n"
+      "The format read is found by content, the one written by the file's name. Loss is the PSNR\n"
+      "of the mean square error over twelve views, to the scene with the harmonics that are kept.\n"
       "Example: fluxgs convert garden.ply garden.glb --max-loss 40");
   command->add_option("in", settings->in, "the scene to read")->required();
   command->add_option("out", settings->out, "the scene to write: " + writable_extensions())
@@ -126,7 +159,10 @@ void add_convert(CLI::App& app, Action& action) {
       ->capture_default_str();
   add_compact_options(*command, *settings);
   add_data_options(*command, settings->data);
-  command->callback([=, &action] { action = [=] { return convert(*settings); }; });
+  command->callback([=, &action] {
+    check_use(*settings);
+    action = [=] { return convert(*settings); };
+  });
 }
 
 }  // namespace fluxgs::cli

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -50,6 +51,14 @@ std::string script_of(const Plot& plot, const fs::path& out) {
   return script + "plot " + commands + "\n";
 }
 
+bool has_points(const Plot& plot) {
+  return std::ranges::any_of(plot.series, [](const PlotSeries& series) {
+    return std::ranges::any_of(series.points, [](const auto& point) {
+      return std::isfinite(point.first) && std::isfinite(point.second);
+    });
+  });
+}
+
 /// Runs gnuplot on a script; false if it failed.
 bool run_gnuplot(const std::string& script) {
   std::FILE* pipe = ::popen("gnuplot 2>/dev/null", "w");
@@ -72,6 +81,8 @@ Expected<void> check_plot(const std::string& path) {
 
 Expected<void> write_plot(const std::string& path, const Plot& plot) {
   if (auto ok = check_plot(path); !ok) return ok;
+  if (!has_points(plot))
+    return fail(path, "--plot", "there is nothing to draw: no finite number, all is exact");
   std::error_code ignored;
   const fs::path drawn =
       fs::temp_directory_path(ignored) /

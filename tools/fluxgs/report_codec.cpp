@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/io/file.h"
@@ -140,6 +141,7 @@ Expected<std::vector<Row>> compact_rows(const CodecReport& s, const Bench& bench
   for (const double coarseness : kCurve) {
     CompactOptions own = options;
     own.steps = scaled(*steps, coarseness);
+    own.steps.position = std::max(own.steps.position, finest_position_step(cloud));
     auto row = encode_and_measure(bench, fmt::format("compact {:g}", coarseness), s.sh_degree,
                                   [&] { return encode_compact_glb(cloud, own, "scene"); });
     if (!row) return std::unexpected(row.error());
@@ -177,10 +179,12 @@ Expected<std::vector<Row>> all_rows(const CodecReport& s, const Bench& bench,
   int done = 0;
   std::vector<Row> rows;
   for (const auto& [name, encode] : encoders) {
-    auto row = encode_and_measure(bench, name, s.sh_degree, encode);
-    if (!row) return std::unexpected(row.error());
-    rows.push_back(std::move(*row));
     progress.update(++done, name);
+    auto row = encode_and_measure(bench, name, s.sh_degree, encode);
+    if (row)
+      rows.push_back(std::move(*row));
+    else  // not every format can hold every scene
+      spdlog::warn("warning: {}: left out: {}", name, row.error().what);
   }
   auto compact = compact_rows(s, bench, cloud, options, progress, done);
   if (!compact) return compact;
@@ -264,9 +268,9 @@ Expected<void> report(const CodecReport& s) {
   if (views != nullptr) options.weights = contributions_to(views->train, cloud, render, threads);
   const auto rows = all_rows(s, bench, cloud, options);
   if (!rows) return std::unexpected(rows.error());
-  if (!s.plot.empty())
-    if (auto ok = write_plot(s.plot, plot_of(s, *rows)); !ok) return ok;
-  return give_report(s.report, to_json(s, cloud, *rows), [&] { print_table(*rows); });
+  auto given = give_report(s.report, to_json(s, cloud, *rows), [&] { print_table(*rows); });
+  if (!given || s.plot.empty()) return given;
+  return write_plot(s.plot, plot_of(s, *rows));
 }
 
 }  // namespace
@@ -277,7 +281,9 @@ void add_report_codec(CLI::App& app, Action& action) {
       "codec", "What a scene takes in each format, against what its pictures lose");
   command->footer(
       "PSNR is that of the mean square error over views of the data set, or of an orbit, to the\n"
-      "pictures of SCENE itself; with --data also to the test photos.\n"
+      "pictures of SCENE itself; with --data also to the test photos. \"compact N\" are steps "
+      "that\n"
+      "are balanced for this scene, as --max-loss of convert does, times N.\n"
       "Example: fluxgs report codec garden.ply --data captures/garden --plot codec.png");
   command->add_option("scene", s->scene, "the scene file")->required();
   command->add_option("--data", s->data.folder, "the data set with the photos");

@@ -15,10 +15,11 @@ namespace fluxgs {
 namespace {
 
 constexpr const char* kName = "compact .glb";
-constexpr double kFinest = 0x1p-8, kCoarsest = 0x1p6;  // of the steps that the search begins with
-constexpr int kBalances = 2, kMostTrials = 16;
+constexpr double kFinest = 0x1p-12, kCoarsest = 0x1p12;  // of the steps that the search begins with
+constexpr int kBalances = 2, kMostTrials = 24;
 constexpr double kStride = std::numbers::ln2;  // of the logarithm of the coarseness
 constexpr double kCloseEnough = 0.003;         // the same
+constexpr double kInvisible = 1e-8;            // 80 dB: more bytes are of no use
 constexpr double kExcessThatIsNone = 1e-3;     // 0.1% of the size or of the error
 
 /// An attribute of the codec: its name in AttributeBits, its step, and its array.
@@ -44,6 +45,16 @@ constexpr Part kParts[] = {
 };
 constexpr std::size_t kPartCount = std::size(kParts);
 
+/// Finer steps say nothing that a picture shows, and may be beyond the codec.
+CompactSteps at_least(CompactSteps steps, double position) {
+  constexpr float kFinestOfAll = 3e-6f;
+  steps.position = std::max(steps.position, position);
+  for (float* step : {&steps.log_scale, &steps.rotation, &steps.opacity, &steps.sh_dc,
+                      &steps.sh_rest, &steps.energy})
+    *step = std::max(*step, kFinestOfAll);
+  return steps;
+}
+
 struct Stored {
   std::vector<std::byte> file;
   SceneFile scene;
@@ -66,11 +77,12 @@ CompactSearch::CompactSearch(const SplatCloud& cloud, const SceneError& error,
       ordered_(in_order(cloud, compact_order(cloud))),
       error_(error),
       options_(std::move(options)),
-      on_trial_(std::move(on_trial)) {}
+      on_trial_(std::move(on_trial)),
+      finest_position_(finest_position_step(cloud)) {}
 
 Expected<CompactTrial> CompactSearch::trial(const CompactSteps& steps) const {
   CompactTrial result{.options = options_, .file = {}, .attribute_bits = {}};
-  result.options.steps = steps;
+  result.options.steps = at_least(steps, finest_position_);
   auto stored = store(cloud_, result.options);
   if (!stored) return std::unexpected(stored.error());
   const auto mse = error_.mse(stored->scene.cloud);
@@ -87,7 +99,7 @@ Expected<CompactSteps> CompactSearch::balanced(const CompactSteps& steps) const 
   options.steps = steps;
   const auto stored = store(cloud_, options);
   if (!stored) return std::unexpected(stored.error());
-  options.steps = scaled(steps, std::numbers::sqrt2 / 2);
+  options.steps = at_least(scaled(steps, std::numbers::sqrt2 / 2), finest_position_);
   const auto finer = store(cloud_, options);
   if (!finer) return std::unexpected(finer.error());
 
@@ -139,11 +151,12 @@ Expected<std::optional<CompactTrial>> CompactSearch::solve(const CompactSteps& s
     } else {
       low = at, low_excess = excess, has_low = true;
       if (!best || goal.cost(*tried) < goal.cost(*best)) best = std::move(*tried);
-      if (excess > -kExcessThatIsNone) break;
+      if (excess > -kExcessThatIsNone || (goal.coarser_fits && best->mse < kInvisible)) break;
     }
     if (has_low && has_high) {
-      // Along the straight line between the ends, but never stuck at one of them
-      const double part = std::clamp(low_excess / (low_excess - high_excess), 0.05, 0.95);
+      // Along the straight line between the ends, now and then halving, so as not to get stuck
+      const double part =
+          i % 3 == 2 ? 0.5 : std::clamp(low_excess / (low_excess - high_excess), 0.05, 0.95);
       at = low + part * (high - low);
     } else {
       at = std::clamp(at + (excess > 0 ? -1 : 1) * kStride, low, high);
@@ -161,7 +174,7 @@ Expected<CompactTrial> CompactSearch::reach(const Goal& goal, CompactTrial& last
     if (!*found) break;
     const CompactSteps from = (*found)->options.steps;
     if (!best || goal.cost(**found) < goal.cost(*best)) best = std::move(**found);
-    if (round == kBalances) break;
+    if (round == kBalances || (goal.coarser_fits && best->mse < kInvisible)) break;
     const auto balance = balanced(from);
     if (!balance) return std::unexpected(balance.error());
     steps = *balance;
@@ -197,7 +210,8 @@ Expected<CompactTrial> CompactSearch::within_bytes(std::size_t bytes) const {
   auto result = reach(goal, last);
   if (result || !result.error().what.empty()) return result;
   return fail("", "size",
-              fmt::format("the coarsest compact file has {} bytes, expected {} at most",
+              fmt::format("the coarsest file {}has {} bytes, expected {} at most",
+                          options_.plain_attributes ? "with plain attributes " : "",
                           last.file.size(), bytes));
 }
 

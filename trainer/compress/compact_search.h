@@ -66,6 +66,7 @@ class CompactSearch {
   const SceneError& error_;
   CompactOptions options_;
   std::function<void(const CompactTrial&)> on_trial_;
+  double finest_position_;
 };
 
 }  // namespace fluxgs

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -43,14 +44,6 @@ double median_size(const SplatCloud& cloud) {
   const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
   std::ranges::nth_element(sizes, middle);
   return std::exp(double{*middle});
-}
-
-/// A step so fine that coordinates would take more than 24 bits says nothing that floats can hold.
-double finest_step(const SplatCloud& cloud) {
-  glm::vec3 most(0);
-  for (const glm::vec3& p : cloud.positions)
-    if (std::isfinite(p.x + p.y + p.z)) most = glm::max(most, glm::abs(p));
-  return std::max(double{std::max({most.x, most.y, most.z})} * 0x1p-24, 1e-30);
 }
 
 /// Accessors without data, which share what is alike.
@@ -187,11 +180,22 @@ Expected<std::vector<std::byte>> make_file(const Payload& payload, const SplatCl
 
 }  // namespace
 
+double finest_position_step(const SplatCloud& cloud) {
+  glm::dvec3 low(std::numeric_limits<double>::max()), high(-low);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!is_finite(cloud, i)) continue;  // is not written
+    low = glm::min(low, glm::dvec3(cloud.positions[i]));
+    high = glm::max(high, glm::dvec3(cloud.positions[i]));
+  }
+  const glm::dvec3 extent = high - low;
+  return std::max(std::max({extent.x, extent.y, extent.z}) * 0x1p-29, 1e-30);
+}
+
 CompactSteps usual_compact_steps(const SplatCloud& cloud, double coarseness) {
   CompactSteps steps = kUsual;
   steps.position = kPositionPerSize * median_size(cloud);
   steps = scaled(steps, coarseness);
-  steps.position = std::max(steps.position, finest_step(cloud));
+  steps.position = std::max(steps.position, finest_position_step(cloud));
   return steps;
 }
 

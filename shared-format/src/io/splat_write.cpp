@@ -63,6 +63,9 @@ Expected<std::vector<std::byte>> encode_splat(const SplatCloud& cloud, const std
     const SplatRecord record = record_of(splats, i);
     std::memcpy(bytes->data() + i * sizeof record, &record, sizeof record);
   }
+  if (!is_splat(*bytes))
+    return fail(name, "splats",
+                "most positions or scales are beyond 1e9; a .splat is known by smaller ones");
   return bytes;
 }
 

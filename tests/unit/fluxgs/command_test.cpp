@@ -249,6 +249,9 @@ TEST(Command, CompactScenesAreSearchedForAndReportedOn) {
 
   expect_error(run("--max-bytes 100" + data), {"c.glb: size", "expected 100 at most"});
   EXPECT_EQ(run("--coarseness 2").status, 2);
+  EXPECT_EQ(run("--max-loss nan").status, 2);
+  EXPECT_EQ(run("--compact" + data).status, 2);
+  EXPECT_EQ(run("--plain-attributes").status, 2);
   EXPECT_EQ(run("--max-bytes 100 --max-loss 30").status, 2);
   expect_error(
       fluxgs(fmt::format("convert {} {} --compact", quoted(scene), quoted(folder / "c.spz"))),

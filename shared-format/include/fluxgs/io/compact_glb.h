@@ -27,8 +27,11 @@ struct CompactSteps {
 
 /// Steps that suit most scenes, times `coarseness` (> 0): at 1, pictures of scans and of scenes
 /// trained from photos are about 40 dB from those of the exact scene. Positions are rounded
-/// relative to the median size of the splats.
+/// relative to the median size of the splats, or as finely as a file can.
 CompactSteps usual_compact_steps(const SplatCloud& cloud, double coarseness = 1);
+
+/// The finest step of positions that a file can have: it counts fewer than 2³⁰ along an axis.
+double finest_position_step(const SplatCloud& cloud);
 
 /// Every step times `factor`.
 CompactSteps scaled(const CompactSteps& steps, double factor);

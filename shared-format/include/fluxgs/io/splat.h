@@ -37,7 +37,8 @@ Expected<SceneFile> read_splat(std::span<const std::byte> bytes, const std::stri
 /// 1/510 in opacity and colour and 1/256 in each component of the unit quaternion (1/128 towards
 /// component 1, which has no level of its own); colours are limited to 0…1. A file that was read is
 /// written again with the same bytes but for the last bits of its scales. Splats with a NaN or
-/// infinity are left out; a scene without splats is an error, for it would be an empty file.
+/// infinity are left out; a scene without splats is an error, for it would be an empty file, and so
+/// is one that is_splat() would not know again.
 Expected<std::vector<std::byte>> encode_splat(const SplatCloud& cloud, const std::string& name);
 
 }  // namespace fluxgs
