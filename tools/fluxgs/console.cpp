@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 
@@ -32,10 +33,8 @@ Expected<void> flush_standard_output() {
               fmt::format("cannot be written: {}", std::strerror(errno != 0 ? errno : EIO)));
 }
 
-std::string one_line(std::string text) {
-  const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
-  std::ranges::replace_if(text, control, '?');
-  return text;
+std::string decibels(double psnr) {
+  return std::isfinite(psnr) ? fmt::format("{:.2f} dB", psnr) : "exact";
 }
 
 std::string shell_quoted(const std::string& text) {

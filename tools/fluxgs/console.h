@@ -18,8 +18,8 @@ void say(std::string_view text);
 /// An error if anything printed to standard output was lost.
 Expected<void> flush_standard_output();
 
-/// Text from a stranger on one line: control characters become '?'.
-std::string one_line(std::string text);
+/// "40.00 dB", "exact" for infinity.
+std::string decibels(double psnr);
 
 /// A path as a shell takes it.
 std::string shell_quoted(const std::string& text);

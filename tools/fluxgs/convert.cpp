@@ -8,6 +8,7 @@
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/io/file.h"
 #include "tools/fluxgs/command.h"
+#include "tools/fluxgs/console.h"
 #include "tools/fluxgs/data_options.h"
 #include "tools/fluxgs/measuring_views.h"
 #include "tools/fluxgs/progress.h"
@@ -59,7 +60,7 @@ Expected<CompactTrial> search(const ConvertSettings& s, const SplatCloud& cloud)
   CompactOptions start{usual_compact_steps(cloud), s.plain_attributes};
   if (data != nullptr) start.weights = contributions_to(data->train, cloud, options, threads);
   const CompactSearch search(cloud, error, std::move(start), [&](const CompactTrial& t) {
-    progress.update(++trials, fmt::format("{} bytes  {:.2f} dB", t.file.size(), t.psnr()));
+    progress.update(++trials, fmt::format("{} bytes  {}", t.file.size(), decibels(t.psnr())));
   });
   auto found = s.max_bytes ? search.within_bytes(*s.max_bytes) : search.within_loss(*s.max_loss);
   progress.clear();
@@ -72,8 +73,10 @@ Expected<void> write_searched(const ConvertSettings& s, const SplatCloud& cloud,
   const auto found = search(s, cloud);
   if (!found) return std::unexpected(found.error());
   if (auto written = write_file_atomic(s.out, found->file); !written) return written;
-  spdlog::info("{}: {} splats, {} bytes, {:.2f} dB from the pictures of {}{}", s.out, cloud.size(),
-               found->file.size(), found->psnr(), s.in,
+  const std::string error =
+      found->mse > 0 ? fmt::format("{:.2f} dB from", found->psnr()) : "exactly";
+  spdlog::info("{}: {} splats, {} bytes, {} the pictures of {}{}", s.out, cloud.size(),
+               found->file.size(), error, s.in,
                cloud.sh_degree < full_degree ? fmt::format(" at degree {}", cloud.sh_degree) : "");
   return {};
 }
@@ -127,7 +130,7 @@ void add_compact_options(CLI::App& command, ConvertSettings& s) {
   coarseness->check(between(0.001, 1000))->capture_default_str()->needs(compact);
   CLI::Option* bytes = command.add_option("--max-bytes", s.max_bytes,
                                           "search for the least error in a file of this size");
-  bytes->check(between(1, 1e15));
+  bytes->check(CLI::Range(std::size_t{1}, std::size_t{1} << 50));
   CLI::Option* loss = command.add_option(
       "--max-loss", s.max_loss, "search for the smallest file whose pictures are this near, in dB");
   loss->check(between(1, 120))->excludes(bytes)->excludes(coarseness);

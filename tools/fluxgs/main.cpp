@@ -11,13 +11,15 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "fluxgs/printable.h"
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/console.h"
 
 namespace {
 
 int report(const fluxgs::Error& error) {
-  fluxgs::cli::say(fmt::format("fluxgs: error: {}\n", fluxgs::cli::one_line(error.message())));
+  fluxgs::cli::say(
+      fmt::format("fluxgs: error: {}\n", fluxgs::one_line(error.message(), std::string::npos)));
   return 1;
 }
 

@@ -11,10 +11,6 @@ nlohmann::json finite_or_null(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
 }
 
-std::string decibels(double psnr) {
-  return std::isfinite(psnr) ? fmt::format("{:.2f} dB", psnr) : "exact";
-}
-
 Expected<void> give_report(const std::string& path, const nlohmann::json& numbers,
                            const std::function<void()>& print_table) {
   if (path == "-") {

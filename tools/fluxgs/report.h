@@ -15,9 +15,6 @@ namespace fluxgs::cli {
 /// JSON has no infinity.
 nlohmann::json finite_or_null(double value);
 
-/// "40.00 dB", "exact" for infinity.
-std::string decibels(double psnr);
-
 /// Writes the numbers to a file and the table to standard output, or the numbers alone to standard
 /// output for "-", or the table alone for "".
 Expected<void> give_report(const std::string& path, const nlohmann::json& numbers,

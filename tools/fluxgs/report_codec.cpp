@@ -11,6 +11,7 @@
 #include "fluxgs/io/file.h"
 #include "fluxgs/io/spz.h"
 #include "tools/fluxgs/command.h"
+#include "tools/fluxgs/console.h"
 #include "tools/fluxgs/data_options.h"
 #include "tools/fluxgs/measuring_views.h"
 #include "tools/fluxgs/plot.h"
@@ -122,7 +123,7 @@ std::vector<std::pair<std::string, Encoder>> usual_encoders(const SplatCloud& cl
   std::vector<std::pair<std::string, Encoder>> list;
   for (const SceneFormat& format : scene_formats())
     if (format.encode != nullptr && format.max_sh_degree >= cloud.sh_degree)
-      list.emplace_back(format.name == "spz" ? "spz 3" : std::string(format.name),
+      list.emplace_back(std::string(format.name),
                         [&cloud, &format] { return format.encode(cloud, "scene"); });
   list.emplace_back("spz 4",
                     [&cloud] { return encode_spz(cloud, "scene", SpzOptions{.version = 4}); });

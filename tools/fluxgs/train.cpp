@@ -13,6 +13,7 @@
 
 #include "fluxgs/io/file.h"
 #include "fluxgs/io/scene.h"
+#include "fluxgs/printable.h"
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/console.h"
 #include "tools/fluxgs/data_options.h"
@@ -287,7 +288,8 @@ Expected<void> train(TrainSettings settings) {
     report["ssim"] = score->ssim;
     say(fmt::format("test views: PSNR {:.2f} dB, SSIM {:.4f}\n", score->psnr, score->ssim));
   }
-  say(fmt::format("{}: {} splats, {:.1f} s\n", one_line(settings.out), cloud.size(), seconds));
+  say(fmt::format("{}: {} splats, {:.1f} s\n", one_line(settings.out, std::string::npos),
+                  cloud.size(), seconds));
   if (settings.report == "-")
     print_json(report);
   else if (!settings.report.empty())

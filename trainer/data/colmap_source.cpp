@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "fluxgs/printable.h"
 #include "trainer/data/colmap_model.h"
 #include "trainer/data/file_bytes.h"
 #include "trainer/data/image_io.h"
@@ -17,7 +18,7 @@ namespace fs = std::filesystem;
 
 /// Rotation and translation of an image into a frame; the error's field names the image.
 Expected<void> set_pose(const ColmapImage& image, const std::string& file, SourceFrame& frame) {
-  const std::string field = fmt::format("image \"{}\"", printable(image.name));
+  const std::string field = fmt::format("image \"{}\"", one_line(image.name));
   const glm::dquat& q = image.rotation;
   const glm::dvec3& t = image.translation;
   const double largest = std::max({std::abs(q.w), std::abs(q.x), std::abs(q.y), std::abs(q.z)});
@@ -35,7 +36,7 @@ Expected<SourceFrame> make_frame(const ColmapImage& image, const ColmapModel& mo
                                  const fs::path& image_folder, const std::string& file) {
   const auto camera = model.cameras.find(image.camera_id);
   if (camera == model.cameras.end())
-    return fail(file, fmt::format("image \"{}\"", printable(image.name)),
+    return fail(file, fmt::format("image \"{}\"", one_line(image.name)),
                 fmt::format("camera {} is not in the model's list of cameras", image.camera_id));
   SourceFrame frame{.file = image_folder / image.name, .name = image.name, .lens = camera->second};
   if (const auto ok = set_pose(image, file, frame); !ok) return std::unexpected(ok.error());
@@ -69,7 +70,7 @@ Expected<Source> read_colmap_source(const fs::path& model_folder, const fs::path
   for (const ColmapImage& image : model->images) {
     if (image.name.empty()) return fail(file, "", "an image without a name");
     if (!names.insert(image.name).second)
-      return fail(file, fmt::format("image \"{}\"", printable(image.name)),
+      return fail(file, fmt::format("image \"{}\"", one_line(image.name)),
                   "listed twice, expected every image once");
     auto frame = make_frame(image, *model, image_folder, file);
     if (!frame) return std::unexpected(frame.error());
@@ -87,7 +88,7 @@ Expected<Source> read_colmap_source(const fs::path& model_folder, const fs::path
   if (source.skipped_images > 0)
     source.warnings.push_back(fmt::format("{} of {} images have no file and are skipped; first: {}",
                                           source.skipped_images, model->images.size(),
-                                          printable(first_missing)));
+                                          one_line(first_missing)));
   add_points(*model, model_folder.string(), source);
   return source;
 }

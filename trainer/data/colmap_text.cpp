@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "fluxgs/printable.h"
 #include "trainer/data/colmap_model.h"
 #include "trainer/data/file_bytes.h"
 #include "trainer/data/source.h"
@@ -117,7 +118,7 @@ Expected<void> read_cameras(const std::filesystem::path& path, ColmapModel& mode
     const ColmapCameraModel* camera_model = find_camera_model(std::string_view(name));
     if (!camera_model)
       return fail(path.string(), fmt::format("camera {}", id),
-                  fmt::format("unknown camera model \"{}\"", printable(name)));
+                  fmt::format("unknown camera model \"{}\"", one_line(name)));
     std::uint64_t width = 0, height = 0;
     std::vector<double> parameters(static_cast<std::size_t>(camera_model->parameters));
     bool ok = take_all(*line, width, height);

@@ -13,6 +13,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "fluxgs/printable.h"
 #include "trainer/data/image_io.h"
 #include "trainer/data/rectify.h"
 
@@ -115,7 +116,7 @@ Expected<Photo> load_photo(const SourceFrame& frame, const SharedLenses& shared,
   } catch (const std::bad_alloc&) {
     return fail(file, "", "not enough memory for the image; reduce the photos (downscale)");
   } catch (const cv::Exception& e) {
-    return fail(file, "", "the image could not be processed: " + printable(e.err));
+    return fail(file, "", "the image could not be processed: " + one_line(e.err));
   }
 }
 

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "fluxgs/printable.h"
 #include "trainer/data/file_bytes.h"
 
 namespace fluxgs {
@@ -92,7 +93,7 @@ Expected<PlyHeader> parse_header(const std::string& text, const std::string& fil
     if (first && line != "ply") return fail(file, "header", "expected a .ply file");
     if (line == "end_header") break;
     if (!parse_line(line, header, element))
-      return fail(file, "header", "not understood: \"" + printable(line) + "\"");
+      return fail(file, "header", "not understood: \"" + one_line(line) + "\"");
   }
   header.data_start = at;
   if (!header.properties[0].type || !header.properties[1].type || !header.properties[2].type)

@@ -1,6 +1,5 @@
 #include "trainer/data/source.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
@@ -13,14 +12,6 @@ bool add_point(Source& source, const glm::dvec3& position, const glm::u8vec3& co
   source.points.push_back(p);
   source.point_colors.push_back(color);
   return true;
-}
-
-std::string printable(const std::string& text) {
-  constexpr std::size_t kLongest = 200;
-  std::string safe = text.substr(0, kLongest);
-  std::ranges::replace_if(
-      safe, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
-  return text.size() > kLongest ? safe + "..." : safe;
 }
 
 std::optional<glm::dmat3> nearest_rotation(const glm::dmat3& matrix) {

@@ -36,10 +36,6 @@ struct Source {
 /// Add a point unless it is not finite; returns whether it was added.
 bool add_point(Source& source, const glm::dvec3& position, const glm::u8vec3& color);
 
-/// Text from a file, made safe for one line of an error message: control characters become '?' and
-/// long texts are cut.
-std::string printable(const std::string& text);
-
 /// The closest rotation to a matrix that is one but for rounding and a uniform scale (some
 /// exporters scale their poses). Nothing if it is not finite, mirrors, or shears by more
 /// than 1%.

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "fluxgs/printable.h"
 #include "trainer/data/source.h"
 
 namespace fluxgs {
@@ -42,7 +43,7 @@ Expected<void> parse_model(const Json& json, TransformsIntrinsics& in, const std
       return fail(file, field + "camera_model",
                   fmt::format("\"{}\", expected PINHOLE, SIMPLE_PINHOLE, SIMPLE_RADIAL, RADIAL, "
                               "OPENCV, FULL_OPENCV or OPENCV_FISHEYE",
-                              printable(name)));
+                              one_line(name)));
     in.model = perspective ? LensModel::kPerspective : LensModel::kFisheye;
   }
   const auto is_true = [&](const char* key) {

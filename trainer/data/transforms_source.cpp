@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "fluxgs/printable.h"
 #include "trainer/data/file_bytes.h"
 #include "trainer/data/ply_points.h"
 #include "trainer/data/transforms_intrinsics.h"
@@ -28,7 +29,7 @@ Expected<Json> parse_json(const fs::path& file) {
     return json;
   } catch (const Json::exception& e) {
     // NaN and Infinity, which Python writes, are no JSON and end here as well.
-    return fail(file.string(), "", "not valid JSON: " + printable(e.what()));
+    return fail(file.string(), "", "not valid JSON: " + one_line(e.what()));
   }
 }
 
@@ -117,7 +118,7 @@ Expected<void> add_frame(const Json& json, const TransformsIntrinsics& global, c
   if (!path) return std::unexpected(path.error());
   const auto image = find_image(file.parent_path(), *path);
   if (!image) {
-    if (list.skipped++ == 0) list.first_missing = printable(*path);
+    if (list.skipped++ == 0) list.first_missing = one_line(*path);
     return {};
   }
   SourceFrame frame{.file = *image, .name = image->filename().string(), .lens = {}};
@@ -149,7 +150,7 @@ Expected<FrameList> read_frames(const Json& json, const fs::path& file) {
   std::set<fs::path> files;
   for (const SourceFrame& frame : list.frames)
     if (!files.insert(frame.file).second)
-      return fail(file.string(), fmt::format("frame \"{}\"", printable(frame.name)),
+      return fail(file.string(), fmt::format("frame \"{}\"", one_line(frame.name)),
                   "listed twice, expected every image once");
   return list;
 }
@@ -170,7 +171,7 @@ Expected<void> read_ply(const Json& json, const fs::path& file, Source& source) 
   const fs::path ply = file.parent_path() / found->get<std::string>();
   if (!is_file(ply)) {
     source.warnings.push_back(
-        fmt::format("{}: ply_file_path: no such file: {}", file.string(), printable(ply.string())));
+        fmt::format("{}: ply_file_path: no such file: {}", file.string(), one_line(ply.string())));
     return {};
   }
   return read_ply_points(ply, source);

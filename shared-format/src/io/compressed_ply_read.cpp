@@ -14,9 +14,9 @@
 #include "cloud_memory.h"
 #include "fluxgs/io/compressed_ply.h"
 #include "fluxgs/io/ply.h"
+#include "fluxgs/printable.h"
 #include "ply_columns.h"
 #include "ply_header.h"
-#include "printable.h"
 
 namespace fluxgs {
 namespace {

@@ -82,13 +82,8 @@ bool fits(std::uint64_t count, std::uint64_t stride, std::uint64_t size, std::ui
   return size <= room && count - 1 <= (room - size) / stride;
 }
 
-Expected<void> check_type(const tinygltf::Accessor& a, const GltfExpectation& expected,
-                          const std::string& name, const std::string& where) {
-  const unsigned bit = component_bit(a.componentType, a.normalized);
-  if (a.type == expected.type && (bit & expected.components) != 0) return {};
-  return fail(name, where,
-              fmt::format("is {} of {}; expected {}", type_name(a.type),
-                          component_name(a.componentType, a.normalized), expected_types(expected)));
+std::string place_of(const std::string& field, const GltfExpectation& expected, int accessor) {
+  return fmt::format("{}: {}: accessor {}", field, expected.semantic, accessor);
 }
 
 }  // namespace
@@ -113,16 +108,30 @@ Expected<std::span<const std::byte>> resolve_view(const tinygltf::Model& model, 
   return buffer.subspan(view.byteOffset, view.byteLength);
 }
 
-Expected<GltfAttribute> resolve_accessor(const tinygltf::Model& model, int accessor,
-                                         const GltfExpectation& expected,
-                                         std::span<const std::byte> buffer, const std::string& name,
-                                         const std::string& field) {
-  const std::string where = fmt::format("{}: {}: accessor {}", field, expected.semantic, accessor);
+Expected<void> check_accessor(const tinygltf::Model& model, int accessor,
+                              const GltfExpectation& expected, const std::string& name,
+                              const std::string& field) {
+  const std::string where = place_of(field, expected, accessor);
   if (static_cast<std::size_t>(accessor) >= model.accessors.size()) {
     return fail(name, where, "does not exist");
   }
   const tinygltf::Accessor& a = model.accessors[static_cast<std::size_t>(accessor)];
-  if (auto ok = check_type(a, expected, name, where); !ok) return std::unexpected(ok.error());
+  const unsigned bit = component_bit(a.componentType, a.normalized);
+  if (a.type == expected.type && (bit & expected.components) != 0) return {};
+  return fail(name, where,
+              fmt::format("is {} of {}; expected {}", type_name(a.type),
+                          component_name(a.componentType, a.normalized), expected_types(expected)));
+}
+
+Expected<GltfAttribute> resolve_accessor(const tinygltf::Model& model, int accessor,
+                                         const GltfExpectation& expected,
+                                         std::span<const std::byte> buffer, const std::string& name,
+                                         const std::string& field) {
+  if (auto ok = check_accessor(model, accessor, expected, name, field); !ok) {
+    return std::unexpected(ok.error());
+  }
+  const std::string where = place_of(field, expected, accessor);
+  const tinygltf::Accessor& a = model.accessors[static_cast<std::size_t>(accessor)];
   // Zeros by the specification, but of any number, whatever the size of the file.
   if (a.bufferView < 0) return fail(name, where, "has no bufferView; expected data");
   const auto view = resolve_view(model, a.bufferView, buffer, name);

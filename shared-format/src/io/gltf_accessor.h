@@ -35,7 +35,13 @@ Expected<std::span<const std::byte>> resolve_view(const tinygltf::Model& model, 
                                                   std::span<const std::byte> buffer,
                                                   const std::string& name);
 
-/// Resolve an accessor of `model` into memory. `field` names the primitive in errors.
+/// An error unless there is such an accessor, of the type that is expected. `field` names the
+/// primitive in errors.
+Expected<void> check_accessor(const tinygltf::Model& model, int accessor,
+                              const GltfExpectation& expected, const std::string& name,
+                              const std::string& field);
+
+/// Resolve an accessor of `model` into memory, checked as above.
 Expected<GltfAttribute> resolve_accessor(const tinygltf::Model& model, int accessor,
                                          const GltfExpectation& expected,
                                          std::span<const std::byte> buffer, const std::string& name,

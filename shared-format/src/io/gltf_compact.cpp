@@ -47,6 +47,28 @@ Expected<GltfNetworks> find_networks(const GltfCompressedPlace& place,
   return found;
 }
 
+/// Readers of other extensions go by the accessors, so they must say what is decoded.
+Expected<void> check_attributes(const GltfCompressedPlace& place, int sh_degree) {
+  std::vector<std::pair<std::string, int>> expected{{"POSITION", TINYGLTF_TYPE_VEC3}};
+  for (const auto& [name, type] : {std::pair("ROTATION", TINYGLTF_TYPE_VEC4),
+                                   {"SCALE", TINYGLTF_TYPE_VEC3},
+                                   {"OPACITY", TINYGLTF_TYPE_SCALAR}})
+    expected.emplace_back(fmt::format("{}:{}", kSplatExtension, name), type);
+  for (int degree = 0; degree <= sh_degree; ++degree)
+    for (int i = 0; i <= 2 * degree; ++i)
+      expected.emplace_back(fmt::format("{}:SH_DEGREE_{}_COEF_{}", kSplatExtension, degree, i),
+                            TINYGLTF_TYPE_VEC3);
+  for (const auto& [semantic, type] : expected) {
+    const auto found = place.primitive.attributes.find(semantic);
+    if (found == place.primitive.attributes.end())
+      return fail(place.name, place.field, fmt::format("attribute {} is missing", semantic));
+    const GltfExpectation kind{semantic.c_str(), type, kFloat};
+    if (auto ok = check_accessor(place.model, found->second, kind, place.name, place.field); !ok)
+      return ok;
+  }
+  return {};
+}
+
 std::vector<std::byte> copy_of(std::span<const std::byte> bytes) {
   return {bytes.begin(), bytes.end()};
 }
@@ -66,6 +88,7 @@ Expected<GltfSplats> find_compact_splats(const GltfCompressedPlace& place,
   auto splats = describe_compressed(place, view, kCompactExtension);
   if (!splats) return splats;
   splats->compression = GltfCompression::compact;
+  if (auto ok = check_attributes(place, splats->sh_degree); !ok) return std::unexpected(ok.error());
   const std::size_t most = codec::most_splats(splats->compressed.size());
   if (splats->count > most)
     return fail(place.name, splats->compressed_field,

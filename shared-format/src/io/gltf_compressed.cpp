@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <tiny_gltf.h>
 
+#include "fluxgs/printable.h"
 #include "gltf_accessor.h"
-#include "printable.h"
 
 namespace fluxgs::io {
 namespace {

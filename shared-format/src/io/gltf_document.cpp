@@ -10,12 +10,12 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/mat4x4.hpp>
 
+#include "fluxgs/printable.h"
 #include "fluxgs/splat_cloud.h"
 #include "gltf_accessor.h"
 #include "gltf_compact.h"
 #include "gltf_compressed.h"
 #include "gltf_spz.h"
-#include "printable.h"
 
 namespace fluxgs::io {
 namespace {

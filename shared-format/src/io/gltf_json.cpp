@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "fluxgs/printable.h"
 #include "json_text.h"
-#include "printable.h"
 
 namespace fluxgs::io {
 namespace {
@@ -61,13 +61,13 @@ class Checker {
   // A whole number from 0 to `limit`.
   void whole(const json& value, const std::string& field, std::uint64_t limit) {
     if (value.is_number_unsigned() && value.get<std::uint64_t>() <= limit) return;
-    bad(field, fmt::format("is {}; expected a whole number from 0 to {}", shown(value), limit));
+    bad(field, fmt::format("{}; expected a whole number from 0 to {}", found(value), limit));
   }
 
   void numbers(const json& value, const std::string& field, std::size_t count) {
     const bool ok = value.is_array() && value.size() == count &&
                     std::ranges::all_of(value, [](const json& v) { return v.is_number(); });
-    if (!ok) bad(field, fmt::format("is {}; expected {} numbers", shown(value), count));
+    if (!ok) bad(field, fmt::format("{}; expected {} numbers", found(value), count));
   }
 
   std::vector<std::string> strings(const char* key) {
@@ -179,7 +179,7 @@ void check_compact_version(Checker& check, const json& compact, const std::strin
   const json& version = member(compact, "version");
   if (version == kCompactVersion) return;
   check.bad(fmt::format("{}.{}.version", field, kCompactExtension),
-            fmt::format("is {}; this program reads version {}", shown(version), kCompactVersion));
+            fmt::format("{}; this program reads version {}", found(version), kCompactVersion));
 }
 
 // All numbers of the constants, as lists.
@@ -331,7 +331,7 @@ Expected<GltfJson> check_document(const json& root, std::size_t bin_bytes,
   Checker check(root, name);
   const json& version = member(member(root, "asset"), "version");
   if (!version.is_string() || !version.get_ref<const std::string&>().starts_with("2.")) {
-    check.bad("asset.version", fmt::format("is {}; expected \"2.0\"", shown(version)));
+    check.bad("asset.version", fmt::format("{}; expected \"2.0\"", found(version)));
   }
   check_required(check);
   GltfJson result;

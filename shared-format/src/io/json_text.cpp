@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "printable.h"
+#include "fluxgs/printable.h"
 
 namespace fluxgs::io {
 namespace {
@@ -47,6 +47,8 @@ Expected<json> parse_json_object(std::string_view text, const std::string& name,
     json root = json::parse(text);
     if (!root.is_object()) return fail(name, field, "expected an object");
     return root;
+  } catch (const json::parse_error& error) {
+    return fail(name, field, fmt::format("is not JSON from byte {} on", error.byte));
   } catch (const json::exception& error) {
     return fail(name, field, printable(error.what(), 200));
   }
@@ -57,6 +59,10 @@ const json& member(const json& object, const char* key) {
   if (!object.is_object()) return kNothing;
   const auto found = object.find(key);
   return found != object.end() ? *found : kNothing;
+}
+
+std::string found(const json& value) {
+  return value.is_null() ? "is missing" : "is " + shown(value);
 }
 
 std::string shown(const json& value) {

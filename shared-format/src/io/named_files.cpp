@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "printable.h"
+#include "fluxgs/printable.h"
 
 namespace fluxgs::io {
 namespace {

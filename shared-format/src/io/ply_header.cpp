@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "printable.h"
+#include "fluxgs/printable.h"
 
 namespace fluxgs::io {
 namespace {

@@ -11,9 +11,9 @@
 #include "activation.h"
 #include "cloud_memory.h"
 #include "fluxgs/io/ply.h"
+#include "fluxgs/printable.h"
 #include "ply_columns.h"
 #include "ply_header.h"
-#include "printable.h"
 
 namespace fluxgs {
 namespace {

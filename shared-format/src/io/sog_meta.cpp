@@ -41,14 +41,14 @@ class MetaReader {
     if (value.is_number_unsigned() && value.get<std::uint64_t>() <= limit) {
       return static_cast<std::size_t>(value.get<std::uint64_t>());
     }
-    bad(where, fmt::format("is {}; expected a whole number from 0 to {}", shown(value), limit));
+    bad(where, fmt::format("{}; expected a whole number from 0 to {}", found(value), limit));
     return 0;
   }
 
   double number(const json& value, const std::string& where) {
     constexpr double kMost = std::numeric_limits<float>::max();
     if (value.is_number() && std::abs(value.get<double>()) <= kMost) return value.get<double>();
-    bad(where, fmt::format("is {}; expected a number", shown(value)));
+    bad(where, fmt::format("{}; expected a number", found(value)));
     return 0;
   }
 
@@ -58,7 +58,7 @@ class MetaReader {
     const std::string where = fmt::format("{}.{}", group, key);
     std::vector<double> result(count);
     if (!list.is_array() || list.size() != count) {
-      bad(where, fmt::format("is {}; expected {} numbers", shown(list), count));
+      bad(where, fmt::format("{}; expected {} numbers", found(list), count));
       return result;
     }
     for (std::size_t i = 0; i < count; ++i) {
@@ -84,7 +84,7 @@ class MetaReader {
     const std::string where = fmt::format("{}.codebook", group);
     SogTable table;
     if (!list.is_array() || list.empty() || list.size() > table.values.size()) {
-      bad(where, fmt::format("is {}; expected 1 to 256 numbers", shown(list)));
+      bad(where, fmt::format("{}; expected 1 to 256 numbers", found(list)));
       return table;
     }
     table.size = list.size();
@@ -183,7 +183,7 @@ Expected<SogMeta> parse_sog_meta(const json& root, const std::string& name,
   const json& version = member(root, "version");
   if (!version.is_null() && version != 2) {
     return fail(name, field + ": version",
-                fmt::format("is {}; expected 2, or none for version 1", shown(version)));
+                fmt::format("{}; expected 2, or none for version 1", found(version)));
   }
   MetaReader read(root, name, field);
   SogMeta meta = read_common(read, root);

@@ -152,6 +152,10 @@ TEST(CompactGlb, DamageIsNamed) {
       {R"("bufferView":0)", R"("bufferView":-1)", "expected a whole number"},
       {R"("count":64)", R"("count":65)", "has 65 elements"},
       {R"("KHR_gaussian_splatting:SH_DEGREE_1_COEF_0")", R"("X")", "SH_DEGREE_1_COEF_0 is missing"},
+      {R"("KHR_gaussian_splatting:OPACITY")", R"("X")",
+       "KHR_gaussian_splatting:OPACITY is missing"},
+      {R"("type":"VEC4")", R"("type":"VEC3")", "is VEC3 of float; expected VEC4 of float"},
+      {R"("componentType":5126)", R"("componentType":5121)", "of unsigned byte; expected"},
   };
   for (const auto& [from, to, expected] : damages) {
     std::string text = json_of(good);

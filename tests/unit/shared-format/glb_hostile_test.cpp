@@ -71,7 +71,8 @@ TEST(HostileGlb, BrokenJsonIsExplained) {
                            R"({"asset":{"version":"2.0"},"a":1e999})", R"("{}")"}) {
     expect_error(read(make_glb(text)), {"JSON"});
   }
-  expect_error(read(make_glb("{}")), {"asset.version", "expected \"2.0\""});
+  expect_error(read(make_glb(std::string("{\0}", 3))), {"JSON", "is not JSON from byte 2 on"});
+  expect_error(read(make_glb("{}")), {"asset.version", "is missing; expected \"2.0\""});
   expect_error(read(make_glb(R"({"asset":{"version":"1.0"}})")), {"asset.version", "1.0"});
   expect_error(read(make_glb(R"({"asset":{"version":2}})")), {"asset.version"});
   expect_error(read(make_glb(R"({"asset":{"version":"2.0"}})")),
@@ -231,6 +232,18 @@ TEST(HostileGlb, NodesThatAreNoTreeAreRefused) {
   expect_error(nodes(R"([{"children":[1,1]},{"mesh":0}])"), {"nodes[1]", "reached twice"});
   expect_error(nodes(R"([{"children":[5]}])"), {"nodes[5]", "does not exist"});
   expect_error(nodes(R"([{"children":7}])"), {"nodes[0].children"});
+}
+
+// Three bytes each in the file, hundreds in memory
+TEST(HostileGlb, PrimitivesOfAllMeshesAreCountedTogether) {
+  std::string meshes = R"("meshes":[)";
+  for (int m = 0; m < 70; ++m) {
+    meshes += m == 0 ? R"({"primitives":[{})" : R"(,{"primitives":[{})";
+    for (int i = 1; i < 1000; ++i) meshes += ",{}";
+    meshes += "]}";
+  }
+  expect_error(read(make_glb(R"({"asset":{"version":"2.0"},)" + meshes + "]}")),
+               {"meshes[65].primitives", "more than 65536 primitives in all meshes"});
 }
 
 TEST(HostileGlb, LongChainsOfNodesDoNotOverflowTheStack) {

@@ -118,6 +118,17 @@ TEST(Channels, TooSmallAStepIsAnError) {
   EXPECT_FALSE(encode_channels({1, {0, 1e9f}, {}}, 1e-3f, {}, out));
 }
 
+// Sums of products of it would overflow where it is decoded
+TEST(Channels, MeansBeyondTheFormatAreAnError) {
+  const Channels input{1, std::vector<float>(4, 1e31f), {}};
+  Bytes out;
+  const auto done = encode_channels(input, 1e30f, {}, out);
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().what.find("its mean is 1e+31, expected less than 1e+30"),
+            std::string::npos)
+      << done.error().what;
+}
+
 TEST(Channels, CutsAndDamage) {
   const Channels input = smooth(200, 3, 0.2f);
   const Bytes good = encoded(input, 0.1f);

@@ -140,7 +140,7 @@ TEST(CompactNetworks, DamageIsNamed) {
       {R"("phi":{"bufferView":2})", R"("phi":{"bufferView":1})", "phi"},
       {R"("phi":{"bufferView":2})", R"("phi":{"uri":"model.onnx"})", "phi"},
       {R"("psi":)", R"("chi":)", "channels"},
-      {R"("extent":)", R"("extend":)", "normalisation.extent"},
+      {R"("extent":)", R"("extend":)", "normalisation.extent: is missing; expected 1 numbers"},
       {R"("center":[)", R"("center":[1e99,)", "normalisation.center"},
   };
   for (const auto& [from, to, expected] : damages) {
