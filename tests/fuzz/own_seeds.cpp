@@ -179,6 +179,32 @@ Bytes quantised_glb() {
       bin);
 }
 
+/// A network of the fewest weights that fits a signature.
+Bytes smallest_network(const networks::Signature& signature) {
+  int columns = 0;
+  for (const networks::Columns& in : signature.inputs) columns += in.count;
+  return *networks::encode_onnx(networks::test::random_mlp({columns, signature.output.count}, 1),
+                                signature);
+}
+
+/// With Φ, edited in: the writer would run it with onnxruntime, which is not everywhere.
+Bytes glb_with_networks(const Bytes& compact) {
+  test::json root = test::json::parse(test::json_of(compact));
+  Bytes bin = test::bin_of(compact);
+  test::json constants = test::json::parse(
+      R"({"normalisation":{"center":[0,0,0],"extent":1,"logScaleMean":-3,"logScaleDeviation":1,)"
+      R"("shMean":[0,0,0,0,0,0,0,0,0,0,0,0],"shDeviation":[1,1,1,1,1,1,1,1,1,1,1,1]}})");
+  const Bytes model = smallest_network(networks::phi_signature());
+  constants["phi"] = {{"bufferView", root["bufferViews"].size()}};
+  root["bufferViews"].push_back(
+      {{"buffer", 0}, {"byteOffset", bin.size()}, {"byteLength", model.size()}});
+  bin = joined({bin, model});
+  root["buffers"][0]["byteLength"] = bin.size();
+  root["meshes"][0]["primitives"][0]["extensions"]["KHR_gaussian_splatting"]["extensions"]
+      ["FLUXGS_gaussian_splatting_compact"]["networks"] = constants;
+  return test::make_glb(root.dump(), bin);
+}
+
 void add_glb(Seeds& seeds) {
   auto& glb = seeds["glb"];
   const Bytes plain = test::small_glb(2, 1);
@@ -205,6 +231,7 @@ void add_glb(Seeds& seeds) {
           *encode_compact_glb(cloud, options, "x");
     }
   }
+  glb["compact_with_networks"] = glb_with_networks(glb["compact_degree1"]);
   for (const auto& [name, bytes] : glb) {
     seeds["stability"]["glb_" + name] = bytes;
     seeds["glb_parts"][name] =
