@@ -43,8 +43,9 @@ class CompactSearch {
   /// of that size. Errors of different attributes are taken to add up.
   Expected<CompactSteps> balanced(const CompactSteps& steps) const;
 
-  /// The smallest file found with psnr() ≥ `decibels`. An error if even very fine steps do not
-  /// reach it.
+  /// The smallest file found with psnr() ≥ `decibels`. The error is no smooth function of the
+  /// steps, for rounding may swap which of two splats is in front; the file may therefore be some
+  /// tenths of a decibel better than asked. An error if even very fine steps do not reach it.
   Expected<CompactTrial> within_loss(double decibels) const;
 
   /// The file with the smallest error found that has `bytes` at most. An error if even very coarse

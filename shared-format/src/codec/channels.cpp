@@ -86,55 +86,49 @@ void undo_differences(std::span<std::int32_t> values) {
   }
 }
 
-/// A channel as it will be stored.
-struct Coded {
+/// How a channel will be stored.
+struct ChannelCode {
   bool predicted = false;
-  std::vector<std::int32_t> values;
-  double bits = 0;
+  double bits = 0;  ///< rounded to the nearest, which tells well enough which way is shorter
 };
 
-Coded code_as(const std::vector<double>& plane, bool predicted, const Rounding& rounding) {
-  Coded coded{predicted, round_cheaply(plane, predicted, rounding), 0};
-  coded.bits = entropy_bits(coded.values);
-  return coded;
-}
-
-Coded code(const std::vector<double>& plane, const Rounding& rounding) {
-  Coded plain = code_as(plane, false, rounding), predicted = code_as(plane, true, rounding);
-  return predicted.bits < plain.bits ? predicted : plain;
+ChannelCode shorter_code(const std::vector<double>& plane) {
+  const double plain = entropy_bits(round_cheaply(plane, false, {}));
+  const double predicted = entropy_bits(round_cheaply(plane, true, {}));
+  return {predicted < plain, std::min(predicted, plain)};
 }
 
 struct Choice {
   Transform transform;
-  std::vector<Coded> channels;
+  Planes planes;
+  std::vector<ChannelCode> codes;
   double bits = 0;
 };
 
-Expected<Choice> code_all(const Channels& input, Transform transform, const Rounding& rounding) {
-  const auto planes = in_steps(input, transform);
+Expected<Choice> choice_of(const Channels& input, Transform transform) {
+  auto planes = in_steps(input, transform);
   if (!planes) return std::unexpected(planes.error());
-  Choice choice;
-  choice.transform = std::move(transform);
-  for (const auto& plane : *planes) {
-    choice.channels.push_back(code(plane, rounding));
-    choice.bits += choice.channels.back().bits;
+  Choice choice{.transform = std::move(transform), .planes = std::move(*planes), .codes = {}};
+  for (const auto& plane : choice.planes) {
+    choice.codes.push_back(shorter_code(plane));
+    choice.bits += choice.codes.back().bits;
   }
   choice.bits += 32.0 * static_cast<double>(choice.transform.basis.size());
   return choice;
 }
 
-Expected<Choice> choose(const Channels& input, float step, const Rounding& rounding) {
+Expected<Choice> choose(const Channels& input, float step) {
   const Eigen::MatrixXd x = matrix_of(input);
   const Transform plain{.step = step, .mean = mean_of(x), .basis = {}};
   for (const float mean : plain.mean)
     if (!(std::abs(mean) < kLargestInHeader))
       return fail("", "",
                   fmt::format("its mean is {:g}, expected less than {:g}", mean, kLargestInHeader));
-  auto best = code_all(input, plain, rounding);
+  auto best = choice_of(input, plain);
   if (!best || input.channels == 1) return best;
   Transform turned = plain;
   turned.basis = principal_axes(x);
-  auto other = code_all(input, std::move(turned), rounding);
+  auto other = choice_of(input, std::move(turned));
   return other && other->bits < best->bits ? other : best;
 }
 
@@ -206,7 +200,7 @@ void restore(const Transform& t, std::span<const float> coarseness, std::span<fl
 
 Expected<void> encode_channels(const Channels& input, float step, const Rounding& rounding,
                                Bytes& out) {
-  const auto choice = choose(input, step, rounding);
+  const auto choice = choose(input, step);
   if (!choice) return std::unexpected(choice.error());
   const Transform& t = choice->transform;
   put_varint(out, input.channels);
@@ -214,25 +208,26 @@ Expected<void> encode_channels(const Channels& input, float step, const Rounding
   put(out, t.step);
   for (const auto* list : {&t.mean, &t.basis})
     for (const float value : *list) put(out, value);
-  for (const Coded& channel : choice->channels) {
-    put(out, static_cast<std::uint8_t>(channel.predicted));
-    encode_values(channel.values, out);
+  for (std::size_t c = 0; c < input.channels; ++c) {
+    const bool predicted = choice->codes[c].predicted;
+    put(out, static_cast<std::uint8_t>(predicted));
+    encode_values(round_cheaply(choice->planes[c], predicted, rounding), out);
   }
   return {};
 }
 
 Expected<double> channels_bits(const Channels& input, float step) {
-  const auto choice = choose(input, step, {});
+  const auto choice = choose(input, step);
   if (!choice) return std::unexpected(choice.error());
   return choice->bits;
 }
 
-Expected<void> decode_channels(Reader& in, std::size_t channels, std::span<const float> coarseness,
-                               std::span<float> values) {
+Expected<float> decode_channels(Reader& in, std::size_t channels, std::span<const float> coarseness,
+                                std::span<float> values) {
   if (channels == 0 || channels > kMostChannels)
     return fail("", "", fmt::format("{} channels, expected 1 to {}", channels, kMostChannels));
   const std::size_t splats = values.size() / channels;
-  if (splats == 0) return {};
+  if (splats == 0) return 0.0f;
   const auto transform = take_transform(in, channels);
   if (!transform) return std::unexpected(transform.error());
   std::vector<std::int32_t> plane(splats);
@@ -248,7 +243,7 @@ Expected<void> decode_channels(Reader& in, std::size_t channels, std::span<const
   }
   restore(*transform, coarseness, values, splats);
   const auto bad = std::ranges::find_if_not(values, [](float x) { return std::isfinite(x); });
-  if (bad == values.end()) return {};
+  if (bad == values.end()) return transform->step;
   return fail("", "",
               fmt::format("splat {} is not finite",
                           static_cast<std::size_t>(bad - values.begin()) % splats));

@@ -37,9 +37,10 @@ Expected<double> channels_bits(const Channels& input, float step);
 
 /// Reads what encode_channels wrote for `splats` splats of `channels` channels into `values`,
 /// already of that size; unlike Channels, these go channel by channel. `coarseness` is that of the
-/// encoder; where it differs in its last bits, so do the values, and no more. Errors (without a
-/// file's name): cut, damaged, another number of channels, or numbers that are not finite.
-Expected<void> decode_channels(Reader& in, std::size_t channels, std::span<const float> coarseness,
-                               std::span<float> values);
+/// encoder; where it differs in its last bits, so do the values, and no more. Returns the step, or
+/// an error (without a file's name): cut, damaged, another number of channels, or numbers that are
+/// not finite.
+Expected<float> decode_channels(Reader& in, std::size_t channels, std::span<const float> coarseness,
+                                std::span<float> values);
 
 }  // namespace fluxgs::codec

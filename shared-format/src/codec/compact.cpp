@@ -65,18 +65,18 @@ struct Content {
   SplatCloud cloud;
   bool has_energy = false;
   std::vector<float> energy = {};
-  std::vector<float> rotation_coarseness = {}, color_coarseness = {};
+  std::vector<Extent> extents = {};
 
   /// To be called when `attribute` is there.
   void note(Attribute attribute) {
-    if (attribute == kScale) rotation_coarseness = codec::rotation_coarseness(cloud.log_scales);
-    if (attribute == kOpacity)
-      color_coarseness = codec::color_coarseness(cloud.log_scales, cloud.opacity_logits);
+    if (attribute == kScale) extents = extents_of(cloud.log_scales);
+    if (attribute == kOpacity) set_opacities(extents, cloud.opacity_logits);
   }
-  std::span<const float> coarseness_of(Attribute attribute) const {
-    if (attribute == kRotation) return rotation_coarseness;
-    if (attribute > kRotation) return color_coarseness;
-    return {};
+  std::vector<float> coarseness_of(Attribute attribute) const {
+    if (attribute == kScale) return {};
+    if (attribute == kOpacity) return codec::coarseness_of(kOpacityImportance, extents);
+    return codec::coarseness_of(attribute == kRotation ? kRotationImportance : kColorImportance,
+                                extents);
   }
 };
 
@@ -93,9 +93,42 @@ std::size_t channels_of(Attribute attribute, int sh_degree) {
   return attribute == kRest ? 3 * static_cast<std::size_t>(sh_rest_count(sh_degree)) : 3;
 }
 
-float step_of(Attribute attribute, const CompactSteps& steps) {
-  const float by_attribute[] = {0,           steps.log_scale, steps.opacity, steps.rotation,
-                                steps.sh_dc, steps.sh_rest,   steps.energy};
+// Scales are stored as square roots of standard deviations, so that those of large splats are more
+// exact: d√σ = ½·√σ·d(ln σ).
+constexpr double kLargestRoot = 0x1p26, kSmallestRoot = 0x1p-4;  // in steps
+
+/// The step of scales of usual size is that of the options.
+float root_step(const std::vector<glm::vec3>& log_scales, float log_step) {
+  double sum = 0;
+  for (const glm::vec3& s : log_scales)
+    for (int c = 0; c < 3; ++c) sum += std::clamp(double{s[c]}, -50.0, 50.0);
+  const double mean = sum / (3 * static_cast<double>(log_scales.size()));
+  return static_cast<float>(std::clamp(0.5 * double{log_step} * std::exp(mean / 2), 1e-30, 1e30));
+}
+
+std::vector<float> roots_of(const std::vector<glm::vec3>& log_scales, float step) {
+  std::vector<float> roots;
+  roots.reserve(3 * log_scales.size());
+  const double most = kLargestRoot * double{step};  // larger ones fill any picture
+  for (const glm::vec3& s : log_scales)
+    for (int c = 0; c < 3; ++c)
+      roots.push_back(static_cast<float>(std::min(std::exp(double{s[c]} / 2), most)));
+  return roots;
+}
+
+void roots_to_logs(std::span<float> roots, float step) {
+  const float least = std::max(static_cast<float>(kSmallestRoot * double{step}), 1e-30f);
+  for (float& x : roots) x = 2 * std::log(std::max(x, least));
+}
+
+float step_of(Attribute attribute, const CompactSteps& steps, const SplatCloud& cloud) {
+  const float by_attribute[] = {0,
+                                root_step(cloud.log_scales, steps.log_scale),
+                                steps.opacity,
+                                steps.rotation,
+                                steps.sh_dc,
+                                steps.sh_rest,
+                                steps.energy};
   return by_attribute[attribute];
 }
 
@@ -108,9 +141,10 @@ void put_vec3(std::vector<float>& out, const glm::vec3& v) {
   for (int c = 0; c < 3; ++c) out.push_back(v[c]);
 }
 
-std::vector<float> values_of(Attribute attribute, Content& content) {
+std::vector<float> values_of(Attribute attribute, float step, Content& content) {
   if (attribute == kEnergy) return content.energy;
   SplatCloud& cloud = content.cloud;
+  if (attribute == kScale) return roots_of(cloud.log_scales, step);
   std::vector<float> out;
   out.reserve(cloud.size() * channels_of(attribute, cloud.sh_degree));
   if (attribute == kOpacity)
@@ -197,9 +231,10 @@ Expected<void> decode_section(Attribute attribute, std::span<const std::byte> se
   const std::size_t channels = channels_of(attribute, content.cloud.sh_degree);
   std::vector<float> values(channels * content.cloud.size());
   Reader in(section);
-  if (auto ok = decode_channels(in, channels, content.coarseness_of(attribute), values); !ok)
-    return in_attribute(attribute, ok.error());
+  const auto step = decode_channels(in, channels, content.coarseness_of(attribute), values);
+  if (!step) return in_attribute(attribute, step.error());
   if (in.left() > 0) return fail("", kNames[attribute], "has bytes left over");
+  if (attribute == kScale) roots_to_logs(values, *step);
   store(attribute, {values, content.cloud.size()}, content);
   content.note(attribute);
   return {};
@@ -240,14 +275,12 @@ Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactOptions& op
   Content decoded = exact;
   for (const Attribute attribute : attributes_of(exact.has_energy, cloud.sh_degree)) {
     const auto coarseness = decoded.coarseness_of(attribute);
-    const Channels input{channels_of(attribute, cloud.sh_degree),
-                         values_of(attribute, exact),
-                         {coarseness.begin(), coarseness.end()}};
+    const float step = step_of(attribute, options.steps, exact.cloud);
+    const Channels input{channels_of(attribute, cloud.sh_degree), values_of(attribute, step, exact),
+                         coarseness};
     const auto weights = rounding_weights(options.weights, order, coarseness);
     section.clear();
-    if (auto ok = encode_channels(input, step_of(attribute, options.steps),
-                                  {options.rate_weight, weights}, section);
-        !ok)
+    if (auto ok = encode_channels(input, step, {options.rate_weight, weights}, section); !ok)
       return in_attribute(attribute, ok.error());
     put_section(out, section);
     if (attribute != kScale && attribute != kOpacity) continue;  // nothing rests on it

@@ -3,56 +3,50 @@
 #include <algorithm>
 #include <cmath>
 
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
 #include "io/activation.h"
 
 namespace fluxgs::codec {
 namespace {
 
-// Measured on scenes trained from photos and on scans: with these, the same picture takes 1 to 2.5
-// bits a splat less for each of rotation, constant colour and the other harmonics; other exponents
-// within ±0.1 change little.
-constexpr double kRatioExponent = 0.5, kSizeExponent = 0.25, kColorExponent = 0.25;
-constexpr double kUsualRatio = 2.5;  // of the logarithms of the largest and the smallest scale
-constexpr double kFar = 4;           // logarithms beyond the mean count no more
-
-/// exp(−exponent·(x − mean of x)).
-std::vector<float> coarseness_of(const std::vector<double>& importance, double exponent) {
-  double mean = 0;
-  for (const double x : importance) mean += x / static_cast<double>(importance.size());
-  std::vector<float> result;
-  result.reserve(importance.size());
-  for (const double x : importance)
-    result.push_back(static_cast<float>(std::exp(-exponent * std::clamp(x - mean, -kFar, kFar))));
-  return result;
-}
+constexpr float kLongest = 50;               // or one splat would set the mean
+constexpr float kFlattest = 6.5f;            // thinner ones look the same
+constexpr float kLeastOpacity = 1e-3f;       // fainter ones are not drawn
+constexpr float kFinest = 6, kCoarsest = 2;  // logarithms of the step over the mean one
 
 }  // namespace
 
-std::vector<float> rotation_coarseness(std::span<const glm::vec3> log_scales) {
-  std::vector<double> size;
-  size.reserve(log_scales.size());
-  for (const glm::vec3& s : log_scales)
-    size.push_back((double{s.x} + double{s.y} + double{s.z}) / 3);
-  std::vector<float> result = coarseness_of(size, kSizeExponent);
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    const glm::vec3& s = log_scales[i];
-    const double ratio = double{std::max({s.x, s.y, s.z})} - double{std::min({s.x, s.y, s.z})};
-    result[i] *= static_cast<float>(
-        std::exp(-kRatioExponent * (std::min(ratio, kUsualRatio + kFar) - kUsualRatio)));
+std::vector<Extent> extents_of(std::span<const glm::vec3> log_scales) {
+  std::vector<Extent> extents;
+  extents.reserve(log_scales.size());
+  for (const glm::vec3& scales : log_scales) {
+    const glm::vec3 s = glm::clamp(scales, -kLongest, kLongest);
+    const float longest = std::max({s.x, s.y, s.z}), shortest = std::min({s.x, s.y, s.z});
+    const float middle = std::max(std::min(s.x, s.y), std::min(std::max(s.x, s.y), s.z));
+    const float least = longest - kFlattest;
+    extents.emplace_back(longest, std::max(middle, least), std::max(shortest, least), 0.0f);
   }
-  return result;
+  return extents;
 }
 
-std::vector<float> color_coarseness(std::span<const glm::vec3> log_scales,
-                                    std::span<const float> opacity_logits) {
-  std::vector<double> cover;
-  cover.reserve(log_scales.size());
-  for (std::size_t i = 0; i < log_scales.size(); ++i) {
-    const glm::vec3& s = log_scales[i];
-    const double area = double{s.x} + double{s.y} + double{s.z} - double{std::min({s.x, s.y, s.z})};
-    cover.push_back(area + std::log(std::max(double{io::sigmoid(opacity_logits[i])}, 1e-3)));
+void set_opacities(std::span<Extent> extents, std::span<const float> opacity_logits) {
+  for (std::size_t i = 0; i < extents.size(); ++i)
+    extents[i].w = std::log(std::max(io::sigmoid(opacity_logits[i]), kLeastOpacity));
+}
+
+std::vector<float> coarseness_of(const Importance& importance, std::span<const Extent> extents) {
+  std::vector<float> result;
+  result.reserve(extents.size());
+  double sum = 0;
+  for (const Extent& extent : extents) {
+    result.push_back(glm::dot(importance, extent));
+    sum += double{result.back()};
   }
-  return coarseness_of(cover, kColorExponent);
+  const auto mean = static_cast<float>(sum / static_cast<double>(extents.size()));
+  for (float& x : result) x = std::exp(std::clamp(mean - x, -kFinest, kCoarsest));
+  return result;
 }
 
 }  // namespace fluxgs::codec

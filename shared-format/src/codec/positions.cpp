@@ -13,7 +13,9 @@
 namespace fluxgs::codec {
 namespace {
 
-constexpr double kMostSteps = 0x1p30;
+// Draco's encoder counts every number up to the largest: 2²⁴ steps take it 130 MB for a moment, 2³⁰
+// would take 8 GB.
+constexpr double kMostSteps = 0x1p24;
 constexpr std::size_t kFewest = 1, kMost = std::size_t{1} << 30;
 
 using Cell = std::array<std::int32_t, 3>;

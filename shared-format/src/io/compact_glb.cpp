@@ -26,13 +26,13 @@ using nlohmann::json;
 
 // Measured on scans and on scenes trained from photos: at these ratios a bit more for any attribute
 // buys about the same error.
-constexpr double kPositionPerSize = 0.35;
+constexpr double kPositionPerSize = 0.36;
 constexpr CompactSteps kUsual{.position = 0,
-                              .log_scale = 0.2f,
-                              .rotation = 0.05f,
-                              .opacity = 0.035f,
-                              .sh_dc = 0.15f,
-                              .sh_rest = 0.15f};
+                              .log_scale = 0.4f,
+                              .rotation = 0.085f,
+                              .opacity = 0.045f,
+                              .sh_dc = 0.26f,
+                              .sh_rest = 0.18f};
 
 /// The median over the splats of the geometric mean of their standard deviations.
 double median_size(const SplatCloud& cloud) {
@@ -188,7 +188,7 @@ double finest_position_step(const SplatCloud& cloud) {
     high = glm::max(high, glm::dvec3(cloud.positions[i]));
   }
   const glm::dvec3 extent = high - low;
-  return std::max(std::max({extent.x, extent.y, extent.z}) * 0x1p-29, 1e-30);
+  return std::max(std::max({extent.x, extent.y, extent.z}) * 0x1p-23, 1e-30);
 }
 
 CompactSteps usual_compact_steps(const SplatCloud& cloud, double coarseness) {

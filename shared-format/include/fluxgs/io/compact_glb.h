@@ -14,13 +14,15 @@
 
 namespace fluxgs {
 
-/// How coarsely each attribute is rounded: smaller steps, more bytes, less error. All > 0.
+/// How coarsely each attribute is rounded: smaller steps, more bytes, less error. All > 0. Those of
+/// positions are the same everywhere, the others hold for splats of usual size and opacity; large
+/// and opaque ones are rounded less (importance.h).
 struct CompactSteps {
   double position = 1e-3;  ///< scene units
   float log_scale = 0.2f;  ///< of the natural logarithm
-  float rotation = 0.06f;  ///< of the quaternion's x, y, z; for usual splats, see importance.h
+  float rotation = 0.06f;  ///< of the quaternion's x, y, z
   float opacity = 0.06f;   ///< of asin(√opacity)·2/π, 0…1
-  float sh_dc = 0.08f;     ///< of the coefficient, 0.28 of which is colour; for usual splats
+  float sh_dc = 0.08f;     ///< of the coefficient, 0.28 of which is colour
   float sh_rest = 0.1f;
   float energy = 0.1f;  ///< of the networks' input, which then stands for the two above
 };
@@ -30,7 +32,7 @@ struct CompactSteps {
 /// relative to the median size of the splats, or as finely as a file can.
 CompactSteps usual_compact_steps(const SplatCloud& cloud, double coarseness = 1);
 
-/// The finest step of positions that a file can have: it counts fewer than 2³⁰ along an axis.
+/// The finest step of positions that a file can have: it counts fewer than 2²⁴ along an axis.
 double finest_position_step(const SplatCloud& cloud);
 
 /// Every step times `factor`.

@@ -23,6 +23,12 @@ glm::dmat3 shape_of(const SplatCloud& cloud, std::size_t i) {
   return sum;
 }
 
+std::vector<float> color_coarseness(const SplatCloud& cloud) {
+  auto extents = extents_of(cloud.log_scales);
+  set_opacities(extents, cloud.opacity_logits);
+  return coarseness_of(kColorImportance, extents);
+}
+
 double difference(const glm::dmat3& a, const glm::dmat3& b) {
   double squares = 0, size = 0;
   for (int c = 0; c < 3; ++c)
@@ -49,7 +55,7 @@ TEST(Compact, ErrorsFollowTheSteps) {
     const auto order = morton_order(cloud.positions);
     const auto rest = static_cast<std::size_t>(sh_rest_count(degree));
     const double root = std::sqrt(3.0 * static_cast<double>(rest)) / 2;
-    const auto coarseness = color_coarseness(back->log_scales, back->opacity_logits);
+    const auto coarseness = color_coarseness(*back);
     for (std::size_t k = 0; k < cloud.size(); ++k) {
       const std::uint32_t i = order[k];
       ASSERT_LE(glm::distance(back->positions[k], cloud.positions[i]), 0.87e-3f);
@@ -111,6 +117,37 @@ TEST(Compact, EncodingAgainIsStable) {
     ASSERT_LE(glm::distance(twice->positions[k], once->positions[order[k]]), 0.87e-3f);
 }
 
+TEST(Compact, LargeSplatsAreMoreExact) {
+  const SplatCloud cloud = test::random_cloud(2000, 0, 9);
+  constexpr float kStep = 0.1f;
+  const CompactOptions options{.steps = {.log_scale = kStep}, .rate_weight = 0};
+  const auto back = decode_compact(*encode_compact(cloud, options), cloud.size(), 0);
+  ASSERT_TRUE(back) << back.error().message();
+  const auto order = morton_order(cloud.positions);
+  double mean = 0;
+  for (const glm::vec3& s : cloud.log_scales)
+    mean += double{s.x + s.y + s.z} / (3 * static_cast<double>(cloud.size()));
+  const double root_step = 0.5 * double{kStep} * std::exp(mean / 2);
+  for (std::size_t k = 0; k < cloud.size(); ++k)
+    for (int c = 0; c < 3; ++c) {
+      const auto root = [&](const glm::vec3& s) { return std::exp(double{s[c]} / 2); };
+      ASSERT_NEAR(root(back->log_scales[k]), root(cloud.log_scales[order[k]]), 0.87 * root_step);
+    }
+}
+
+// From a millionth of an atom to beyond all pictures
+TEST(Compact, ScalesOfAnySizeComeBackFinite) {
+  SplatCloud cloud = test::random_cloud(50, 1, 10);
+  cloud.log_scales[3] = glm::vec3(80, -80, 0);
+  cloud.log_scales[4] = glm::vec3(-1e30f, -200, 200);
+  cloud.log_scales[5] = glm::vec3(1e30f);
+  const auto bytes = encode_compact(cloud, {});
+  ASSERT_TRUE(bytes) << bytes.error().message();
+  const auto back = decode_compact(*bytes, cloud.size(), 1);
+  ASSERT_TRUE(back) << back.error().message();
+  EXPECT_EQ(count_non_finite(*back), 0u);
+}
+
 TEST(Compact, SmallScenes) {
   EXPECT_TRUE(encode_compact(SplatCloud(), {})->empty());
   EXPECT_EQ(decode_compact({}, 0, 2)->size(), 0u);
@@ -152,7 +189,7 @@ TEST(Compact, EnergyStandsForColours) {
   ASSERT_TRUE(decoded) << decoded.error().message();
   ASSERT_EQ(back.size(), energy.size());
   const auto order = morton_order(cloud.positions);
-  const auto coarseness = color_coarseness(decoded->log_scales, decoded->opacity_logits);
+  const auto coarseness = color_coarseness(*decoded);
   for (std::size_t i = 0; i < back.size(); ++i) {
     const std::size_t splat = i / kEnergyChannels;
     const float before = energy[order[splat] * kEnergyChannels + i % kEnergyChannels];

@@ -78,6 +78,8 @@ TEST(Positions, TooFineAGridIsAnError) {
   const auto done = encode_positions({{0, 0, 0}, {1e6f, 0, 0}}, 1e-6, bytes);
   ASSERT_FALSE(done);
   EXPECT_NE(done.error().what.find("steps"), std::string::npos);
+  EXPECT_TRUE(encode_positions({{0, 0, 0}, {0x1p24f - 1, 0, 0}}, 1, bytes));
+  EXPECT_FALSE(encode_positions({{0, 0, 0}, {0x1p24f, 0, 0}}, 1, bytes));
 }
 
 TEST(Positions, CutsLyingCountsAndDamage) {
