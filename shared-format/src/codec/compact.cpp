@@ -12,6 +12,7 @@
 #include "codec/importance.h"
 #include "codec/morton.h"
 #include "codec/positions.h"
+#include "codec/scales.h"
 #include "fluxgs/math/projection.h"
 #include "io/activation.h"
 #include "io/cloud_memory.h"
@@ -91,34 +92,6 @@ std::size_t channels_of(Attribute attribute, int sh_degree) {
   if (attribute == kOpacity) return 1;
   if (attribute == kEnergy) return kEnergyChannels;
   return attribute == kRest ? 3 * static_cast<std::size_t>(sh_rest_count(sh_degree)) : 3;
-}
-
-// Scales are stored as square roots of standard deviations, so that those of large splats are more
-// exact: d√σ = ½·√σ·d(ln σ).
-constexpr double kLargestRoot = 0x1p26, kSmallestRoot = 0x1p-4;  // in steps
-
-/// The step of scales of usual size is that of the options.
-float root_step(const std::vector<glm::vec3>& log_scales, float log_step) {
-  double sum = 0;
-  for (const glm::vec3& s : log_scales)
-    for (int c = 0; c < 3; ++c) sum += std::clamp(double{s[c]}, -50.0, 50.0);
-  const double mean = sum / (3 * static_cast<double>(log_scales.size()));
-  return static_cast<float>(std::clamp(0.5 * double{log_step} * std::exp(mean / 2), 1e-30, 1e30));
-}
-
-std::vector<float> roots_of(const std::vector<glm::vec3>& log_scales, float step) {
-  std::vector<float> roots;
-  roots.reserve(3 * log_scales.size());
-  const double most = kLargestRoot * double{step};  // larger ones fill any picture
-  for (const glm::vec3& s : log_scales)
-    for (int c = 0; c < 3; ++c)
-      roots.push_back(static_cast<float>(std::min(std::exp(double{s[c]} / 2), most)));
-  return roots;
-}
-
-void roots_to_logs(std::span<float> roots, float step) {
-  const float least = std::max(static_cast<float>(kSmallestRoot * double{step}), 1e-30f);
-  for (float& x : roots) x = 2 * std::log(std::max(x, least));
 }
 
 float step_of(Attribute attribute, const CompactSteps& steps, const SplatCloud& cloud) {
