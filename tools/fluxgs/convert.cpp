@@ -29,12 +29,14 @@ struct ConvertSettings {
   bool searches() const { return max_bytes || max_loss; }
 };
 
-/// A splat far from all others leaves few steps for them.
+/// A splat far from all others, or splats much smaller than the scene, leave few steps for each.
 void warn_of_outliers(const ConvertSettings& s, const SplatCloud& cloud) {
   const double step = usual_compact_steps(cloud).position;
   if (cloud.size() > 0 && step <= finest_position_step(cloud))
-    spdlog::warn("warning: {}: a few splats are so far away that positions are rounded to {:.3g}",
-                 s.in, step);
+    spdlog::warn(
+        "warning: {}: the scene is so much larger than its splats that positions are rounded to "
+        "{:.3g}",
+        s.in, step);
 }
 
 Expected<void> write_compact(const ConvertSettings& s, const SplatCloud& cloud) {

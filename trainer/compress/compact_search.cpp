@@ -151,7 +151,7 @@ Expected<std::optional<CompactTrial>> CompactSearch::solve(const CompactSteps& s
     } else {
       low = at, low_excess = excess, has_low = true;
       if (!best || goal.cost(*tried) < goal.cost(*best)) best = std::move(*tried);
-      if (excess > -kExcessThatIsNone || (goal.coarser_fits && best->mse < kInvisible)) break;
+      if (excess > -kExcessThatIsNone || best->mse <= goal.enough) break;
     }
     if (has_low && has_high) {
       // Along the straight line between the ends, now and then halving, so as not to get stuck
@@ -174,7 +174,7 @@ Expected<CompactTrial> CompactSearch::reach(const Goal& goal, CompactTrial& last
     if (!*found) break;
     const CompactSteps from = (*found)->options.steps;
     if (!best || goal.cost(**found) < goal.cost(*best)) best = std::move(**found);
-    if (round == kBalances || (goal.coarser_fits && best->mse < kInvisible)) break;
+    if (round == kBalances || best->mse <= goal.enough) break;
     const auto balance = balanced(from);
     if (!balance) return std::unexpected(balance.error());
     steps = *balance;
@@ -187,20 +187,21 @@ Expected<CompactTrial> CompactSearch::within_loss(double decibels) const {
   const double most = std::pow(10, -0.1 * decibels);
   const Goal goal{
       .coarser_fits = false,
+      .enough = 0,
       .excess = [most](const CompactTrial& t) { return std::log(std::max(t.mse, 1e-30) / most); },
       .cost = [](const CompactTrial& t) { return static_cast<double>(t.file.size()); }};
   CompactTrial last;
   auto result = reach(goal, last);
   if (result || !result.error().what.empty()) return result;
   return fail("", "loss",
-              fmt::format("the finest compact file is {:.2f} dB from the scene, expected {:g}; "
-                          "a plain one is exact",
+              fmt::format("the finest compact file is {:.2f} dB from the scene, expected {:g}",
                           last.psnr(), decibels));
 }
 
 Expected<CompactTrial> CompactSearch::within_bytes(std::size_t bytes) const {
   const auto most = static_cast<double>(std::max<std::size_t>(bytes, 1));
   const Goal goal{.coarser_fits = true,
+                  .enough = kInvisible,
                   .excess =
                       [most](const CompactTrial& t) {
                         return std::log(static_cast<double>(t.file.size()) / most);

@@ -54,7 +54,8 @@ class CompactSearch {
 
  private:
   struct Goal {
-    bool coarser_fits = false;                          ///< whether excess falls as steps grow
+    bool coarser_fits = false;  ///< whether excess falls as steps grow
+    double enough = 0;          ///< the mse at which pictures tell nothing more
     std::function<double(const CompactTrial&)> excess;  ///< > 0: too much
     std::function<double(const CompactTrial&)> cost;    ///< to be made small
   };

@@ -94,14 +94,9 @@ std::size_t channels_of(Attribute attribute, int sh_degree) {
   return attribute == kRest ? 3 * static_cast<std::size_t>(sh_rest_count(sh_degree)) : 3;
 }
 
-float step_of(Attribute attribute, const CompactSteps& steps, const SplatCloud& cloud) {
-  const float by_attribute[] = {0,
-                                root_step(cloud.log_scales, steps.log_scale),
-                                steps.opacity,
-                                steps.rotation,
-                                steps.sh_dc,
-                                steps.sh_rest,
-                                steps.energy};
+float step_of(Attribute attribute, const CompactSteps& steps) {
+  const float by_attribute[] = {0,           steps.log_scale, steps.opacity, steps.rotation,
+                                steps.sh_dc, steps.sh_rest,   steps.energy};
   return by_attribute[attribute];
 }
 
@@ -114,10 +109,10 @@ void put_vec3(std::vector<float>& out, const glm::vec3& v) {
   for (int c = 0; c < 3; ++c) out.push_back(v[c]);
 }
 
-std::vector<float> values_of(Attribute attribute, float step, Content& content) {
+/// All but the scales.
+std::vector<float> values_of(Attribute attribute, Content& content) {
   if (attribute == kEnergy) return content.energy;
   SplatCloud& cloud = content.cloud;
-  if (attribute == kScale) return roots_of(cloud.log_scales, step);
   std::vector<float> out;
   out.reserve(cloud.size() * channels_of(attribute, cloud.sh_degree));
   if (attribute == kOpacity)
@@ -248,12 +243,15 @@ Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactOptions& op
   Content decoded = exact;
   for (const Attribute attribute : attributes_of(exact.has_energy, cloud.sh_degree)) {
     const auto coarseness = decoded.coarseness_of(attribute);
-    const float step = step_of(attribute, options.steps, exact.cloud);
-    const Channels input{channels_of(attribute, cloud.sh_degree), values_of(attribute, step, exact),
+    Stepped numbers = attribute == kScale
+                          ? roots_of(exact.cloud.log_scales, options.steps.log_scale)
+                          : Stepped{values_of(attribute, exact), step_of(attribute, options.steps)};
+    const Channels input{channels_of(attribute, cloud.sh_degree), std::move(numbers.values),
                          coarseness};
     const auto weights = rounding_weights(options.weights, order, coarseness);
     section.clear();
-    if (auto ok = encode_channels(input, step, {options.rate_weight, weights}, section); !ok)
+    if (auto ok = encode_channels(input, numbers.step, {options.rate_weight, weights}, section);
+        !ok)
       return in_attribute(attribute, ok.error());
     put_section(out, section);
     if (attribute != kScale && attribute != kOpacity) continue;  // nothing rests on it

@@ -9,11 +9,15 @@
 
 namespace fluxgs::codec {
 
-/// The step of roots that is a step of `log_step` for a splat of the mean logarithm.
-float root_step(std::span<const glm::vec3> log_scales, float log_step);
+/// Numbers of all splats and what they are rounded to.
+struct Stepped {
+  std::vector<float> values;
+  float step = 1;
+};
 
-/// Three roots a splat. Those of more than 2²⁶ steps, which fill any picture, are cut.
-std::vector<float> roots_of(std::span<const glm::vec3> log_scales, float step);
+/// Three roots a splat; their step is one of `log_step` for a splat of the mean logarithm. Those of
+/// e^18 times the mean standard deviation, or of more than 2²⁶ steps, fill any picture and are cut.
+Stepped roots_of(std::span<const glm::vec3> log_scales, float log_step);
 
 /// Back, in place. Roots below 1/16 of the step, to which rounding leads, count as that much.
 void roots_to_logs(std::span<float> roots, float step);

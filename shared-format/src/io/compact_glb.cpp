@@ -43,7 +43,7 @@ double median_size(const SplatCloud& cloud) {
   if (sizes.empty()) return 1;
   const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
   std::ranges::nth_element(sizes, middle);
-  return std::exp(double{*middle});
+  return std::exp(std::clamp(double{*middle}, -60.0, 60.0));  // sizes beyond are no lengths
 }
 
 /// Accessors without data, which share what is alike.

@@ -55,7 +55,7 @@ Expected<std::vector<std::byte>> encode_splat(const SplatCloud& cloud, const std
   if (!finite) return std::unexpected(finite.error());
   const SplatCloud& splats = **finite;
   if (splats.size() == 0) {
-    return fail(name, "scene", "has no splats; a .splat holds at least one (a .ply or .glb none)");
+    return fail(name, "scene", "has no splats; a .splat holds at least one (other formats none)");
   }
   auto bytes = allocate_bytes(splats.size() * sizeof(SplatRecord), name);
   if (!bytes) return bytes;

@@ -129,6 +129,16 @@ TEST(CompactGlb, ValuesBeyondTheStepsReachAreAnError) {
   EXPECT_TRUE(usual) << usual.error().message();
 }
 
+TEST(CompactGlb, SplatsOfAbsurdSizesAreWrittenWithUsualSteps) {
+  for (const float log_scale : {1e30f, -1e30f, 80.0f, -80.0f}) {
+    SplatCloud cloud = random_cloud(20, 1);
+    for (glm::vec3& s : cloud.log_scales) s = glm::vec3(log_scale, -log_scale, log_scale);
+    const auto glb = encode_compact_glb(cloud, {usual_compact_steps(cloud)}, "x.glb");
+    ASSERT_TRUE(glb) << log_scale << ": " << glb.error().message();
+    EXPECT_EQ(read(*glb)->cloud.size(), 20u);
+  }
+}
+
 TEST(CompactGlb, WeightsMustBeOneForEachSplat) {
   SplatCloud cloud = random_cloud(20, 0);
   const auto wrong = encode_compact_glb(cloud, {.weights = {1, 2}}, "x.glb");

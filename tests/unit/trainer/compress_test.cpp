@@ -100,6 +100,15 @@ TEST(CompactSearch, StaysWithinTheLossAndUsesIt) {
   }
 }
 
+TEST(CompactSearch, PicturesThatShowNothingAreNoReasonForCoarseSteps) {
+  Fixture f;
+  for (glm::vec3& dc : f.cloud.sh_dc) dc = glm::vec3(-100);  // black on black
+  const SceneError error(f.cloud, some_cameras(), {}, f.threads);
+  const auto found = CompactSearch(f.cloud, error, f.options).within_loss(40);
+  ASSERT_TRUE(found) << found.error().message();
+  EXPECT_EQ(found->options.steps.position, f.options.steps.position);
+}
+
 TEST(CompactSearch, StaysWithinTheBytesAndUsesThem) {
   const Fixture f;
   const CompactSearch search(f.cloud, f.error, f.options);

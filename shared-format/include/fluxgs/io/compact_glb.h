@@ -75,8 +75,9 @@ struct CompactOptions {
 /// Write one node with one POINTS primitive in the Morton order of the positions. Without plain
 /// attributes the file is smallest, and the extension is listed as required; with them it is larger
 /// than encode_glb's, and opens in every viewer of KHR_gaussian_splatting. Splats with a NaN or
-/// infinity are left out. A scene without splats is written without a mesh. An error names an
-/// attribute whose values are beyond its step's reach, or weights that are not one for each splat.
+/// infinity are left out. Scales of e^18 times the mean or more are cut to that. A scene without
+/// splats is written without a mesh. An error names an attribute whose values are beyond its step's
+/// reach, or weights that are not one for each splat.
 Expected<std::vector<std::byte>> encode_compact_glb(const SplatCloud& cloud,
                                                     const CompactOptions& options,
                                                     const std::string& name);
