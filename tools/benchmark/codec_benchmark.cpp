@@ -9,12 +9,12 @@
 #include <fmt/format.h>
 #include <zstd.h>
 #include <CLI/CLI.hpp>
-#include <glm/exponential.hpp>
 #include <opencv2/core.hpp>
 
 #include "codec/channels.h"
 #include "codec/rans.h"
 #include "codec/rounding.h"
+#include "codec/scales.h"
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/io/file.h"
 #include "fluxgs/io/scene.h"
@@ -58,22 +58,13 @@ void append(Channels& to, const glm::vec3& v) {
   for (int c = 0; c < 3; ++c) to.values.push_back(v[c]);
 }
 
-/// Mean logarithm of the standard deviations.
-float mean_log_scale(const SplatCloud& cloud) {
-  double sum = 0;
-  for (const glm::vec3& s : cloud.log_scales) sum += double{s.x} + double{s.y} + double{s.z};
-  return static_cast<float>(sum / (3 * static_cast<double>(cloud.size())));
-}
-
-/// Attributes of a scene in the order of a compact file. Scales are square roots as in the codec,
-/// in units that make a step of theirs one of the logarithm for splats of usual size.
+/// Attributes of a scene in the order of a compact file.
 std::vector<Attribute> attributes_of(const SplatCloud& cloud, const CompactSteps& steps) {
-  std::vector<Attribute> list{{"scale", {3, {}}, steps.log_scale},
+  codec::Stepped roots = codec::roots_of(cloud.log_scales, steps.log_scale);
+  std::vector<Attribute> list{{"scale", {3, std::move(roots.values)}, roots.step},
                               {"rotation", {3, {}}, steps.rotation},
                               {"sh_dc", {3, {}}, steps.sh_dc}};
-  const float mean = mean_log_scale(cloud);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    append(list[0].values, 2.0f * glm::exp(0.5f * (cloud.log_scales[i] - mean)));
     const glm::quat q = cloud.rotations[i];
     append(list[1].values, glm::vec3(q.x, q.y, q.z) * (q.w < 0 ? -1.0f : 1.0f));
     append(list[2].values, cloud.sh_dc[i]);
