@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <glm/packing.hpp>
 #include <map>
+#include <numbers>
 
 #include "gl_fixture.h"
 #include "scenes.h"
@@ -13,12 +14,15 @@ namespace fluxgs::test {
 namespace {
 
 struct Record {  // shaders/record.glsl
-  float x, y, xx, xy, yy, opacity;
+  float x, y, xx, xy, yy, level;
   std::uint32_t red_green, blue;
 
   glm::vec3 color() const { return {glm::unpackHalf2x16(red_green), glm::unpackHalf2x16(blue).x}; }
 };
-static_assert(sizeof(Record) == render::kRecordBytes);
+static_assert(sizeof(Record) == render::record_bytes(render::RecordPrecision::full));
+
+// From Record's factor, whose squares are exponents of 2, to Footprint's.
+const double kFromLevels = 1 / std::sqrt(0.5 * std::numbers::log2e);
 
 // The greatest differences from the reference over all splats of a picture.
 struct Errors {
@@ -35,18 +39,18 @@ bool touches(const ReferenceSplat& s, const Camera& c, double slack) {
          s.y + s.half_height > -slack && s.y - s.half_height < c.height + slack;
 }
 
-void measure(const ReferenceSplat& s, const Record& r, std::uint32_t key, Errors& e) {
+void measure(const ReferenceSplat& s, const Record& r, float depth, Errors& e) {
   const auto worst = [](double& into, double error) { into = std::max(into, std::abs(error)); };
   const double row = std::hypot(s.xx, s.xy);
   worst(e.centre, r.x - s.x);
   worst(e.centre, r.y - s.y);
-  worst(e.factor, (r.xx - s.xx) / row);
-  worst(e.factor, (r.xy - s.xy) / row);
-  worst(e.factor, (r.yy - s.yy) / s.yy);
-  worst(e.opacity, r.opacity - s.opacity);
+  worst(e.factor, (r.xx * kFromLevels - s.xx) / row);
+  worst(e.factor, (r.xy * kFromLevels - s.xy) / row);
+  worst(e.factor, (r.yy * kFromLevels - s.yy) / s.yy);
+  worst(e.opacity, std::exp2(r.level) - s.opacity);
   const glm::vec3 color = r.color();
   for (int c = 0; c < 3; ++c) worst(e.color, (color[c] - s.color[c]) / std::max(1.0, s.color[c]));
-  worst(e.depth, std::bit_cast<float>(key) / s.depth - 1);
+  worst(e.depth, depth / s.depth - 1);
   ++e.compared;
 }
 
@@ -56,7 +60,11 @@ class ProjectionTest : public GlTest {
     must(renderer().upload(cloud));
     const auto target = must(render::RenderTarget::create(api(), camera.width, camera.height,
                                                           render::TargetFormat::rgba8));
+    must(renderer().set_shortcuts({.key_bits = 32}));  // The depths with all their bits
     must(renderer().draw(camera, options, target));
+    must(renderer().set_shortcuts({}));
+    const std::uint32_t nearest =
+        render::choose_keys(camera, options, render::pack_scene(cloud).constants, 32).low;
     const auto keys = must(renderer().projection().keys().read_all<std::uint32_t>(cloud.size()));
     const auto records = must(renderer().projection().records().read_all<Record>(cloud.size()));
 
@@ -69,7 +77,7 @@ class ProjectionTest : public GlTest {
       if (s == wanted.end()) {
         e.wrongly_kept += kept;
       } else if (kept) {
-        measure(s->second, records[i], keys[i], e);
+        measure(s->second, records[i], std::bit_cast<float>(keys[i] + nearest), e);
         e.wrongly_kept += !touches(s->second, camera, 1.0);
       } else {
         e.wrongly_culled += touches(s->second, camera, -0.25);

@@ -26,11 +26,11 @@ TEST(PackScene, PutsEveryAttributeInItsPlace) {
   cloud.sh_rest = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}};
   const render::PackedScene scene = render::pack_scene(cloud);
   ASSERT_EQ(scene.geometry.size(), 4U);
-  EXPECT_EQ(scene.origin, glm::dvec3(1, 2, 3));
+  EXPECT_EQ(scene.constants.origin, glm::dvec3(1, 2, 3));
   const auto near = [&](std::size_t row, std::array<float, 4> wanted) {
     for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(scene.geometry[row][i], wanted[i], 1e-6F);
   };
-  near(0, {0, 0, 0, 0.75F});
+  near(0, {0, 0, 0, std::log2(0.75F)});
   near(1, {0.5F, 0.25F, 2, 0.25F});
   near(2, {0, 0.6F, 0.8F, 0});  // x y z w, of length 1
   near(3, {0.5F, 1, 0, 0});
@@ -43,12 +43,14 @@ TEST(PackScene, OriginIgnoresStraysAndKeepsBits) {
   for (const float x : {1e5F, 1e5F + 1, 1e5F + 2, 1e30F, std::nanf("")})
     add(cloud, {.position = {x, 0, 0}});
   const render::PackedScene scene = render::pack_scene(cloud);
-  EXPECT_EQ(scene.origin.x, 1e5 + 1);
+  EXPECT_EQ(scene.constants.origin.x, 1e5 + 1);
   EXPECT_EQ(scene.geometry[0][0], -1.0F);
   EXPECT_EQ(scene.geometry[8][0], 1.0F);
   EXPECT_EQ(scene.undrawable, 2U);
-  EXPECT_EQ(scene.geometry[12][3], 0.0F);
-  EXPECT_EQ(scene.geometry[16][3], 0.0F);
+  EXPECT_EQ(scene.geometry[12][3], -1e30F);
+  EXPECT_EQ(scene.geometry[16][3], -1e30F);
+  EXPECT_EQ(scene.constants.lowest.x, -1.0);  // The box holds those that are drawn
+  EXPECT_EQ(scene.constants.highest.x, 1.0);
 }
 
 TEST(PackScene, AnEmptyCloudIsEmpty) {

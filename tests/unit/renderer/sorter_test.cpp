@@ -1,4 +1,4 @@
-// The GPU sort against std::stable_sort.
+// The sorts of keys, on the GPU and on the CPU, against std::stable_sort.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +7,7 @@
 #include <random>
 
 #include "gl_fixture.h"
+#include "sort/cpu_radix_sort.h"
 #include "sort/gpu_radix_sorter.h"
 
 namespace fluxgs::test {
@@ -28,22 +29,28 @@ class SorterTest : public GlTest {
  protected:
   static constexpr std::uint32_t kSpare = 128;
 
-  void expect_sorted(sort::Sorter& sorter, const Keys& keys, const std::string& label) {
+  void expect_sorted(sort::GpuRadixSorter& sorter, const Keys& keys, const std::string& label,
+                     int key_bits = 32) {
     const auto count = static_cast<std::uint32_t>(keys.size());
     const gl::Buffer source =
         must(gl::Buffer::create(api(), keys.size() * sizeof(keys[0]), keys.data()));
-    sorter.sort(source, count);
+    sorter.sort_keys(source, count, key_bits);
     const Keys expected = expected_order(keys);
     ASSERT_EQ(must(sorter.count().read_all<std::uint32_t>(1)).front(), expected.size()) << label;
     EXPECT_EQ(must(sorter.order().read_all<std::uint32_t>(expected.size())), expected) << label;
   }
 
-  void for_both_widths(const Keys& keys, const std::string& label) {
-    for (const int bits : {4, 8}) {
+  // The GPU's sort with several digits, and the CPU's.
+  void for_all_sorts(const Keys& keys, const std::string& label, int key_bits = 32) {
+    for (const int bits : {4, 7, 8}) {
       const auto sorter = must(sort::GpuRadixSorter::create(api(), bits));
-      must(sorter->reserve(static_cast<std::uint32_t>(keys.size()), kSpare));
-      expect_sorted(*sorter, keys, label + ", " + std::to_string(bits) + " bits");
+      must(sorter->set_scene(static_cast<std::uint32_t>(keys.size()), kSpare, {}));
+      expect_sorted(*sorter, keys, label + ", " + std::to_string(bits) + " bits", key_bits);
     }
+    sort::RadixScratch scratch(keys.size());
+    Keys order(keys.size());
+    order.resize(sort::radix_sort(keys, key_bits, scratch, order));
+    EXPECT_EQ(order, expected_order(keys)) << label << ", CPU";
   }
 };
 
@@ -58,9 +65,9 @@ Keys random_keys(std::size_t count, std::uint32_t below, std::uint32_t seed) {
 TEST_P(SorterTest, EverySizeAroundTheBlocks) {
   const std::size_t sizes[] = {0,    1,    2,    31,   32,   33,   255,   256,  257,
                                2047, 2048, 2049, 4095, 4096, 4097, 32768, 32769};
-  for (const int bits : {4, 8}) {
+  for (const int bits : {4, 5, 6, 7, 8}) {
     const auto sorter = must(sort::GpuRadixSorter::create(api(), bits));
-    must(sorter->reserve(32769, kSpare));
+    must(sorter->set_scene(32769, kSpare, {}));
     for (const std::size_t size : sizes)
       expect_sorted(*sorter, random_keys(size, sort::kDropped, 1),
                     std::to_string(size) + " keys, " + std::to_string(bits) + " bits");
@@ -68,21 +75,21 @@ TEST_P(SorterTest, EverySizeAroundTheBlocks) {
 }
 
 TEST_P(SorterTest, AHundredThousand) {
-  for_both_widths(random_keys(100'000, sort::kDropped, 2), "random");
+  for_all_sorts(random_keys(100'000, sort::kDropped, 2), "random");
 }
 
 TEST_P(SorterTest, EqualKeysStayInOrder) {
-  for_both_widths(Keys(5000, 0), "all 0");
-  for_both_widths(Keys(5000, 0xFFFFFFFEU), "all at the maximum");
-  for_both_widths(random_keys(20'000, 3, 3), "three values");
+  for_all_sorts(Keys(5000, 0), "all 0");
+  for_all_sorts(Keys(5000, 0xFFFFFFFEU), "all at the maximum");
+  for_all_sorts(random_keys(20'000, 3, 3), "three values");
 }
 
 TEST_P(SorterTest, SortedAndReversedInput) {
   Keys keys(10'000);
   std::iota(keys.begin(), keys.end(), 0x12345678U);
-  for_both_widths(keys, "ascending");
+  for_all_sorts(keys, "ascending");
   std::ranges::reverse(keys);
-  for_both_widths(keys, "descending");
+  for_all_sorts(keys, "descending");
 }
 
 // Each digit alone decides: a pass that reads the wrong one cannot hide.
@@ -91,7 +98,7 @@ TEST_P(SorterTest, EveryBitCounts) {
   for (std::uint32_t bit = 0; bit < 32; ++bit) keys.push_back(1U << bit);
   for (std::uint32_t bit = 0; bit < 31; ++bit) keys.push_back(~(1U << bit));
   std::shuffle(keys.begin(), keys.end(), std::mt19937(4));
-  for_both_widths(keys, "bits");
+  for_all_sorts(keys, "bits");
 }
 
 TEST_P(SorterTest, DroppedKeysAreLeftOutInOrder) {
@@ -100,9 +107,9 @@ TEST_P(SorterTest, DroppedKeysAreLeftOutInOrder) {
       Keys keys = random_keys(size, 100, 5);
       for (std::size_t i = 0; i < size; ++i)
         if (i % keep_one_in != 0) keys[i] = sort::kDropped;
-      for_both_widths(keys, std::to_string(size) + ", one in " + std::to_string(keep_one_in));
+      for_all_sorts(keys, std::to_string(size) + ", one in " + std::to_string(keep_one_in));
     }
-    for_both_widths(Keys(size, sort::kDropped), "all dropped");
+    for_all_sorts(Keys(size, sort::kDropped), "all dropped");
   }
 }
 
@@ -118,19 +125,27 @@ TEST_P(SorterTest, DepthsAsKeys) {
   }
   const Keys order = expected_order(keys);
   EXPECT_TRUE(std::ranges::is_sorted(order, std::greater{}, [&](auto i) { return depths[i]; }));
-  for_both_widths(keys, "depths");
+  for_all_sorts(keys, "depths");
 }
 
 TEST_P(SorterTest, TheSameSorterServesFrameAfterFrame) {
   const auto sorter = must(sort::GpuRadixSorter::create(api(), 8));
-  must(sorter->reserve(9000, kSpare));
+  must(sorter->set_scene(9000, kSpare, {}));
   for (const std::size_t size : {9000, 10, 5000, 0, 9000})
     expect_sorted(*sorter, random_keys(size, 50, static_cast<std::uint32_t>(size)),
                   "frame of " + std::to_string(size));
 }
 
+// Every number of passes, with the key's last bit in every place of the last digit.
+TEST_P(SorterTest, NarrowKeys) {
+  for (const int bits : {10, 12, 14, 16, 17, 20, 21, 22, 24, 28, 31}) {
+    const Keys keys = random_keys(3000, 1U << bits, static_cast<std::uint32_t>(bits));
+    for_all_sorts(keys, std::to_string(bits) + "-bit keys", bits);
+  }
+}
+
 TEST_P(SorterTest, OtherDigitWidthsAreRefused) {
-  const auto sorter = sort::GpuRadixSorter::create(api(), 5);
+  const auto sorter = sort::GpuRadixSorter::create(api(), 9);
   ASSERT_FALSE(sorter);
   EXPECT_EQ(sorter.error().field, "digit_bits");
 }

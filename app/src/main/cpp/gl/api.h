@@ -20,7 +20,7 @@
 // clang-format off
 #define FLUXGS_GL_FUNCTIONS(X) \
   X(ActiveTexture) X(AttachShader) X(BindBuffer) X(BindBufferBase) X(BindFramebuffer) \
-  X(BindTexture) X(BindVertexArray) X(BlendFunc) X(BufferData) X(BufferSubData) \
+  X(BindTexture) X(BindVertexArray) X(BlendFuncSeparate) X(BufferData) X(BufferSubData) \
   X(CheckFramebufferStatus) X(ClearBufferfv) X(CompileShader) X(CreateProgram) X(CreateShader) \
   X(DeleteBuffers) X(DeleteFramebuffers) X(DeleteProgram) X(DeleteQueries) X(DeleteShader) \
   X(DeleteTextures) X(DeleteVertexArrays) X(Disable) X(DispatchCompute) \
@@ -29,7 +29,7 @@
   X(GenVertexArrays) X(GetError) X(GetInteger64v) X(GetIntegeri_v) X(GetIntegerv) \
   X(GetProgramInfoLog) X(GetProgramiv) X(GetShaderInfoLog) X(GetShaderiv) X(GetString) \
   X(GetStringi) X(LinkProgram) X(MapBufferRange) X(MemoryBarrier) X(PixelStorei) X(ReadPixels) \
-  X(ShaderSource) X(TexParameteri) X(TexStorage2D) X(Uniform1ui) X(UnmapBuffer) X(UseProgram) \
+  X(ShaderSource) X(TexParameteri) X(TexStorage2D) X(TexSubImage2D) X(Uniform1ui) X(Uniform2f) X(UnmapBuffer) X(UseProgram) \
   X(Viewport)
 // clang-format on
 

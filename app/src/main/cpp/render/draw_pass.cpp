@@ -24,13 +24,18 @@ std::vector<std::uint16_t> quad_indices(int quads) {
 
 }  // namespace
 
-Expected<DrawPass> DrawPass::create(gl::Api& api, int batch) {
+Expected<DrawPass> DrawPass::create(gl::Api& api, int batch, RecordPrecision precision,
+                                    bool texture_fetch) {
   if (batch < 1 || batch > kMostPerBatch) {
     return fail("renderer", "batch", std::to_string(batch) + " quads; 1…128 were expected");
   }
   DrawPass pass;
   pass.batch_ = batch;
-  const std::string defines[] = {"BATCH " + std::to_string(batch)};
+  pass.texture_fetch_ = texture_fetch;
+  const std::string batch_define = "BATCH " + std::to_string(batch);
+  std::vector<std::string> defines = {batch_define};
+  if (precision == RecordPrecision::half) defines.emplace_back("RECORD_HALF");
+  if (texture_fetch) defines.emplace_back("TEXTURE_FETCH");
   const gl::ShaderSource arguments{GL_COMPUTE_SHADER, "draw_arguments.comp",
                                    shaders::draw_arguments_comp};
   const std::array<gl::ShaderSource, 2> splat = {
@@ -40,7 +45,7 @@ Expected<DrawPass> DrawPass::create(gl::Api& api, int batch) {
   const std::size_t corner_bytes = corners.size() * sizeof(corners[0]);
   auto made = gl::in_turn(
       [&] {
-        return gl::take(gl::Program::create(api, {&arguments, 1}, defines),
+        return gl::take(gl::Program::create(api, {&arguments, 1}, {&batch_define, 1}),
                         pass.arguments_program_);
       },
       [&] { return gl::take(gl::Program::create(api, splat, defines), pass.splat_program_); },
@@ -66,6 +71,11 @@ void DrawPass::write_arguments(gl::Api& api, const sort::Sorter& sorter) const {
   api.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
 }
 
+Expected<void> DrawPass::reserve(gl::Api& api, std::size_t record_bytes, std::size_t order_bytes) {
+  if (!texture_fetch_) return {};
+  return gl::take(VertexTextures::create(api, record_bytes, order_bytes), textures_);
+}
+
 void clear(gl::Api& api, const glm::dvec3& background, const RenderTarget& target) {
   target.blend_framebuffer().bind();
   const std::array<GLfloat, 4> color = {static_cast<float>(background.r),
@@ -78,11 +88,15 @@ void DrawPass::run(gl::Api& api, const gl::Buffer& records, const sort::Sorter& 
                    const glm::dvec3& background, const RenderTarget& target) const {
   write_arguments(api, sorter);
   clear(api, background, target);
-  api.Viewport(0, 0, target.width(), target.height());
+  api.Viewport(0, 0, target.blend_width(), target.blend_height());
   api.Enable(GL_BLEND);
-  api.BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  records.bind_base(GL_SHADER_STORAGE_BUFFER, 0);
-  sorter.order().bind_base(GL_SHADER_STORAGE_BUFFER, 1);
+  api.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  if (texture_fetch_) {
+    textures_.update(api, records, sorter.order());
+  } else {
+    records.bind_base(GL_SHADER_STORAGE_BUFFER, 0);
+    sorter.order().bind_base(GL_SHADER_STORAGE_BUFFER, 1);
+  }
   arguments_.bind(GL_DRAW_INDIRECT_BUFFER);
   splat_program_.use();
   vertex_array_.bind();

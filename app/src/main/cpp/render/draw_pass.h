@@ -6,6 +6,8 @@
 #include "gl/program.h"
 #include "gl/vertex_array.h"
 #include "render/render_target.h"
+#include "render/settings.h"
+#include "render/vertex_source.h"
 #include "sort/sorter.h"
 
 namespace fluxgs::render {
@@ -13,7 +15,11 @@ namespace fluxgs::render {
 class DrawPass {
  public:
   /// `batch`: quads per instance, 1…128. Instances of one quad are slow on every driver tried.
-  static Expected<DrawPass> create(gl::Api& api, int batch);
+  static Expected<DrawPass> create(gl::Api& api, int batch, RecordPrecision precision,
+                                   bool texture_fetch);
+
+  /// Makes room for records and an order of these sizes, if they come through textures.
+  Expected<void> reserve(gl::Api& api, std::size_t record_bytes, std::size_t order_bytes);
 
   /// Clears the target to the background and blends the sorted splats over it. The frame's uniforms
   /// must be bound at 0; the sorter must have room for batch() spare entries.
@@ -26,6 +32,8 @@ class DrawPass {
   void write_arguments(gl::Api& api, const sort::Sorter& sorter) const;
 
   int batch_ = 0;
+  bool texture_fetch_ = false;
+  VertexTextures textures_;
   gl::Program arguments_program_, splat_program_;
   gl::Buffer arguments_, indices_;
   gl::VertexArray vertex_array_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "fluxgs/math/projection.h"
@@ -67,11 +68,42 @@ Expected<void> check_view(const Camera& camera, const RenderOptions& options) {
   return gl::in_turn([&] { return check_camera(camera); }, [&] { return check_options(options); });
 }
 
+sort::DepthKeys choose_keys(const Camera& camera, const RenderOptions& options,
+                            const SceneConstants& scene, int key_bits) {
+  const glm::dvec3 centre = camera.center() - scene.origin;
+  const glm::dvec3 forward = camera.forward();
+  double nearest = 0, farthest = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double a = forward[axis] * (scene.lowest[axis] - centre[axis]);
+    const double b = forward[axis] * (scene.highest[axis] - centre[axis]);
+    nearest += std::min(a, b);
+    farthest += std::max(a, b);
+  }
+  // A little more than the box, for the rounding of the GPU's depths
+  constexpr double kSlack = 1e-4, kLargest = 1e30;
+  const double low = std::clamp(nearest * (1 - kSlack), options.near_plane, kLargest);
+  const double high = std::clamp(farthest * (1 + kSlack), low, kLargest);
+  return sort::depth_keys(static_cast<float>(low), static_cast<float>(high), key_bits);
+}
+
+namespace {
+
+// px: how far the picture's border can move before the splats are sorted again. A turn moves it by
+// the focal length times the angle at the centre, and by more at an angle to it.
+double sort_margin(const Camera& camera, double motion) {
+  if (motion == 0) return 0;
+  const double reach = std::max(std::max(camera.cx, camera.width - camera.cx) / camera.fx,
+                                std::max(camera.cy, camera.height - camera.cy) / camera.fy);
+  return 2 * motion * std::max(camera.fx, camera.fy) * (1 + reach * reach);
+}
+
+}  // namespace
+
 FrameUniforms make_frame_uniforms(const Camera& camera, const RenderOptions& options,
-                                  const glm::dvec3& origin, std::uint32_t splat_count,
-                                  int sh_degree) {
+                                  const Shortcuts& shortcuts, const SceneConstants& scene,
+                                  const sort::DepthKeys& keys) {
   const auto view = math::make_view<double>(camera, options);
-  const glm::dvec3 centre = camera.center() - origin;
+  const glm::dvec3 centre = camera.center() - scene.origin;
   FrameUniforms u{};
   u.rotation_row0 = pack(view.rotation.row0);
   u.rotation_row1 = pack(view.rotation.row1);
@@ -80,12 +112,20 @@ FrameUniforms make_frame_uniforms(const Camera& camera, const RenderOptions& opt
   u.focal_centre = pack(view.fx, view.fy, view.cx, view.cy);
   u.slope_limits = pack(view.slope_x_min, view.slope_x_max, view.slope_y_min, view.slope_y_max);
   u.target_size = {static_cast<float>(view.width), static_cast<float>(view.height)};
-  u.alpha_min = static_cast<float>(options.alpha_min);
+  u.level_min = static_cast<float>(std::log2(options.alpha_min));
   u.alpha_max = static_cast<float>(options.alpha_max);
   u.dilation = static_cast<float>(view.dilation);
   u.near_plane = static_cast<float>(view.near_plane);
-  u.splat_count = splat_count;
-  u.sh_degree = static_cast<std::uint32_t>(std::min(options.sh_degree, sh_degree));
+  u.splat_count = scene.count;
+  u.sh_degree = static_cast<std::uint32_t>(std::min(options.sh_degree, scene.sh_degree));
+  // In the units of Record::factor, whose square is a power of two's exponent: ½·log2 e
+  const double deviations = shortcuts.max_deviations > 0 ? shortcuts.max_deviations : 1e3;
+  u.radius_max = static_cast<float>(deviations * std::sqrt(0.5 * std::numbers::log2e));
+  u.size_min = static_cast<float>(shortcuts.min_size);
+  u.sort_margin = static_cast<float>(sort_margin(camera, shortcuts.resort_motion));
+  u.key_low = keys.low;
+  u.key_shift = keys.shift;
+  u.key_max = keys.largest;
   return u;
 }
 

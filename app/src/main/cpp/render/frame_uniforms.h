@@ -7,6 +7,9 @@
 #include "fluxgs/camera.h"
 #include "fluxgs/error.h"
 #include "fluxgs/render_options.h"
+#include "render/scene_constants.h"
+#include "render/settings.h"
+#include "sort/depth_keys.h"
 
 namespace fluxgs::render {
 
@@ -17,21 +20,27 @@ struct FrameUniforms {
   std::array<float, 4> focal_centre;
   std::array<float, 4> slope_limits;
   std::array<float, 2> target_size;
-  float alpha_min, alpha_max;
+  float level_min, alpha_max;
   float dilation, near_plane;
   std::uint32_t splat_count, sh_degree;
+  float radius_max, size_min, sort_margin;
+  std::uint32_t key_low, key_shift, key_max;
+  std::array<std::uint32_t, 2> unused;
 };
-static_assert(sizeof(FrameUniforms) == 128, "std140 wants multiples of 16 bytes, without gaps");
+static_assert(sizeof(FrameUniforms) == 160, "std140 wants multiples of 16 bytes");
 
 /// Fails, naming the field, on a camera or options that no picture can be made with: sizes or
 /// focal lengths that are not positive, anything not finite, cut-offs outside (0, 1), a degree
 /// outside 0…3.
 Expected<void> check_view(const Camera& camera, const RenderOptions& options);
 
-/// `origin` is the world point that the scene's positions are relative to; `sh_degree` the
-/// scene's own. Precondition: check_view() passed.
+/// The depth keys of a view: of the depths that the scene's splats can have in it.
+sort::DepthKeys choose_keys(const Camera& camera, const RenderOptions& options,
+                            const SceneConstants& scene, int key_bits);
+
+/// Precondition: check_view() and check_shortcuts() passed.
 FrameUniforms make_frame_uniforms(const Camera& camera, const RenderOptions& options,
-                                  const glm::dvec3& origin, std::uint32_t splat_count,
-                                  int sh_degree);
+                                  const Shortcuts& shortcuts, const SceneConstants& scene,
+                                  const sort::DepthKeys& keys);
 
 }  // namespace fluxgs::render

@@ -1,27 +1,35 @@
 #include "render/projection_pass.h"
 
+#include <string>
+#include <vector>
+
 #include "gl/steps.h"
+#include "render/vertex_source.h"
 #include "shaders/shaders.h"
 
 namespace fluxgs::render {
 namespace {
 
-constexpr std::uint32_t kThreads = 256;  // shaders/project.comp
+constexpr std::uint32_t kThreads = 128;  // shaders/project.comp
 constexpr GLint kHarmonicsStride = 0;
 
 }  // namespace
 
-Expected<ProjectionPass> ProjectionPass::create(gl::Api& api) {
+Expected<ProjectionPass> ProjectionPass::create(gl::Api& api, RecordPrecision precision) {
   const gl::ShaderSource source{GL_COMPUTE_SHADER, "project.comp", shaders::project_comp};
   ProjectionPass pass;
-  auto compiled = gl::take(gl::Program::create(api, {&source, 1}), pass.program_);
+  pass.precision_ = precision;
+  std::vector<std::string> defines;
+  if (precision == RecordPrecision::half) defines.emplace_back("RECORD_HALF");
+  auto compiled = gl::take(gl::Program::create(api, {&source, 1}, defines), pass.program_);
   if (!compiled) return std::unexpected(compiled.error());
   return pass;
 }
 
 Expected<void> ProjectionPass::reserve(gl::Api& api, std::uint32_t count) {
+  const std::size_t bytes = texture_padded(record_bytes(precision_) * (std::size_t{count} + 1));
   return gl::in_turn(
-      [&] { return gl::take(gl::Buffer::create(api, kRecordBytes * count), records_); },
+      [&] { return gl::take(gl::Buffer::create(api, bytes), records_); },
       [&] { return gl::take(gl::Buffer::create(api, sizeof(std::uint32_t) * count), keys_); });
 }
 
@@ -32,7 +40,7 @@ void ProjectionPass::run(gl::Api& api, const SceneBuffers& scene) const {
   keys_.bind_base(GL_SHADER_STORAGE_BUFFER, 3);
   program_.use();
   api.Uniform1ui(kHarmonicsStride, scene.harmonics_stride);
-  api.DispatchCompute((scene.count + kThreads - 1) / kThreads, 1, 1);
+  api.DispatchCompute(scene.constants.count / kThreads + 1, 1, 1);
   api.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 

@@ -3,15 +3,13 @@
 
 #include "gl/program.h"
 #include "render/scene_buffers.h"
+#include "render/settings.h"
 
 namespace fluxgs::render {
 
-/// Bytes of one record, shaders/record.glsl.
-inline constexpr std::size_t kRecordBytes = 32;
-
 class ProjectionPass {
  public:
-  static Expected<ProjectionPass> create(gl::Api& api);
+  static Expected<ProjectionPass> create(gl::Api& api, RecordPrecision precision);
 
   /// Makes room for a scene of that many splats.
   Expected<void> reserve(gl::Api& api, std::uint32_t count);
@@ -20,12 +18,13 @@ class ProjectionPass {
   /// Precondition: scene.count ≤ what was reserved.
   void run(gl::Api& api, const SceneBuffers& scene) const;
 
-  /// One per splat, at its index; valid where its key is not kDropped.
+  /// One per splat, at its index, and an empty one behind the last. shaders/record.glsl
   const gl::Buffer& records() const { return records_; }
-  /// One per splat: the bits of its depth, or sort::kDropped.
+  /// One per splat: the key of its depth, or sort::kDropped.
   const gl::Buffer& keys() const { return keys_; }
 
  private:
+  RecordPrecision precision_ = RecordPrecision::full;
   gl::Program program_;
   gl::Buffer records_, keys_;
 };

@@ -1,6 +1,7 @@
 #include "render/render_target.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <string>
 
@@ -35,6 +36,27 @@ Expected<void> check_formats(const gl::Capabilities& driver, TargetFormat format
   return {};
 }
 
+Expected<void> check_scale(double scale) {
+  if (scale > 0 && scale <= 1) return {};
+  return fail("render target", "scale", std::to_string(scale) + "; more than 0 to 1 was expected");
+}
+
+int scaled_size(int size, double scale) {
+  return std::max(1, static_cast<int>(std::lround(size * scale)));
+}
+
+GLenum blend_format(TargetFormat format, Accumulation accumulation) {
+  switch (accumulation) {
+    case Accumulation::single_float:
+      return GL_RGBA32F;
+    case Accumulation::half_float:
+      return GL_RGBA16F;
+    case Accumulation::direct:
+      break;
+  }
+  return internal_format(format);
+}
+
 Expected<void> attach(gl::Api& api, GLenum format, int width, int height, gl::Texture& texture,
                       gl::Framebuffer& framebuffer) {
   auto made = gl::Texture::create(api, format, width, height);
@@ -59,9 +81,11 @@ Expected<RenderTarget> RenderTarget::create(gl::Api& api, int width, int height,
 }
 
 Expected<RenderTarget> RenderTarget::create(gl::Api& api, int width, int height,
-                                            TargetFormat format, Accumulation accumulation) {
+                                            TargetFormat format, Accumulation accumulation,
+                                            double scale) {
   const gl::Capabilities& driver = api.capabilities;
   auto possible = gl::in_turn([&] { return check_size(driver, width, height); },
+                              [&] { return check_scale(scale); },
                               [&] { return check_formats(driver, format, accumulation); });
   if (!possible) return std::unexpected(possible.error());
   // Half-float accumulation of a half-float target is the target itself.
@@ -71,13 +95,15 @@ Expected<RenderTarget> RenderTarget::create(gl::Api& api, int width, int height,
   RenderTarget target;
   target.width_ = width;
   target.height_ = height;
+  target.blend_width_ = scaled_size(width, scale);
+  target.blend_height_ = scaled_size(height, scale);
   target.format_ = format;
   target.accumulation_ = accumulation;
   auto made =
       attach(api, internal_format(format), width, height, target.color_, target.framebuffer_);
-  if (made && accumulation != Accumulation::direct) {
-    const GLenum blend = accumulation == Accumulation::half_float ? GL_RGBA16F : GL_RGBA32F;
-    made = attach(api, blend, width, height, target.blend_color_, target.blend_framebuffer_);
+  if (made && target.needs_resolve()) {
+    made = attach(api, blend_format(format, accumulation), target.blend_width_,
+                  target.blend_height_, target.blend_color_, target.blend_framebuffer_);
   }
   if (!made) return std::unexpected(made.error());
   return target;

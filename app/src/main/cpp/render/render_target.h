@@ -24,9 +24,11 @@ Accumulation accurate_accumulation(const gl::Capabilities& capabilities);
 /// Row 0 of its memory is the top of the picture. GL objects: see gl::Handle about lifetimes.
 class RenderTarget {
  public:
-  /// Fails on sizes below 1×1 or above the driver's limit and on formats it cannot render to.
+  /// `scale`, in (0, 1]: the layers are blended in so much smaller a picture, which is then
+  /// enlarged. Fails on sizes below 1×1 or above the driver's limit and on formats it cannot render
+  /// to.
   static Expected<RenderTarget> create(gl::Api& api, int width, int height, TargetFormat format,
-                                       Accumulation accumulation);
+                                       Accumulation accumulation, double scale = 1);
   /// With accurate_accumulation().
   static Expected<RenderTarget> create(gl::Api& api, int width, int height, TargetFormat format);
 
@@ -35,14 +37,19 @@ class RenderTarget {
   TargetFormat format() const { return format_; }
   Accumulation accumulation() const { return accumulation_; }
 
-  /// What the splats are blended into: the target itself for Accumulation::direct.
+  /// The size of what the splats are blended into.
+  int blend_width() const { return blend_width_; }
+  int blend_height() const { return blend_height_; }
+  /// What the splats are blended into: the target itself for Accumulation::direct at scale 1.
   const gl::Framebuffer& blend_framebuffer() const;
   const gl::Texture& blend_texture() const;
-  bool needs_resolve() const { return accumulation_ != Accumulation::direct; }
+  bool needs_resolve() const { return accumulation_ != Accumulation::direct || enlarges(); }
+  bool enlarges() const { return blend_width_ != width_ || blend_height_ != height_; }
   const gl::Framebuffer& framebuffer() const { return framebuffer_; }
 
  private:
   int width_ = 0, height_ = 0;
+  int blend_width_ = 0, blend_height_ = 0;
   TargetFormat format_ = TargetFormat::rgba8;
   Accumulation accumulation_ = Accumulation::direct;
   // The framebuffers come last: they must go before their textures.

@@ -4,9 +4,31 @@
 #include <string>
 
 #include "gl/steps.h"
+#include "render/view_motion.h"
+#include "sort/async_cpu_sorter.h"
+#include "sort/exact_sorter.h"
 #include "sort/gpu_radix_sorter.h"
 
 namespace fluxgs::render {
+namespace {
+
+// The same view in another number of pixels. Without the name, whose copy would take memory.
+Camera scaled_to(const Camera& camera, int width, int height) {
+  const double x = static_cast<double>(width) / camera.width;
+  const double y = static_cast<double>(height) / camera.height;
+  Camera scaled;
+  scaled.width = width;
+  scaled.height = height;
+  scaled.fx = camera.fx * x;
+  scaled.fy = camera.fy * y;
+  scaled.cx = camera.cx * x;
+  scaled.cy = camera.cy * y;
+  scaled.rotation = camera.rotation;
+  scaled.translation = camera.translation;
+  return scaled;
+}
+
+}  // namespace
 
 Expected<std::unique_ptr<Renderer>> Renderer::create(gl::Api& api,
                                                      const RendererSettings& settings) {
@@ -18,15 +40,20 @@ Expected<std::unique_ptr<Renderer>> Renderer::create(gl::Api& api,
 
 Expected<void> Renderer::create_passes() {
   settings_.timestamps = settings_.timestamps && api_.capabilities.timestamps;
+  settings_.texture_fetch =
+      settings_.texture_fetch || api_.capabilities.max_vertex_storage_blocks < 2;
   if (settings_.timestamps)
     for (gl::Timestamp& stamp : stamps_) stamp = gl::Timestamp(api_);
   constexpr std::size_t kUniformBytes = sizeof(FrameUniforms);
   return gl::in_turn(
-      [&] { return gl::take(ProjectionPass::create(api_), projection_); },
+      [&] { return check_shortcuts(settings_.shortcuts); },
+      [&] { return gl::take(ProjectionPass::create(api_, settings_.record), projection_); },
+      [&] { return create_sorter(); },
       [&] {
-        return gl::take(sort::GpuRadixSorter::create(api_, settings_.sort_digit_bits), sorter_);
+        return gl::take(
+            DrawPass::create(api_, settings_.batch, settings_.record, settings_.texture_fetch),
+            draw_);
       },
-      [&] { return gl::take(DrawPass::create(api_, settings_.batch), draw_); },
       [&] { return gl::take(ResolvePass::create(api_), resolve_); },
       [&] {
         return gl::take(gl::Buffer::create(api_, kUniformBytes, nullptr, GL_DYNAMIC_DRAW),
@@ -34,26 +61,55 @@ Expected<void> Renderer::create_passes() {
       });
 }
 
+Expected<void> Renderer::create_sorter() {
+  const auto take = [&](auto made) -> Expected<void> {
+    if (!made) return std::unexpected(made.error());
+    sorter_ = std::move(*made);
+    return {};
+  };
+  switch (settings_.sorter) {
+    case SorterKind::gpu_radix:
+      return take(sort::GpuRadixSorter::create(api_, settings_.sort_digit_bits));
+    case SorterKind::cpu_async:
+      return take(sort::AsyncCpuSorter::create(api_));
+    case SorterKind::exact:
+      return take(sort::ExactSorter::create(api_));
+  }
+  return fail("renderer", "sorter", "unknown");
+}
+
+Expected<void> Renderer::set_shortcuts(const Shortcuts& shortcuts) {
+  if (auto ok = check_shortcuts(shortcuts); !ok) return ok;
+  settings_.shortcuts = shortcuts;
+  return {};
+}
+
+Expected<void> Renderer::make_room(const PackedScene& packed) {
+  const std::uint32_t count = packed.constants.count;
+  // The order is filled up to whole batches, and its buffer to whole rows of a texture
+  const std::size_t entries = count + static_cast<std::size_t>(settings_.batch);
+  const std::size_t order_bytes = texture_padded(sizeof(std::uint32_t) * entries);
+  const auto spare = static_cast<std::uint32_t>(order_bytes / sizeof(std::uint32_t) - count);
+  auto positions = sorter_->needs_positions() ? positions_of(packed) : std::vector<glm::vec3>();
+  return gl::in_turn(
+      [&] { return projection_.reserve(api_, count); },
+      [&] { return sorter_->set_scene(count, spare, std::move(positions)); },
+      [&] { return draw_.reserve(api_, projection_.records().size(), order_bytes); });
+}
+
 Expected<void> Renderer::upload(const SplatCloud& cloud) {
-  auto scene = SceneBuffers::create(api_, cloud);
+  if (auto ok = check_scene(api_.capabilities, cloud); !ok) return ok;
+  const PackedScene packed = pack_scene(cloud);
+  auto scene = SceneBuffers::create(api_, packed);
   if (!scene) return std::unexpected(scene.error());
-  const auto spare = static_cast<std::uint32_t>(draw_.batch());
-  auto room = gl::in_turn([&] { return projection_.reserve(api_, scene->count); },
-                          [&] { return sorter_->reserve(scene->count, spare); });
-  if (!room) {
+  sorted_.reset();
+  if (auto room = make_room(packed); !room) {
     scene_ = {};  // The buffers may already have the new scene's size
     return room;
   }
   scene_ = std::move(*scene);
   drawn_ = false;
   return {};
-}
-
-void Renderer::set_uniforms(const Camera& camera, const RenderOptions& options) {
-  const FrameUniforms values =
-      make_frame_uniforms(camera, options, scene_.origin, scene_.count, scene_.sh_degree);
-  uniforms_.write(0, std::as_bytes(std::span(&values, 1)));
-  uniforms_.bind_base(GL_UNIFORM_BUFFER, 0);
 }
 
 void Renderer::stamp(int stage) const {
@@ -70,13 +126,8 @@ Expected<void> Renderer::draw(const Camera& camera, const RenderOptions& options
                     std::to_string(target.height()));
   }
   stamp(0);
-  if (scene_.count > 0) {
-    set_uniforms(camera, options);
-    projection_.run(api_, scene_);
-    stamp(1);
-    sorter_->sort(projection_.keys(), scene_.count);
-    stamp(2);
-    draw_.run(api_, projection_.records(), *sorter_, options.background, target);
+  if (scene_.constants.count > 0) {
+    draw_scene(camera, options, target);
   } else {
     stamp(1);
     stamp(2);
@@ -89,10 +140,38 @@ Expected<void> Renderer::draw(const Camera& camera, const RenderOptions& options
   return {};
 }
 
+void Renderer::draw_scene(const Camera& camera, const RenderOptions& options,
+                          const RenderTarget& target) {
+  const Camera view = scaled_to(camera, target.blend_width(), target.blend_height());
+  const Shortcuts& shortcuts = settings_.shortcuts;
+  const sort::DepthKeys keys = choose_keys(view, options, scene_.constants, shortcuts.key_bits);
+  const FrameUniforms values =
+      make_frame_uniforms(view, options, shortcuts, scene_.constants, keys);
+  uniforms_.write(0, std::as_bytes(std::span(&values, 1)));
+  uniforms_.bind_base(GL_UNIFORM_BUFFER, 0);
+  projection_.run(api_, scene_);
+  stamp(1);
+  sort({.centre = camera.center() - scene_.constants.origin,
+        .forward = camera.forward(),
+        .near_plane = options.near_plane,
+        .keys = keys});
+  stamp(2);
+  draw_.run(api_, projection_.records(), *sorter_, options.background, target);
+}
+
+void Renderer::sort(const sort::SortView& view) {
+  const double allowed = settings_.shortcuts.resort_motion;
+  if (!sorted_ || allowed == 0 || motion_between(*sorted_, view) > allowed) {
+    sorter_->sort(view, projection_.keys());
+    sorted_ = view;
+  }
+  sorter_->collect();
+}
+
 Expected<FrameStats> Renderer::stats() const {
   FrameStats stats;
   if (!drawn_) return stats;
-  if (scene_.count > 0) {
+  if (scene_.constants.count > 0) {
     auto count = sorter_->count().read_all<std::uint32_t>(1);
     if (!count) return std::unexpected(count.error());
     stats.drawn = count->front();

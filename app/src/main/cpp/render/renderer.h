@@ -12,15 +12,10 @@
 #include "render/render_target.h"
 #include "render/resolve_pass.h"
 #include "render/scene_buffers.h"
+#include "render/settings.h"
 #include "sort/sorter.h"
 
 namespace fluxgs::render {
-
-struct RendererSettings {
-  int batch = 128;          ///< quads per instance, 1…128
-  int sort_digit_bits = 8;  ///< 4 or 8
-  bool timestamps = false;  ///< record stage times where the driver can
-};
 
 /// GPU time of each stage in milliseconds.
 struct StageTimes {
@@ -34,7 +29,7 @@ struct FrameStats {
 
 /// Not thread-safe: every call, the destructor included, on the thread on which the context of the
 /// Api is current. draw() allocates nothing, neither on the CPU nor on the GPU, and never waits for
-/// the GPU.
+/// the GPU (SorterKind::exact does not hold to that).
 class Renderer {
  public:
   /// Compiles the shaders; `api` must outlive the renderer. Fails where the driver's limits are too
@@ -60,6 +55,13 @@ class Renderer {
     return read_pixels(api_, target);
   }
 
+  /// For the frames that follow. Fails on values out of their range.
+  Expected<void> set_shortcuts(const Shortcuts& shortcuts);
+
+  /// Waits until the splats are in the order of the last frame's view, and draws on with that: for
+  /// SorterKind::cpu_async, whose orders come late. draw() again shows the picture.
+  void finish_sort() { sorter_->finish(); }
+
   // The intermediate results of the last frame, for tests and diagnostics.
   const ProjectionPass& projection() const { return projection_; }
   const sort::Sorter& sorter() const { return *sorter_; }
@@ -67,7 +69,10 @@ class Renderer {
  private:
   Renderer(gl::Api& api, const RendererSettings& settings) : api_(api), settings_(settings) {}
   Expected<void> create_passes();
-  void set_uniforms(const Camera& camera, const RenderOptions& options);
+  Expected<void> create_sorter();
+  Expected<void> make_room(const PackedScene& packed);
+  void draw_scene(const Camera& camera, const RenderOptions& options, const RenderTarget& target);
+  void sort(const sort::SortView& view);
   void stamp(int stage) const;
 
   gl::Api& api_;
@@ -78,8 +83,9 @@ class Renderer {
   ResolvePass resolve_;
   gl::Buffer uniforms_;
   SceneBuffers scene_;
-  std::array<gl::Timestamp, 5> stamps_;  // before, between and after the stages
-  bool drawn_ = false;                   // whether there is a frame that stats() can speak of
+  std::array<gl::Timestamp, 5> stamps_;   // before, between and after the stages
+  std::optional<sort::SortView> sorted_;  // the view that the order was last asked for
+  bool drawn_ = false;                    // whether there is a frame that stats() can speak of
 };
 
 }  // namespace fluxgs::render

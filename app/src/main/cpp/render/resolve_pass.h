@@ -15,7 +15,7 @@ class ResolvePass {
   void run(gl::Api& api, const RenderTarget& target) const;
 
  private:
-  gl::Program program_;
+  gl::Program copy_, enlarge_;
   gl::VertexArray vertex_array_;
 };
 

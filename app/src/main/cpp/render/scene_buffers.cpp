@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "fluxgs/math/projection.h"
@@ -15,6 +16,7 @@ namespace {
 // this cover any picture evenly.
 constexpr float kLargest = 1e15F;
 constexpr double kLargestScale = 1e10;
+constexpr double kNoLevel = -1e30;  // shaders/record.glsl
 
 bool usable(float v) { return std::fabs(v) <= kLargest; }  // false for NaN and infinities
 bool usable(const glm::vec3& v) { return usable(v.x) && usable(v.y) && usable(v.z); }
@@ -59,8 +61,9 @@ void pack_geometry(const SplatCloud& cloud, std::size_t i, const glm::dvec3& ori
   const glm::quat& quat = cloud.rotations[i];
   const auto q = math::normalized(math::Quat<double>{quat.w, quat.x, quat.y, quat.z});
   const glm::dvec3 color = 0.5 + math::kSh0 * glm::dvec3(cloud.sh_dc[i]);
-  const double opacity = 1 / (1 + std::exp(-static_cast<double>(cloud.opacity_logits[i])));
-  out[0] = {p.x, p.y, p.z, static_cast<float>(opacity)};
+  // log2 of the opacity, the logistic function of the logit
+  const double level = -std::log2(1 + std::exp(-static_cast<double>(cloud.opacity_logits[i])));
+  out[0] = {p.x, p.y, p.z, static_cast<float>(std::max(level, kNoLevel))};
   out[1] = {deviation(s.x), deviation(s.y), deviation(s.z), static_cast<float>(color.r)};
   out[2] = {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z),
             static_cast<float>(q.w)};
@@ -90,11 +93,25 @@ Expected<void> check_cloud(const SplatCloud& cloud) {
   return fail("scene", "attributes", "every splat must have all of them");
 }
 
+void find_box(PackedScene& scene, const std::vector<std::size_t>& splats) {
+  if (splats.empty()) return;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  glm::dvec3 lowest(kInfinity), highest(-kInfinity);
+  for (const std::size_t i : splats) {
+    const auto& at = scene.geometry[4 * i];
+    const glm::dvec3 p(at[0], at[1], at[2]);
+    lowest = glm::min(lowest, p);
+    highest = glm::max(highest, p);
+  }
+  scene.constants.lowest = lowest;
+  scene.constants.highest = highest;
+}
+
 Expected<void> check_size(const gl::Capabilities& driver, const SplatCloud& cloud) {
   const std::size_t per_splat =
       sizeof(float) * 4 * std::max<std::size_t>(4, harmonics_stride(cloud.sh_degree));
   const auto by_bytes = static_cast<std::uint64_t>(driver.max_storage_block_bytes) / per_splat;
-  const auto by_groups = static_cast<std::uint64_t>(driver.max_work_groups_x) * 256;
+  const auto by_groups = static_cast<std::uint64_t>(driver.max_work_groups_x) * 128 - 1;
   const std::uint64_t most = std::min({by_bytes, by_groups, std::uint64_t{0xFFFF0000}});
   if (cloud.size() <= most) return {};
   return fail("scene", "size",
@@ -111,34 +128,45 @@ PackedScene pack_scene(const SplatCloud& cloud) {
     if (drawable(cloud, i)) splats.push_back(i);
 
   PackedScene scene;
-  scene.origin = median_position(cloud, splats);
-  scene.sh_degree = cloud.sh_degree;
+  scene.constants.count = static_cast<std::uint32_t>(cloud.size());
+  scene.constants.sh_degree = cloud.sh_degree;
+  scene.constants.origin = median_position(cloud, splats);
   scene.harmonics_stride = harmonics_stride(cloud.sh_degree);
-  scene.geometry.resize(4 * cloud.size());
+  scene.geometry.assign(4 * cloud.size(), {0, 0, 0, static_cast<float>(kNoLevel)});
   scene.harmonics.resize(scene.harmonics_stride * cloud.size());
   scene.undrawable = cloud.size() - splats.size();
   for (const std::size_t i : splats) {
-    pack_geometry(cloud, i, scene.origin, &scene.geometry[4 * i]);
+    pack_geometry(cloud, i, scene.constants.origin, &scene.geometry[4 * i]);
     pack_harmonics(cloud, i, scene.harmonics.data() + scene.harmonics_stride * i);
   }
+  find_box(scene, splats);
   return scene;
 }
 
-Expected<SceneBuffers> SceneBuffers::create(gl::Api& api, const SplatCloud& cloud) {
-  if (auto ok = check_cloud(cloud); !ok) return std::unexpected(ok.error());
-  if (auto ok = check_size(api.capabilities, cloud); !ok) return std::unexpected(ok.error());
-  const PackedScene packed = pack_scene(cloud);
+std::vector<glm::vec3> positions_of(const PackedScene& scene) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  std::vector<glm::vec3> positions(scene.constants.count, glm::vec3(kNan));
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const auto& at = scene.geometry[4 * i];
+    if (static_cast<double>(at[3]) > kNoLevel) positions[i] = {at[0], at[1], at[2]};
+  }
+  return positions;
+}
+
+Expected<void> check_scene(const gl::Capabilities& driver, const SplatCloud& cloud) {
+  return gl::in_turn([&] { return check_cloud(cloud); }, [&] { return check_size(driver, cloud); });
+}
+
+Expected<SceneBuffers> SceneBuffers::create(gl::Api& api, const PackedScene& scene) {
   SceneBuffers buffers;
-  buffers.count = static_cast<std::uint32_t>(cloud.size());
-  buffers.sh_degree = packed.sh_degree;
-  buffers.harmonics_stride = packed.harmonics_stride;
-  buffers.origin = packed.origin;
+  buffers.constants = scene.constants;
+  buffers.harmonics_stride = scene.harmonics_stride;
   const auto upload = [&](const auto& values, gl::Buffer& into) {
     const std::size_t bytes = values.size() * sizeof(values[0]);
     return gl::take(gl::Buffer::create(api, bytes, values.data(), GL_STATIC_DRAW), into);
   };
-  auto done = gl::in_turn([&] { return upload(packed.geometry, buffers.geometry); },
-                          [&] { return upload(packed.harmonics, buffers.harmonics); });
+  auto done = gl::in_turn([&] { return upload(scene.geometry, buffers.geometry); },
+                          [&] { return upload(scene.harmonics, buffers.harmonics); });
   if (!done) return std::unexpected(done.error());
   return buffers;
 }

@@ -7,13 +7,13 @@
 
 #include "fluxgs/splat_cloud.h"
 #include "gl/buffer.h"
+#include "render/scene_constants.h"
 
 namespace fluxgs::render {
 
 /// The cloud as the projection pass reads it (shaders/project.comp), all in float32.
 struct PackedScene {
-  glm::dvec3 origin{0.0};                       ///< positions are relative to this world point
-  int sh_degree = 0;                            ///< 0…3
+  SceneConstants constants;
   std::uint32_t harmonics_stride = 0;           ///< vec4s per splat in `harmonics`
   std::vector<std::array<float, 4>> geometry;   ///< 4 per splat
   std::vector<std::array<float, 4>> harmonics;  ///< harmonics_stride per splat
@@ -26,21 +26,25 @@ constexpr std::uint32_t harmonics_stride(int degree) {
   return 3U * static_cast<std::uint32_t>((sh_rest_count(degree) + 3) / 4);
 }
 
-/// The origin is the median position: relative to it the coordinates of a scene that lies far from
-/// the world's origin keep their bits. Undrawable splats keep their index and get opacity 0.
+/// Relative to the median position the coordinates of a scene that lies far from the world's origin
+/// keep their bits. Undrawable splats keep their index and get no opacity.
 PackedScene pack_scene(const SplatCloud& cloud);
+
+/// Where each splat lies, as PackedScene has it; NaN for undrawable ones.
+std::vector<glm::vec3> positions_of(const PackedScene& scene);
+
+/// Fails where the arrays of the cloud differ in length and where the driver's limits are too small
+/// for it.
+Expected<void> check_scene(const gl::Capabilities& driver, const SplatCloud& cloud);
 
 /// The buffers of a scene. Nothing is allocated after create().
 struct SceneBuffers {
-  std::uint32_t count = 0;
-  int sh_degree = 0;
+  SceneConstants constants;
   std::uint32_t harmonics_stride = 0;
-  glm::dvec3 origin{0.0};
   gl::Buffer geometry, harmonics;
 
-  /// Fails where the arrays of the cloud differ in length, where the driver's limits are too small
-  /// for it, or where memory is short; before anything is allocated in the first two cases.
-  static Expected<SceneBuffers> create(gl::Api& api, const SplatCloud& cloud);
+  /// Fails where memory is short.
+  static Expected<SceneBuffers> create(gl::Api& api, const PackedScene& scene);
 };
 
 }  // namespace fluxgs::render

@@ -1,7 +1,10 @@
 #version 310 es
 // Turns the sorter's count into the draw: BATCH quads per instance, the last instance's spare
-// quads marked as empty. Keeps the count on the GPU.
+// quads being the empty record behind the last splat's. Keeps the count on the GPU.
 precision highp int;
+precision highp float;
+
+#include "frame.glsl"
 
 layout(local_size_x = 128) in;
 
@@ -13,13 +16,11 @@ layout(std430, binding = 2) writeonly buffer Arguments {  // DrawElementsIndirec
   uint reserved;
 };
 
-const uint NOTHING = 0xFFFFFFFFu;
-
 void main() {
   uint batch = uint(BATCH);
   uint instances = (drawn + batch - 1u) / batch;
   uint spare = drawn + gl_LocalInvocationIndex;
-  if (spare < instances * batch) order[spare] = NOTHING;
+  if (spare < instances * batch) order[spare] = frame.splat_count;
   if (gl_LocalInvocationIndex == 0u) {
     index_count = batch * 6u;
     instance_count = instances;

@@ -7,10 +7,16 @@ layout(std140, binding = 0) uniform Frame {
   highp vec4 focal_centre;   // fx, fy, cx, cy in pixels
   highp vec4 slope_limits;   // x/z at least and at most, y/z at least and at most
   highp vec2 target_size;    // pixels
-  highp float alpha_min;
+  highp float level_min;     // log2 of the α below which a splat is cut off
   highp float alpha_max;
   highp float dilation;  // px²
   highp float near_plane;
   highp uint splat_count;
-  highp uint sh_degree;  // to evaluate
+  highp uint sh_degree;     // to evaluate
+  highp float radius_max;   // of a quad, in the units of Record::factor
+  highp float size_min;     // px: splats with smaller boxes are left out
+  highp float sort_margin;  // px around the picture in which splats are sorted though not drawn
+  highp uint key_low;       // sort/depth_keys.h
+  highp uint key_shift;
+  highp uint key_max;
 } frame;

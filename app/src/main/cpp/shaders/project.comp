@@ -7,10 +7,10 @@ precision highp int;
 #include "frame.glsl"
 #include "record.glsl"
 
-layout(local_size_x = 256) in;
+layout(local_size_x = 128) in;
 
-// Per splat: (position relative to the scene's origin, opacity), (scale, red), (rotation xyzw),
-// (green, blue, 0, 0). Red, green and blue are the constant term of the colour.
+// Per splat: (position relative to the scene's origin, log2 of the opacity), (scale, red),
+// (rotation xyzw), (green, blue, 0, 0). Red, green and blue are the constant term of the colour.
 layout(std430, binding = 0) readonly buffer Geometry { vec4 geometry[]; };
 layout(std430, binding = 1) readonly buffer Harmonics { vec4 coefficients[]; };
 layout(std430, binding = 2) writeonly buffer Records { uvec4 records[]; };
@@ -30,37 +30,63 @@ bool touches_picture(vec2 centre, vec2 half_extent) {
          all(lessThan(centre - half_extent, frame.target_size));
 }
 
-// Returns the key: the depth's bits, which are ordered like the depth itself as it is positive.
+// sort/depth_keys.h. The bits of positive floats are ordered like the floats.
+uint depth_key(float depth) {
+  uint bits = floatBitsToUint(depth);
+  return min((max(bits, frame.key_low) - frame.key_low) >> frame.key_shift, frame.key_max);
+}
+
+// An order that was made for another view names splats that this one culls.
+void hide(uint splat) {
+#ifdef RECORD_HALF
+  records[splat] = uvec4(0u);
+#else
+  records[2u * splat + 1u].y = floatBitsToUint(NO_LEVEL);
+#endif
+}
+
+vec3 color_of(uint splat, float red, vec3 ray) {
+  vec3 color = vec3(red, geometry[4u * splat + 3u].xy);
+  float distance2 = dot(ray, ray);
+  vec3 direction = ray * (distance2 > 0.0 ? inversesqrt(distance2) : 0.0);
+  color += sh_rest(splat * harmonics_stride, frame.sh_degree, direction);
+  return clamp(color, 0.0, MAX_COLOR);
+}
+
+// Returns the key.
 uint project(uint splat) {
-  vec4 centre_opacity = geometry[4u * splat];
-  float opacity = centre_opacity.w;
-  vec3 ray = centre_opacity.xyz - frame.camera_centre.xyz;
+  vec4 centre_level = geometry[4u * splat];
+  float level = centre_level.w;
+  vec3 ray = centre_level.xyz - frame.camera_centre.xyz;
   vec3 p = vec3(dot(frame.rotation_row0.xyz, ray), dot(frame.rotation_row1.xyz, ray),
                 dot(frame.rotation_row2.xyz, ray));
-  if (!(p.z > frame.near_plane) || !(opacity >= frame.alpha_min)) return CULLED;
-
+  if (!(p.z > frame.near_plane) || !(level >= frame.level_min)) {
+    hide(splat);
+    return CULLED;
+  }
   vec4 scale_red = geometry[4u * splat + 1u];
   vec3 axes_x, axes_y;
   screen_axes(p, geometry[4u * splat + 2u], scale_red.xyz, axes_x, axes_y);
   Footprint shape = footprint(axes_x, axes_y);
   vec2 centre = frame.focal_centre.xy * (p.xy / p.z) + frame.focal_centre.zw;
-  // Where α falls below alpha_min, not at a fixed number of deviations.
-  float radius = sqrt(2.0 * log(opacity / frame.alpha_min));
-  if (!touches_picture(centre, radius * shape.deviation)) return CULLED;
-
-  vec3 color = vec3(scale_red.w, geometry[4u * splat + 3u].xy);
-  float distance2 = dot(ray, ray);
-  vec3 direction = ray * (distance2 > 0.0 ? inversesqrt(distance2) : 0.0);
-  color += sh_rest(splat * harmonics_stride, frame.sh_degree, direction);
-  color = clamp(color, 0.0, MAX_COLOR);
-  uvec4 first, second;
-  pack_record(Record(centre, shape.factor, opacity, color), first, second);
-  records[2u * splat] = first;
-  records[2u * splat + 1u] = second;
-  return floatBitsToUint(p.z);
+  // Where α falls below the cut-off, not at a fixed number of deviations.
+  float radius = min(sqrt(level - frame.level_min), frame.radius_max) / TO_LEVELS;
+  vec2 half_extent = radius * shape.deviation;
+  bool large = 2.0 * max(half_extent.x, half_extent.y) >= frame.size_min;
+  if (!large || !touches_picture(centre, half_extent)) {
+    hide(splat);
+    bool near_by = large && touches_picture(centre, half_extent + frame.sort_margin);
+    return near_by ? depth_key(p.z) : CULLED;
+  }
+  uvec4 words[RECORD_SIZE];
+  pack_record(Record(centre, shape.factor * TO_LEVELS, level, color_of(splat, scale_red.w, ray)),
+              words);
+  for (uint k = 0u; k < RECORD_SIZE; ++k) records[RECORD_SIZE * splat + k] = words[k];
+  return depth_key(p.z);
 }
 
 void main() {
   uint splat = gl_GlobalInvocationID.x;
   if (splat < frame.splat_count) keys[splat] = project(splat);
+  if (splat == frame.splat_count) hide(splat);  // The empty record that fills up the last instance
 }

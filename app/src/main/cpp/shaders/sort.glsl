@@ -1,13 +1,16 @@
 // Shared by the steps of the radix sort (sort/gpu_radix_sorter.h explains the whole).
-// RADIX_BITS: 4 or 8. Set by the program: FIRST_PASS (the source is the plain list of keys, and the
+// RADIX_BITS: 4…8. Set by the program: FIRST_PASS (the source is the plain list of keys, and the
 // dropped ones are left out), LAST_PASS (only the indices are wanted, in reverse).
-const uint THREADS = 256u;
-const uint KEYS_PER_THREAD = 8u;
+//
+// 128 threads are what every ES 3.1 driver offers; more would also not leave room in the shared
+// memory for as many waves (sort_scatter.comp).
+const uint THREADS = 128u;
+const uint KEYS_PER_THREAD = 16u;
 const uint BLOCK = THREADS * KEYS_PER_THREAD;
 const uint RADIX = 1u << uint(RADIX_BITS);
 const uint DROPPED = 0xFFFFFFFFu;
 
-layout(local_size_x = 256) in;
+layout(local_size_x = 128) in;
 
 layout(location = 0) uniform uint shift;      // of the digit
 layout(location = 1) uniform uint key_count;  // FIRST_PASS: how many keys there are

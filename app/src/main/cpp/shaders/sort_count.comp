@@ -9,12 +9,12 @@ shared uint histogram[RADIX];
 
 void main() {
   uint thread = gl_LocalInvocationIndex, block = gl_WorkGroupID.x;
-  if (thread < RADIX) histogram[thread] = 0u;
+  for (uint d = thread; d < RADIX; d += THREADS) histogram[d] = 0u;
   barrier();
   for (uint k = 0u; k < KEYS_PER_THREAD; ++k) {
     uint key = source_key(block * BLOCK + k * THREADS + thread);
     if (key != DROPPED) atomicAdd(histogram[digit_of(key)], 1u);
   }
   barrier();
-  if (thread < RADIX) state.counts[block * RADIX + thread] = histogram[thread];
+  for (uint d = thread; d < RADIX; d += THREADS) state.counts[block * RADIX + d] = histogram[d];
 }

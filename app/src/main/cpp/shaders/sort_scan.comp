@@ -1,6 +1,6 @@
 #version 310 es
 // Sort, step 2 of 3: turns the counts per block and digit into the counts in all the blocks before,
-// and adds up each digit's total. A work group takes 16 digits; 16 threads share a digit, each with
+// and adds up each digit's total. A work group takes 16 digits; 8 threads share a digit, each with
 // a run of blocks of its own.
 precision highp int;
 

@@ -1,5 +1,5 @@
 #version 310 es
-// One splat at one pixel, premultiplied; the blend (ONE, ONE_MINUS_SRC_ALPHA) does the rest.
+// One splat at one pixel; the blend (SRC_ALPHA, ONE_MINUS_SRC_ALPHA) multiplies the colour.
 // α is computed from the exact pixel centre and not from interpolated coordinates: those err with
 // the rounding of corners to the sub-pixel grid, visibly so on needles.
 precision highp float;
@@ -7,16 +7,17 @@ precision highp int;
 
 #include "frame.glsl"
 
-flat in highp vec2 v_centre;
-flat in highp vec3 v_factor;
-flat in highp vec4 v_color;
+flat in highp vec2 v_offset;
+flat in highp vec4 v_shape;  // xx, xy, yy, level
+flat in highp vec3 v_color;
 
 layout(location = 0) out highp vec4 out_color;
 
 void main() {
-  vec2 d = gl_FragCoord.xy - v_centre;
-  vec2 uv = vec2(v_factor.x * d.x + v_factor.y * d.y, v_factor.z * d.y);
-  float alpha = min(frame.alpha_max, v_color.a * exp(-0.5 * dot(uv, uv)));
-  if (alpha < frame.alpha_min) discard;
-  out_color = vec4(v_color.rgb * alpha, alpha);
+  vec2 pixel = gl_FragCoord.xy;
+  float u = v_shape.x * pixel.x + (v_shape.y * pixel.y + v_offset.x);
+  float v = v_shape.z * pixel.y + v_offset.y;
+  float level = v_shape.w - u * u - v * v;
+  if (level < frame.level_min) discard;
+  out_color = vec4(v_color, min(exp2(level), frame.alpha_max));
 }

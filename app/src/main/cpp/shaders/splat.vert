@@ -1,5 +1,5 @@
 #version 310 es
-// One corner of the quad that covers a splat down to alpha_min. A tiler runs this again for every
+// One corner of the quad that covers a splat down to the cut-off. A tiler runs this again for every
 // bin, so all that is heavy is in project.comp.
 precision highp float;
 precision highp int;
@@ -7,35 +7,47 @@ precision highp int;
 #include "frame.glsl"
 #include "record.glsl"
 
+#ifdef TEXTURE_FETCH
+// For drivers without storage buffers in the vertex stage: the same data as textures.
+layout(binding = 0) uniform highp usampler2D records;
+layout(binding = 1) uniform highp usampler2D order;
+const uint WIDTH = 2048u;  // render/vertex_source.h
+uvec4 fetch(highp usampler2D from, uint i) {
+  return texelFetch(from, ivec2(i % WIDTH, i / WIDTH), 0);
+}
+uint splat_at(uint place) { return fetch(order, place).x; }
+uvec4 record_part(uint i) { return fetch(records, i); }
+#else
 layout(std430, binding = 0) readonly buffer Records { uvec4 records[]; };
 layout(std430, binding = 1) readonly buffer Order { uint order[]; };
+uint splat_at(uint place) { return order[place]; }
+uvec4 record_part(uint i) { return records[i]; }
+#endif
 
-flat out highp vec2 v_centre;
-flat out highp vec3 v_factor;
-flat out highp vec4 v_color;  // rgb, opacity
+// u = shape.x·x + shape.y·y + offset.x, v = shape.z·y + offset.y at the pixel (x, y)
+flat out highp vec2 v_offset;
+flat out highp vec4 v_shape;  // xx, xy, yy, level
+flat out highp vec3 v_color;
 
-const uint NOTHING = 0xFFFFFFFFu;  // fills the last instance's tail (draw_arguments.comp)
-const float PAD = 0.0625;          // px: corners may be moved to a grid as coarse as 1/16 px
-const float LARGE = 4096.0;        // px: beyond this a quad's interpolation loses the picture
+const float PAD = 0.0625;    // px: corners may be moved to a grid as coarse as 1/16 px
+const float LARGE = 4096.0;  // px: beyond this a quad's interpolation loses the picture
+
+Record read_record(uint splat) {
+  uvec4 words[RECORD_SIZE];
+  for (uint k = 0u; k < RECORD_SIZE; ++k) words[k] = record_part(RECORD_SIZE * splat + k);
+  return unpack_record(words);
+}
 
 void main() {
-  uint splat = order[uint(gl_InstanceID) * uint(BATCH) + uint(gl_VertexID >> 2)];
-  if (splat == NOTHING) {  // All four corners outside, at one point
-    v_centre = vec2(0.0);
-    v_factor = vec3(0.0);
-    v_color = vec4(0.0);
-    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
-    return;
-  }
-  Record r = unpack_record(records[2u * splat], records[2u * splat + 1u]);
-  v_centre = r.centre;
-  v_factor = r.factor;
-  v_color = vec4(r.color, r.opacity);
+  Record r = read_record(splat_at(uint(gl_InstanceID) * uint(BATCH) + uint(gl_VertexID >> 2)));
+  v_offset = -vec2(r.factor.x * r.centre.x + r.factor.y * r.centre.y, r.factor.z * r.centre.y);
+  v_shape = vec4(r.factor, r.level);
+  v_color = r.color;
 
   // The square |u|, |v| ≤ radius, taken to the screen by the factor's inverse: a parallelogram as
   // large as the rectangle along the ellipse's axes, found without an eigendecomposition.
   vec2 corner = vec2(float(gl_VertexID & 1), float((gl_VertexID >> 1) & 1)) * 2.0 - 1.0;
-  float radius = sqrt(2.0 * log(r.opacity / frame.alpha_min));
+  float radius = min(sqrt(max(r.level - frame.level_min, 0.0)), frame.radius_max);
   vec2 reach = vec2(radius + PAD * (r.factor.x + abs(r.factor.y)), radius + PAD * r.factor.z);
   vec2 uv = corner * reach;
   float dy = uv.y / r.factor.z;
@@ -47,5 +59,7 @@ void main() {
     pixel = clamp(r.centre + corner * extent, vec2(0.0), frame.target_size);
   }
   // Row 0 of the target's memory is the top of the picture: no flip here, none when reading.
-  gl_Position = vec4(pixel / frame.target_size * 2.0 - 1.0, 0.0, 1.0);
+  vec2 position = pixel / frame.target_size * 2.0 - 1.0;
+  // What is not to be drawn has its four corners at one point outside.
+  gl_Position = r.level < frame.level_min ? vec4(2.0, 2.0, 2.0, 1.0) : vec4(position, 0.0, 1.0);
 }

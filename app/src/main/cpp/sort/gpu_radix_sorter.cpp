@@ -20,12 +20,12 @@ std::uint32_t block_count(std::uint32_t keys) { return (keys + kBlock - 1) / kBl
 }  // namespace
 
 Expected<std::unique_ptr<GpuRadixSorter>> GpuRadixSorter::create(gl::Api& api, int digit_bits) {
-  if (digit_bits != 4 && digit_bits != 8) {
-    return fail("sorter", "digit_bits", std::to_string(digit_bits) + "; 4 or 8 was expected");
+  if (digit_bits < 4 || digit_bits > 8) {
+    return fail("sorter", "digit_bits", std::to_string(digit_bits) + "; 4 to 8 were expected");
   }
   std::unique_ptr<GpuRadixSorter> sorter(new GpuRadixSorter(api, digit_bits));
   if (auto ok = sorter->compile(); !ok) return std::unexpected(ok.error());
-  if (auto ok = sorter->reserve(0, 0); !ok) return std::unexpected(ok.error());
+  if (auto ok = sorter->set_scene(0, 0, {}); !ok) return std::unexpected(ok.error());
   return sorter;
 }
 
@@ -43,13 +43,15 @@ Expected<void> GpuRadixSorter::compile() {
   };
   const auto scatter = shaders::sort_scatter_comp;
   return gl::in_turn(
-      [&] { return make_step(count_, "sort_count.comp", shaders::sort_count_comp); },
+      [&] { return make_step(digits_, "sort_count.comp", shaders::sort_count_comp); },
       [&] { return make_step(scan_, "sort_scan.comp", shaders::sort_scan_comp); },
       [&] { return make_step(scatter_, "sort_scatter.comp", scatter); },
       [&] { return make(scatter_last_, "sort_scatter.comp", scatter, "LAST_PASS"); });
 }
 
-Expected<void> GpuRadixSorter::reserve(std::uint32_t count, std::uint32_t spare) {
+Expected<void> GpuRadixSorter::set_scene(std::uint32_t count, std::uint32_t spare,
+                                         std::vector<glm::vec3> /*positions*/) {
+  count_ = count;
   const std::size_t radix = std::size_t{1} << digit_bits_;
   const std::size_t blocks = std::max(block_count(count), 1U);
   const auto make = [&](gl::Buffer& buffer, std::size_t words) {
@@ -71,16 +73,15 @@ void GpuRadixSorter::first_pass(const gl::Buffer& keys, std::uint32_t count) {
     api_.DispatchCompute(groups, 1, 1);
     api_.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   };
-  step(count_.first, blocks);
+  step(digits_.first, blocks);
   step(scan_.first, (1U << digit_bits_) / kDigitsPerGroup);
   step(scatter_.first, blocks);
   api_.MemoryBarrier(GL_COMMAND_BARRIER_BIT);
 }
 
-void GpuRadixSorter::later_pass(int pass, const gl::Buffer& source, const gl::Buffer& target) {
-  const bool last = (pass + 1) * digit_bits_ == 32;
-  source.bind_base(GL_SHADER_STORAGE_BUFFER, 1);
-  target.bind_base(GL_SHADER_STORAGE_BUFFER, 2);
+void GpuRadixSorter::later_pass(int pass, bool last) {
+  pairs_[(pass + 1) % 2].bind_base(GL_SHADER_STORAGE_BUFFER, 1);
+  (last ? order_ : pairs_[pass % 2]).bind_base(GL_SHADER_STORAGE_BUFFER, 2);
   const auto shift = static_cast<GLuint>(pass * digit_bits_);
   const auto per_block = [&](const gl::Program& program) {
     program.use();
@@ -88,22 +89,23 @@ void GpuRadixSorter::later_pass(int pass, const gl::Buffer& source, const gl::Bu
     api_.DispatchComputeIndirect(kDispatchOffset);
     api_.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   };
-  per_block(count_.later);
+  per_block(digits_.later);
   scan_.later.use();
   api_.DispatchCompute((1U << digit_bits_) / kDigitsPerGroup, 1, 1);
   api_.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   per_block(last ? scatter_last_ : scatter_.later);
 }
 
-void GpuRadixSorter::sort(const gl::Buffer& keys, std::uint32_t count) {
+void GpuRadixSorter::sort(const SortView& view, const gl::Buffer& keys) {
+  sort_keys(keys, count_, view.keys.bits);
+}
+
+void GpuRadixSorter::sort_keys(const gl::Buffer& keys, std::uint32_t count, int key_bits) {
   state_.bind_base(GL_SHADER_STORAGE_BUFFER, 0);
   state_.bind(GL_DISPATCH_INDIRECT_BUFFER);
   first_pass(keys, count);
-  const int passes = 32 / digit_bits_;
-  for (int pass = 1; pass < passes; ++pass) {
-    const gl::Buffer& source = pairs_[(pass + 1) % 2];
-    later_pass(pass, source, pass + 1 < passes ? pairs_[pass % 2] : order_);
-  }
+  const int passes = std::max(2, (key_bits + digit_bits_ - 1) / digit_bits_);
+  for (int pass = 1; pass < passes; ++pass) later_pass(pass, pass + 1 == passes);
 }
 
 }  // namespace fluxgs::sort

@@ -2,30 +2,52 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
+
+#include <glm/vec3.hpp>
 
 #include "gl/buffer.h"
+#include "sort/depth_keys.h"
 
 namespace fluxgs::sort {
 
-/// A key that means: this splat is not drawn.
-inline constexpr std::uint32_t kDropped = 0xFFFFFFFFU;
+/// What a frame's order depends on.
+struct SortView {
+  glm::dvec3 centre{0.0};   ///< the camera's, relative to the scene's origin
+  glm::dvec3 forward{0.0};  ///< unit vector along which depth is measured
+  double near_plane = 0;    ///< nothing nearer is drawn
+  DepthKeys keys;
+};
 
-/// Sorts on the GPU without the CPU learning the result. The interface of every sorter.
+/// The interface of every sorter: two on the CPU, which know the positions, and one on the GPU,
+/// which sorts the keys that the projection pass wrote.
 class Sorter {
  public:
   virtual ~Sorter() = default;
 
-  /// Makes room for that many keys; nothing is allocated by sort() afterwards. `spare` entries
-  /// more are kept at the end of order() for the caller's use.
-  virtual Expected<void> reserve(std::uint32_t count, std::uint32_t spare) = 0;
+  /// Whether set_scene() wants the positions.
+  virtual bool needs_positions() const = 0;
 
-  /// Enqueues the sort of keys[0 … count), 32-bit unsigned numbers, and the barrier that lets
-  /// shaders read the result. Precondition: count ≤ what was reserved.
-  virtual void sort(const gl::Buffer& keys, std::uint32_t count) = 0;
+  /// Makes room for `count` splats; nothing is allocated by the functions below afterwards. `spare`
+  /// entries more are kept at the end of order() for the caller's use. `positions` are relative to
+  /// the scene's origin, one a splat, not finite for splats that are never drawn; empty where
+  /// needs_positions() is false.
+  virtual Expected<void> set_scene(std::uint32_t count, std::uint32_t spare,
+                                   std::vector<glm::vec3> positions) = 0;
 
-  /// The indices of the keys that are not kDropped, the largest key first; among equal keys the
-  /// largest index first. With depths as keys that is back to front, and of two splats at one
-  /// depth the one with the smaller index lies in front.
+  /// Sorts the splats of the scene for this view, or lets a thread begin to. `keys` holds a depth
+  /// key or kDropped for every splat. What order() and count() hold then can be used by shaders.
+  virtual void sort(const SortView& view, const gl::Buffer& keys) = 0;
+
+  /// Makes an order that has become ready since available; to be called once a frame.
+  virtual void collect() {}
+
+  /// Waits until order() is that of the last view.
+  virtual void finish() {}
+
+  /// The indices of the splats to be drawn, the largest depth first; among equal keys the largest
+  /// index first, so that of two splats at one depth the one with the smaller index lies in front.
+  /// The CPU's sorters list splats outside of the picture too.
   virtual const gl::Buffer& order() const = 0;
 
   /// A buffer whose first 32-bit word is the number of valid entries of order().

@@ -1,0 +1,25 @@
+#include "render/settings.h"
+
+#include <cmath>
+#include <string>
+
+#include "sort/depth_keys.h"
+
+namespace fluxgs::render {
+
+Expected<void> check_shortcuts(const Shortcuts& s) {
+  if (s.key_bits < sort::kFewestKeyBits || s.key_bits > sort::kMostKeyBits) {
+    return fail("shortcuts", "key_bits", std::to_string(s.key_bits) + "; 10 to 32 were expected");
+  }
+  const auto amount = [](double v) { return std::isfinite(v) && v >= 0; };
+  if (!amount(s.min_size)) return fail("shortcuts", "min_size", "must be finite, not negative");
+  if (!amount(s.max_deviations)) {
+    return fail("shortcuts", "max_deviations", "must be finite, not negative");
+  }
+  if (!amount(s.resort_motion)) {
+    return fail("shortcuts", "resort_motion", "must be finite, not negative");
+  }
+  return {};
+}
+
+}  // namespace fluxgs::render

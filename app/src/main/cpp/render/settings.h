@@ -1,0 +1,57 @@
+// What the renderer trades for speed. Every setting is exact, or off, by default; what each costs
+// and brings is measured by `fluxgs report render`.
+#pragma once
+
+#include <cstddef>
+
+#include "fluxgs/error.h"
+
+namespace fluxgs::render {
+
+enum class SorterKind {
+  gpu_radix,  ///< on the GPU, every frame's order is its own
+  cpu_async,  ///< on a thread of the CPU; frames are drawn with the newest order there is
+  exact,      ///< float64 on the CPU, waited for: for measuring the others
+};
+
+/// How the projection pass hands a splat to the draw (shaders/record.glsl).
+enum class RecordPrecision {
+  full,  ///< 32 bytes, float32
+  half,  ///< 16 bytes
+};
+
+constexpr std::size_t record_bytes(RecordPrecision precision) {
+  return precision == RecordPrecision::full ? 32 : 16;
+}
+
+/// What a frame may leave out. Can be changed from frame to frame.
+struct Shortcuts {
+  /// Of a depth key: 10…32. Depths that differ in the 25th bit of a float cannot be told apart
+  /// anyway; see sort/depth_keys.h.
+  int key_bits = 24;
+  /// px: splats whose box is smaller in both directions are not drawn.
+  double min_size = 0;
+  /// Quads end at so many standard deviations, or where α falls below alpha_min if that is nearer;
+  /// 0: only there.
+  double max_deviations = 0;
+  /// The camera may move by so much before the splats are sorted again, in radians: the angle it
+  /// turned by, or the distance it moved by over its distance to the scene's middle.
+  double resort_motion = 0;
+};
+
+/// What the programs and buffers are made for.
+struct RendererSettings {
+  SorterKind sorter = SorterKind::gpu_radix;
+  RecordPrecision record = RecordPrecision::full;
+  int batch = 128;          ///< quads per instance, 1…128
+  int sort_digit_bits = 8;  ///< 4…8, for gpu_radix
+  bool timestamps = false;  ///< record stage times where the driver can
+  /// Read records through textures even where the vertex stage has storage buffers.
+  bool texture_fetch = false;
+  Shortcuts shortcuts = {};
+};
+
+/// Fails, naming the field, on values out of their range.
+Expected<void> check_shortcuts(const Shortcuts& shortcuts);
+
+}  // namespace fluxgs::render

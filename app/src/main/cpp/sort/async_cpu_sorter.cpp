@@ -1,0 +1,42 @@
+#include "sort/async_cpu_sorter.h"
+
+namespace fluxgs::sort {
+
+Expected<std::unique_ptr<AsyncCpuSorter>> AsyncCpuSorter::create(gl::Api& api) {
+  std::unique_ptr<AsyncCpuSorter> sorter(new AsyncCpuSorter(api));
+  if (auto ok = sorter->set_scene(0, 0, {}); !ok) return std::unexpected(ok.error());
+  return sorter;
+}
+
+Expected<void> AsyncCpuSorter::set_scene(std::uint32_t count, std::uint32_t spare,
+                                         std::vector<glm::vec3> positions) {
+  thread_ = std::make_unique<SortThread>(std::move(positions));
+  wanted_ = shown_ = 0;
+  for (UploadedOrder& slot : slots_) {
+    auto made = gl::take(UploadedOrder::create(api_, std::size_t{count} + spare), slot);
+    if (!made) return made;
+  }
+  return {};
+}
+
+void AsyncCpuSorter::sort(const SortView& view, const gl::Buffer& /*keys*/) {
+  wanted_ = thread_->request(view);
+  if (shown_ == 0) finish();  // There is nothing yet that could be drawn meanwhile
+}
+
+void AsyncCpuSorter::collect() {
+  if (shown_ != wanted_) show(thread_->newest());
+}
+
+void AsyncCpuSorter::finish() {
+  if (shown_ != wanted_) show(thread_->wait(wanted_));
+}
+
+void AsyncCpuSorter::show(const SharedIndices& indices) {
+  if (!indices || indices->ticket == shown_) return;
+  current_ = (current_ + 1) % slots_.size();
+  slots_[current_].write({indices->indices.data(), indices->count});
+  shown_ = indices->ticket;
+}
+
+}  // namespace fluxgs::sort

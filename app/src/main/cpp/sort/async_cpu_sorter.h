@@ -1,0 +1,41 @@
+// Sorting on the CPU beside the drawing.
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "sort/sort_thread.h"
+#include "sort/uploaded_order.h"
+
+namespace fluxgs::sort {
+
+/// The paper's decoupled sort (Flux-GS, section on the mobile renderer): frames are drawn with the
+/// newest order that a thread has finished, and never wait for it but the first time. It may belong
+/// to a view some frames ago.
+class AsyncCpuSorter final : public Sorter {
+ public:
+  static Expected<std::unique_ptr<AsyncCpuSorter>> create(gl::Api& api);
+
+  bool needs_positions() const override { return true; }
+  Expected<void> set_scene(std::uint32_t count, std::uint32_t spare,
+                           std::vector<glm::vec3> positions) override;
+  void sort(const SortView& view, const gl::Buffer& keys) override;
+  void collect() override;
+  void finish() override;
+  const gl::Buffer& order() const override { return slots_[current_].order; }
+  const gl::Buffer& count() const override { return slots_[current_].count; }
+
+ private:
+  explicit AsyncCpuSorter(gl::Api& api) : api_(api) {}
+  void show(const SharedIndices& indices);
+
+  gl::Api& api_;
+  std::unique_ptr<SortThread> thread_;
+  std::uint64_t wanted_ = 0, shown_ = 0;  // tickets
+  // Frames on their way through the GPU still read the orders before; three, as many as drivers
+  // queue frames, keep the upload from waiting for them.
+  std::array<UploadedOrder, 3> slots_;
+  std::size_t current_ = 0;
+};
+
+}  // namespace fluxgs::sort

@@ -1,0 +1,44 @@
+// Depths as integers: what the sorters sort.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+
+namespace fluxgs::sort {
+
+/// A key that means: this splat is not drawn.
+inline constexpr std::uint32_t kDropped = 0xFFFFFFFFU;
+
+inline constexpr int kFewestKeyBits = 10, kMostKeyBits = 32;
+
+/// How a frame's depths become keys. The bits of a positive float, read as an integer, are ordered
+/// like the float; they grow with its logarithm, so that a far outlier costs only a few of them.
+/// Subtracting the nearest depth's bits and shifting away the last ones leaves a narrow key, and a
+/// narrow key needs fewer passes. With no shift the order is exactly that of the float depths.
+struct DepthKeys {
+  std::uint32_t low = 0;      ///< the bits of the nearest depth
+  std::uint32_t shift = 0;    ///< the bits that are left out
+  std::uint32_t largest = 0;  ///< no key is larger
+  int bits = 0;               ///< that a key has at most
+};
+
+/// The keys of at most `bits` bits for depths in [nearest, farthest], both positive and finite.
+/// Depths outside get the key of the nearer end. Precondition: nearest ≤ farthest and bits within
+/// kFewestKeyBits … kMostKeyBits.
+inline DepthKeys depth_keys(float nearest, float farthest, int bits) {
+  const auto low = std::bit_cast<std::uint32_t>(nearest);
+  const std::uint32_t range = std::bit_cast<std::uint32_t>(farthest) - low;
+  const int shift = std::max(0, static_cast<int>(std::bit_width(range)) - bits);
+  const std::uint32_t largest = range >> shift;
+  return {low, static_cast<std::uint32_t>(shift), largest,
+          std::max(1, static_cast<int>(std::bit_width(largest)))};
+}
+
+/// The key of a positive depth: the twin of depth_key() in shaders/project.comp.
+inline std::uint32_t depth_key(const DepthKeys& keys, float depth) {
+  const auto bits = std::bit_cast<std::uint32_t>(depth);
+  return std::min((std::max(bits, keys.low) - keys.low) >> keys.shift, keys.largest);
+}
+
+}  // namespace fluxgs::sort
