@@ -1,0 +1,116 @@
+#include "bench/traffic_model.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "fluxgs/splat_cloud.h"
+
+namespace fluxgs::bench {
+namespace {
+
+using render::Accumulation;
+using render::RendererSettings;
+using render::SorterKind;
+using render::TargetFormat;
+using render::TargetPlan;
+
+constexpr double kWord = 4, kVec4 = 16;
+
+double project_bytes(const FrameCounts& c, const RendererSettings& s) {
+  const int triples = sh_rest_count(c.sh_degree);
+  const double harmonics = 3 * kVec4 * ((triples + 3) / 4);  // groups of four (scene_buffers.h)
+  const auto splats = static_cast<double>(c.splats), in_front = static_cast<double>(c.in_front);
+  const auto drawn = static_cast<double>(c.drawn);
+  const double read = splats * kVec4 + in_front * 2 * kVec4 + drawn * (kVec4 + harmonics);
+  const double marks = (splats - drawn) * kWord;  // of those that are hidden
+  return read + splats * kWord + marks + drawn * static_cast<double>(record_bytes(s.record));
+}
+
+double gpu_sort_bytes(const FrameCounts& c, int digit_bits) {
+  const auto splats = static_cast<double>(c.splats), drawn = static_cast<double>(c.drawn);
+  const double radix = std::exp2(digit_bits);
+  const auto tables = [&](double keys) {  // written, scanned in place, read
+    return std::ceil(keys / 2048) * radix * kWord * 5;
+  };
+  const int passes = std::max(2, (c.key_bits + digit_bits - 1) / digit_bits);
+  double bytes = tables(splats) + splats * 2 * kWord + drawn * 2 * kWord;
+  for (int pass = 1; pass < passes; ++pass) {
+    const bool last = pass + 1 == passes;
+    // Pairs are counted, read again, and written as pairs or as indices
+    bytes += tables(drawn) + drawn * (2 * kWord + 2 * kWord + (last ? kWord : 2 * kWord));
+  }
+  return bytes;
+}
+
+double sort_bytes(const FrameCounts& c, const RendererSettings& s) {
+  if (s.sorter == SorterKind::gpu_radix) return gpu_sort_bytes(c, s.sort_digit_bits);
+  return 2 * kWord * static_cast<double>(c.splats);  // The upload of an order, written and read
+}
+
+double pixel_bytes(TargetFormat format) { return format == TargetFormat::rgba8 ? 4 : 8; }
+
+double blend_pixel_bytes(const TargetPlan& t) {
+  if (t.accumulation == Accumulation::single_float) return 16;
+  return t.accumulation == Accumulation::half_float ? 8 : pixel_bytes(t.format);
+}
+
+}  // namespace
+
+FrameTraffic model_traffic(const FrameCounts& c, const RendererSettings& s, const TargetPlan& t) {
+  const double pixels = static_cast<double>(t.width) * t.height;
+  const double blended =
+      std::max(1.0, std::round(t.width * t.scale)) * std::max(1.0, std::round(t.height * t.scale));
+  const bool resolves = blend_pixel_bytes(t) != pixel_bytes(t.format) || blended != pixels;
+  const auto drawn = static_cast<double>(c.drawn);
+  return {.project = project_bytes(c, s),
+          .sort = sort_bytes(c, s),
+          .vertices = drawn * (kWord + static_cast<double>(record_bytes(s.record))),
+          .resolve = resolves ? blended * blend_pixel_bytes(t) + pixels * pixel_bytes(t.format) : 0,
+          .blend_tiled = blended * blend_pixel_bytes(t),
+          .blend_immediate = (2 * c.fragments + blended) * blend_pixel_bytes(t)};
+}
+
+namespace {
+
+struct Point {
+  double x, y;
+};
+
+// Sutherland and Hodgman's clipping of a convex polygon against one side: inside(p) ≥ 0.
+template <class Side>
+void clip(std::vector<Point>& polygon, const Side& inside) {
+  std::vector<Point> kept;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Point& a = polygon[i];
+    const Point& b = polygon[(i + 1) % polygon.size()];
+    const double da = inside(a), db = inside(b);
+    if (da >= 0) kept.push_back(a);
+    if ((da < 0) != (db < 0)) {
+      const double t = da / (da - db);
+      kept.push_back({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
+    }
+  }
+  polygon = std::move(kept);
+}
+
+}  // namespace
+
+double area_inside(const Quad& quad, int width, int height) {
+  std::vector<Point> polygon;
+  for (int i = 0; i < 4; ++i) polygon.push_back({quad.x[i], quad.y[i]});
+  clip(polygon, [](const Point& p) { return p.x; });
+  clip(polygon, [](const Point& p) { return p.y; });
+  clip(polygon, [&](const Point& p) { return width - p.x; });
+  clip(polygon, [&](const Point& p) { return height - p.y; });
+  double twice = 0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Point& a = polygon[i];
+    const Point& b = polygon[(i + 1) % polygon.size()];
+    twice += a.x * b.y - b.x * a.y;
+  }
+  return std::abs(twice) / 2;
+}
+
+}  // namespace fluxgs::bench

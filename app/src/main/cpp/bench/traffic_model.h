@@ -1,0 +1,49 @@
+// How many bytes a frame moves between the GPU and its memory: on a phone bandwidth is what frames
+// are made of, and heat.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "render/memory_estimate.h"
+#include "render/scene_constants.h"
+
+namespace fluxgs::bench {
+
+/// What happened in a frame.
+struct FrameCounts {
+  std::uint64_t splats = 0;    ///< of the scene
+  std::uint64_t in_front = 0;  ///< not behind the near plane, nor too faint
+  std::uint64_t drawn = 0;     ///< not culled
+  double fragments = 0;        ///< that the fragment shader ran for
+  int key_bits = 0;            ///< of the frame's depth keys
+  int sh_degree = 0;           ///< that was evaluated
+};
+
+struct FrameTraffic {
+  double project = 0, sort = 0, vertices = 0, resolve = 0;  ///< bytes
+  /// Blending on a GPU that keeps a tile of the picture on the chip (Adreno, Mali): each pixel is
+  /// written once.
+  double blend_tiled = 0;
+  /// Blending on a GPU without: each fragment reads and writes its pixel.
+  double blend_immediate = 0;
+
+  double tiled() const { return project + sort + vertices + resolve + blend_tiled; }
+  double immediate() const { return project + sort + vertices + resolve + blend_immediate; }
+};
+
+/// Caches are taken to catch what is read twice at nearly the same time (the four corners of a quad
+/// read one record) and nothing else.
+FrameTraffic model_traffic(const FrameCounts& counts, const render::RendererSettings& settings,
+                           const render::TargetPlan& target);
+
+/// A splat's quad on the picture: corners in order around it, pixels.
+struct Quad {
+  double x[4], y[4];
+};
+
+/// The area of a quad that lies inside of a picture, in pixels: how many fragments it makes, up to
+/// its border.
+double area_inside(const Quad& quad, int width, int height);
+
+}  // namespace fluxgs::bench

@@ -1,0 +1,90 @@
+#include "render/memory_estimate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/frame_uniforms.h"
+#include "render/scene_buffers.h"
+#include "render/vertex_source.h"
+
+namespace fluxgs::render {
+namespace {
+
+constexpr std::size_t kWord = sizeof(std::uint32_t), kVec4 = 16;
+
+std::size_t at_least_a_word(std::size_t bytes) { return std::max(bytes, kWord); }  // gl/buffer.cpp
+
+std::size_t scene_bytes(std::uint64_t count, int sh_degree) {
+  return at_least_a_word(4 * kVec4 * count) +
+         at_least_a_word(kVec4 * harmonics_stride(sh_degree) * count);
+}
+
+std::size_t gpu_sorter_bytes(std::uint64_t count, int digit_bits) {
+  const std::size_t radix = std::size_t{1} << digit_bits;
+  const std::size_t blocks = std::max<std::size_t>((count + 2047) / 2048, 1);
+  return kWord * (4 + radix + radix * blocks) + 2 * at_least_a_word(2 * kWord * count);
+}
+
+std::size_t frame_bytes(std::uint64_t count, const RendererSettings& s) {
+  const std::size_t records = texture_padded(record_bytes(s.record) * (count + 1));
+  const std::size_t order = texture_padded(kWord * (count + static_cast<std::size_t>(s.batch)));
+  std::size_t bytes = records + at_least_a_word(kWord * count);
+  switch (s.sorter) {
+    case SorterKind::gpu_radix:
+      bytes += order + gpu_sorter_bytes(count, s.sort_digit_bits);
+      break;
+    case SorterKind::cpu_async:
+      bytes += 3 * (order + kWord);
+      break;
+    case SorterKind::exact:
+      bytes += order + kWord;
+      break;
+  }
+  if (s.texture_fetch) bytes += records + order;
+  constexpr std::size_t kArguments = 20, kIndexBytesOfAQuad = 12;
+  return bytes + kArguments + kIndexBytesOfAQuad * static_cast<std::size_t>(s.batch) +
+         sizeof(FrameUniforms);
+}
+
+std::size_t pixel_bytes(TargetFormat format) { return format == TargetFormat::rgba8 ? 4 : 8; }
+
+std::size_t target_bytes(const TargetPlan& t) {
+  if (t.width == 0 || t.height == 0) return 0;
+  const std::size_t pixels = static_cast<std::size_t>(t.width) * static_cast<std::size_t>(t.height);
+  const auto scaled = [&](int size) {
+    return static_cast<std::size_t>(std::max(1L, std::lround(size * t.scale)));
+  };
+  const std::size_t blended = scaled(t.width) * scaled(t.height);
+  const bool same =
+      blended == pixels &&
+      (t.accumulation == Accumulation::direct ||
+       (t.accumulation == Accumulation::half_float && t.format == TargetFormat::rgba16f));
+  const std::size_t blend = t.accumulation == Accumulation::single_float ? 16
+                            : t.accumulation == Accumulation::half_float ? 8
+                                                                         : pixel_bytes(t.format);
+  return pixels * pixel_bytes(t.format) + (same ? 0 : blended * blend);
+}
+
+}  // namespace
+
+MemoryEstimate estimate_memory(std::uint64_t count, int sh_degree, const RendererSettings& settings,
+                               const TargetPlan& target) {
+  return {.scene = scene_bytes(count, sh_degree),
+          .frame = frame_bytes(count, settings),
+          .targets = target_bytes(target)};
+}
+
+std::uint64_t splats_that_fit(std::size_t bytes, int sh_degree, const RendererSettings& settings,
+                              const TargetPlan& target) {
+  const auto fits = [&](std::uint64_t count) {
+    return estimate_memory(count, sh_degree, settings, target).total() <= bytes;
+  };
+  std::uint64_t low = 0, high = bytes / (4 * kVec4) + 1;  // high never fits
+  while (high - low > 1) {
+    const std::uint64_t middle = low + (high - low) / 2;
+    (fits(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
+}  // namespace fluxgs::render

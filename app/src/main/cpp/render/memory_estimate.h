@@ -1,0 +1,37 @@
+// What a scene will take of the GPU's memory, before anything is allocated.
+#pragma once
+
+#include <cstdint>
+
+#include "render/render_target.h"
+#include "render/settings.h"
+
+namespace fluxgs::render {
+
+struct MemoryEstimate {
+  std::size_t scene = 0;    ///< bytes of the splats
+  std::size_t frame = 0;    ///< bytes of records, keys, the sorter's buffers and the draw's
+  std::size_t targets = 0;  ///< bytes of the picture and of what it is blended in
+
+  std::size_t total() const { return scene + frame + targets; }
+};
+
+/// What a picture needs besides its splats.
+struct TargetPlan {
+  int width = 0, height = 0;
+  TargetFormat format = TargetFormat::rgba8;
+  Accumulation accumulation = Accumulation::direct;
+  double scale = 1;
+};
+
+/// The sum of the sizes that Renderer and RenderTarget ask the driver for; drivers round each up.
+/// `settings` as the renderer uses them: texture_fetch where the driver makes it necessary.
+MemoryEstimate estimate_memory(std::uint64_t count, int sh_degree, const RendererSettings& settings,
+                               const TargetPlan& target);
+
+/// The largest number of splats of that degree whose estimate is at most `bytes`; 0 where not even
+/// the targets fit.
+std::uint64_t splats_that_fit(std::size_t bytes, int sh_degree, const RendererSettings& settings,
+                              const TargetPlan& target);
+
+}  // namespace fluxgs::render
