@@ -139,7 +139,8 @@ TEST(Golden, TrainersRasterizer) {
 
 class GoldenGles : public testing::TestWithParam<host::HostGl> {};
 INSTANTIATE_TEST_SUITE_P(EveryGl, GoldenGles,
-                         testing::Values(host::HostGl::egl, host::HostGl::osmesa),
+                         testing::Values(host::HostGl::egl, host::HostGl::osmesa,
+                                         host::HostGl::angle),
                          [](const auto& gl) { return std::string(host::name(gl.param)); });
 
 TEST_P(GoldenGles, PhonesRenderer) {
@@ -161,6 +162,8 @@ TEST_P(GoldenGles, PhonesRenderer) {
       EXPECT_LT(steps_off(g, to_float(*picture)), limit) << g.name;
     }
   }
+  for (const gl::DebugMessage& message : api.debug.mistakes())
+    ADD_FAILURE() << "the driver complains: " << message.text;
 }
 
 }  // namespace

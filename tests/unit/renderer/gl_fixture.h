@@ -3,12 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <map>
 #include <memory>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 #include "platform/host/host_context.h"
 #include "render/renderer.h"
@@ -82,15 +80,12 @@ inline std::string implementation_name(const testing::TestParamInfo<host::HostGl
   return std::string(host::name(info.param));
 }
 
-/// EGL and OSMesa, and ANGLE where FLUXGS_ANGLE_DIR is set.
-inline std::vector<host::HostGl> implementations() {
-  std::vector<host::HostGl> all = {host::HostGl::egl, host::HostGl::osmesa};
-  if (std::getenv("FLUXGS_ANGLE_DIR")) all.push_back(host::HostGl::angle);
-  return all;
-}
+/// All of them; GlTest skips those that the machine lacks.
+inline constexpr host::HostGl kImplementations[] = {host::HostGl::egl, host::HostGl::osmesa,
+                                                    host::HostGl::angle};
 
 }  // namespace fluxgs::test
 
-#define FLUXGS_GL_TEST_SUITE(suite)                                                       \
-  INSTANTIATE_TEST_SUITE_P(Gl, suite, testing::ValuesIn(fluxgs::test::implementations()), \
+#define FLUXGS_GL_TEST_SUITE(suite)                                                      \
+  INSTANTIATE_TEST_SUITE_P(Gl, suite, testing::ValuesIn(fluxgs::test::kImplementations), \
                            fluxgs::test::implementation_name)

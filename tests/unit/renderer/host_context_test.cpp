@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstdio>
 #include <cstdlib>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +18,32 @@
 namespace fluxgs::test {
 namespace {
 
+using testing::EndsWith;
 using testing::HasSubstr;
+
+/// Sets a variable of the environment and puts back what it was.
+class EnvironmentVariable {
+ public:
+  explicit EnvironmentVariable(const char* name) : name_(name) {
+    if (const char* value = std::getenv(name)) before_ = value;
+  }
+  EnvironmentVariable(const EnvironmentVariable&) = delete;
+  EnvironmentVariable& operator=(const EnvironmentVariable&) = delete;
+  ~EnvironmentVariable() { set(before_ ? before_->c_str() : nullptr); }
+
+  /// Null: not set at all.
+  void set(const char* value) const {
+    if (value) {
+      ::setenv(name_, value, 1);
+    } else {
+      ::unsetenv(name_);
+    }
+  }
+
+ private:
+  const char* name_;
+  std::optional<std::string> before_;
+};
 
 TEST(HostGl, NamesAreReadBack) {
   for (const host::HostGl gl : {host::HostGl::egl, host::HostGl::osmesa, host::HostGl::angle})
@@ -26,11 +53,28 @@ TEST(HostGl, NamesAreReadBack) {
   EXPECT_THAT(unknown.error().message(), HasSubstr("egl, osmesa or angle"));
 }
 
-TEST(HostGl, AngleWithoutAFolderIsAnErrorThatNamesTheVariable) {
-  if (std::getenv("FLUXGS_ANGLE_DIR")) GTEST_SKIP() << "FLUXGS_ANGLE_DIR is set";
-  const auto context = host::HostContext::create(host::HostGl::angle);
-  ASSERT_FALSE(context);
-  EXPECT_THAT(context.error().message(), HasSubstr("FLUXGS_ANGLE_DIR"));
+TEST(HostGl, TheVariableDecidesWhereAngleIs) {
+  const EnvironmentVariable variable("FLUXGS_ANGLE_DIR");
+  variable.set("/a folder/angle");
+  EXPECT_EQ(host::angle_folder(), "/a folder/angle");
+  for (const char* none : {"", static_cast<const char*>(nullptr)}) {
+    variable.set(none);
+    EXPECT_THAT(host::angle_folder(), EndsWith("/build/packages/angle"));
+  }
+}
+
+// In a process of its own: the libraries are looked for once.
+TEST(HostGlDeathTest, MissingAngleIsAnErrorThatSaysHowToGetIt) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto try_it = [] {
+    const EnvironmentVariable variable("FLUXGS_ANGLE_DIR");
+    variable.set("/nowhere");
+    const auto context = host::HostContext::create(host::HostGl::angle);
+    std::fputs(context ? "made" : context.error().message().c_str(), stderr);
+    std::exit(0);
+  };
+  EXPECT_EXIT(try_it(), testing::ExitedWithCode(0),
+              "/nowhere/libEGL.so: .*run tools/angle, or .* FLUXGS_ANGLE_DIR");
 }
 
 class HostContextTest : public GlTest {};
@@ -38,6 +82,10 @@ class HostContextTest : public GlTest {};
 TEST_P(HostContextTest, SaysWhatItIs) {
   EXPECT_FALSE(context().renderer_string().empty());
   EXPECT_EQ(api().capabilities.is_es, GetParam() != host::HostGl::osmesa);
+  if (GetParam() == host::HostGl::angle) {  // Mesa may return a later version than was asked for
+    EXPECT_EQ(api().capabilities.major, 3);
+    EXPECT_EQ(api().capabilities.minor, 1);
+  }
   EXPECT_TRUE(gl::check_limits(api().capabilities));
 }
 
@@ -69,7 +117,7 @@ TEST_P(HostContextTest, CanBeMadeAgainAndAgain) {
 TEST_P(HostContextTest, SeveralLiveSideBySide) {
   std::vector<std::unique_ptr<host::HostContext>> contexts;
   contexts.push_back(must(host::HostContext::create(GetParam())));
-  for (const host::HostGl other : implementations())
+  for (const host::HostGl other : kImplementations)
     if (auto made = host::HostContext::create(other)) contexts.push_back(std::move(*made));
   contexts.push_back(must(host::HostContext::create(GetParam())));
   for (int round = 0; round < 2; ++round)

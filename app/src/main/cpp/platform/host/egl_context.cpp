@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <vector>
 
 // clang-format off
 #define EGL_NO_X11
@@ -22,12 +23,14 @@ constexpr EGLenum kPlatformAngle = 0x3202;
 constexpr EGLint kAngleType = 0x3203, kAngleTypeVulkan = 0x3450;
 constexpr EGLint kAngleDeviceType = 0x3209, kAngleDeviceSwiftShader = 0x3487;
 constexpr EGLint kAngleNativePlatform = 0x348F;
+// EGL_ANGLE_create_context_backwards_compatible
+constexpr EGLint kAngleBackwardsCompatible = 0x3483;
 
 // The functions used, and the display. Both live as long as the process: a terminated display
 // would take the contexts of others with it.
 struct Egl {
   DynamicLibrary library, gles;
-  bool has_gles = false;  // ANGLE's eglGetProcAddress leaves some functions to libGLESv2
+  bool is_angle = false;
   EGLDisplay display = EGL_NO_DISPLAY;
   EGLConfig config = nullptr;
   decltype(&::eglGetProcAddress) GetProcAddress = nullptr;
@@ -42,7 +45,8 @@ struct Egl {
 
   void* proc(const char* name) const {
     if (void* address = reinterpret_cast<void*>(GetProcAddress(name))) return address;
-    return has_gles ? gles.symbol(name) : nullptr;
+    // ANGLE's eglGetProcAddress leaves some functions to libGLESv2
+    return is_angle ? gles.symbol(name) : nullptr;
   }
 };
 
@@ -101,21 +105,18 @@ Expected<Egl> open_mesa() {
 }
 
 Expected<Egl> open_angle() {
-  const char* folder = std::getenv("FLUXGS_ANGLE_DIR");
-  if (!folder || !*folder) {
-    return fail("FLUXGS_ANGLE_DIR", "",
-                "not set; name the folder with ANGLE's libEGL.so, libGLESv2.so and "
-                "libvk_swiftshader.so");
-  }
-  const std::string advice = "FLUXGS_ANGLE_DIR must hold libEGL.so and libGLESv2.so";
+  const std::string folder = angle_folder();
+  const std::string advice =
+      "run tools/angle, or name the folder with ANGLE's libEGL.so, libGLESv2.so and "
+      "libvk_swiftshader.so in the variable FLUXGS_ANGLE_DIR";
   Egl egl;
-  auto library = DynamicLibrary::open({std::string(folder) + "/libEGL.so"}, advice);
+  auto library = DynamicLibrary::open({folder + "/libEGL.so"}, advice);
   if (!library) return std::unexpected(library.error());
-  auto gles = DynamicLibrary::open({std::string(folder) + "/libGLESv2.so"}, advice);
+  auto gles = DynamicLibrary::open({folder + "/libGLESv2.so"}, advice);
   if (!gles) return std::unexpected(gles.error());
   egl.library = *library;
   egl.gles = *gles;
-  egl.has_gles = true;
+  egl.is_angle = true;
   const EGLint attributes[] = {kAngleType,
                                kAngleTypeVulkan,
                                kAngleDeviceType,
@@ -147,17 +148,9 @@ class EglContext final : public HostContext {
 
   Expected<void> open() {
     egl_.BindAPI(EGL_OPENGL_ES_API);
-    // 3.1 exactly. The driver may return a later, compatible version; nothing of it is used.
-    const EGLint with_debug[] = {EGL_CONTEXT_MAJOR_VERSION,
-                                 3,
-                                 EGL_CONTEXT_MINOR_VERSION,
-                                 1,
-                                 EGL_CONTEXT_OPENGL_DEBUG,
-                                 EGL_TRUE,
-                                 EGL_NONE};
-    const EGLint plain[] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 1, EGL_NONE};
-    for (const EGLint* attributes : {with_debug, plain}) {
-      context_ = egl_.CreateContext(egl_.display, egl_.config, EGL_NO_CONTEXT, attributes);
+    for (const bool debug : {true, false}) {
+      context_ =
+          egl_.CreateContext(egl_.display, egl_.config, EGL_NO_CONTEXT, attributes(debug).data());
       if (context_ != EGL_NO_CONTEXT) break;
     }
     if (context_ == EGL_NO_CONTEXT) {
@@ -166,6 +159,16 @@ class EglContext final : public HostContext {
           "the driver offers no OpenGL ES 3.1 (EGL error " + hexadecimal(egl_.GetError()) + ")");
     }
     return load([this](const char* name) { return egl_.proc(name); });
+  }
+
+  // 3.1, so that nothing newer is used by accident. A driver may return a later, compatible
+  // version, and Mesa's does; ANGLE is told not to, and refuses what is newer.
+  std::vector<EGLint> attributes(bool debug) const {
+    std::vector<EGLint> list = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 1};
+    if (egl_.is_angle) list.insert(list.end(), {kAngleBackwardsCompatible, EGL_FALSE});
+    if (debug) list.insert(list.end(), {EGL_CONTEXT_OPENGL_DEBUG, EGL_TRUE});
+    list.push_back(EGL_NONE);
+    return list;
   }
 
   bool bind() override {
@@ -181,6 +184,11 @@ class EglContext final : public HostContext {
 };
 
 }  // namespace
+
+std::string angle_folder() {
+  const char* named = std::getenv("FLUXGS_ANGLE_DIR");
+  return named && *named ? named : FLUXGS_ANGLE_FOLDER;
+}
 
 Expected<std::unique_ptr<HostContext>> create_egl_context() {
   static const Expected<Egl> egl = open_mesa();

@@ -13,7 +13,7 @@ namespace fluxgs::host {
 enum class HostGl {
   egl,     ///< Mesa's EGL without a surface: OpenGL ES 3.1 on a GPU or on the CPU
   osmesa,  ///< Mesa's off-screen library: desktop GL 4.5 on the CPU
-  angle,   ///< ANGLE over SwiftShader, from the folder in the environment's FLUXGS_ANGLE_DIR
+  angle,   ///< ANGLE over SwiftShader, from angle_folder(): OpenGL ES 3.1 on the CPU
 };
 
 /// "egl", "osmesa" or "angle".
@@ -21,13 +21,17 @@ std::string_view name(HostGl implementation);
 /// The other way round; fails on any other name.
 Expected<HostGl> parse_host_gl(std::string_view name);
 
+/// Where ANGLE's libraries are looked for: the folder in the environment's FLUXGS_ANGLE_DIR, or
+/// else build/packages/angle, where tools/angle puts them.
+std::string angle_folder();
+
 /// Owns one context. Contexts may be made, and made current, in any number and order, on one
 /// thread at a time each. All must be gone before exit(): drivers clean up there, before static
 /// objects of ours would.
 class HostContext {
  public:
   /// Makes the context and makes it current on this thread. The libraries are loaded at run time;
-  /// the error for a missing one says which package brings it.
+  /// the error for a missing one says what brings it.
   static Expected<std::unique_ptr<HostContext>> create(HostGl implementation);
 
   virtual ~HostContext() = default;
