@@ -1,0 +1,20 @@
+# Every program that the renderer makes: its name, its shaders, the defines they get. One line each.
+# The build writes them as the driver gets them (CMakeLists.txt beside); glslangValidator and
+# tools/adreno compile these files, and programs_test fails if the renderer makes one that is missing
+# here or does not make one that is listed. For the size of a batch the default stands for all.
+fluxgs_program(project project.comp)
+fluxgs_program(project_half project.comp DEFINES RECORD_HALF)
+fluxgs_program(draw_arguments draw_arguments.comp DEFINES "BATCH 128")
+fluxgs_program(splat splat.vert splat.frag DEFINES "BATCH 128")
+fluxgs_program(splat_half splat.vert splat.frag DEFINES "BATCH 128" RECORD_HALF)
+fluxgs_program(splat_texture splat.vert splat.frag DEFINES "BATCH 128" TEXTURE_FETCH)
+fluxgs_program(splat_half_texture splat.vert splat.frag DEFINES "BATCH 128" RECORD_HALF TEXTURE_FETCH)
+fluxgs_program(resolve screen.vert resolve.frag)
+fluxgs_program(resolve_enlarge screen.vert resolve.frag DEFINES ENLARGE)
+foreach(bits RANGE 4 8)
+  foreach(step count scan scatter)
+    fluxgs_program(sort_${step}_${bits} sort_${step}.comp DEFINES "RADIX_BITS ${bits}")
+    fluxgs_program(sort_${step}_${bits}_first sort_${step}.comp DEFINES "RADIX_BITS ${bits}" FIRST_PASS)
+  endforeach()
+  fluxgs_program(sort_scatter_${bits}_last sort_scatter.comp DEFINES "RADIX_BITS ${bits}" LAST_PASS)
+endforeach()

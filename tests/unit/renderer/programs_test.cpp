@@ -1,0 +1,72 @@
+// The list of programs (shaders/programs.cmake) is what the renderer really makes: what compilers
+// other than this machine's driver are shown is then neither too little nor stale.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <set>
+
+#include "fluxgs/io/file.h"
+#include "gl_fixture.h"
+
+namespace fluxgs::test {
+namespace {
+
+/// Settings that together make every program. The size of a batch stays at its default, as in the
+/// list.
+std::vector<render::RendererSettings> all_settings() {
+  using enum render::RecordPrecision;
+  // Does not compile when a setting is added: does it change a shader? Then it has to vary below.
+  [[maybe_unused]] const auto& [sorter, record, batch, sort_digit_bits, timestamps, texture_fetch,
+                                shortcuts] = render::RendererSettings{};
+  std::vector<render::RendererSettings> all;
+  for (int bits = 4; bits <= 8; ++bits) all.push_back({.sort_digit_bits = bits});
+  for (const auto precision : {full, half})
+    for (const bool texture : {false, true})
+      all.push_back({.record = precision, .texture_fetch = texture});
+  for (const auto kind : {render::SorterKind::cpu_async, render::SorterKind::exact})
+    all.push_back({.sorter = kind});
+  return all;
+}
+
+std::set<std::string>* recorded = nullptr;
+decltype(gl::Api::ShaderSource) hand_to_driver = nullptr;
+
+void GL_APIENTRY record(GLuint shader, GLsizei count, const GLchar* const* text,
+                        const GLint* lengths) {
+  recorded->insert(std::string(*text));  // Program::create passes one text that ends with a zero
+  hand_to_driver(shader, count, text, lengths);
+}
+
+std::set<std::string> listed() {
+  std::set<std::string> texts;
+  for (const auto& entry : std::filesystem::directory_iterator(FLUXGS_PROGRAMS_FOLDER)) {
+    const auto bytes = must(read_file(entry.path()));
+    texts.emplace(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  }
+  return texts;
+}
+
+class ProgramsTest : public GlTest {};
+
+TEST_P(ProgramsTest, AreThoseOfTheList) {
+  std::set<std::string> made;
+  recorded = &made;
+  hand_to_driver = api().ShaderSource;
+  api().ShaderSource = record;
+  for (const render::RendererSettings& settings : all_settings())
+    EXPECT_TRUE(render::Renderer::create(api(), settings));
+  api().ShaderSource = hand_to_driver;
+
+  const std::set<std::string> list = listed();
+  ASSERT_FALSE(list.empty());
+  for (const std::string& text : made)
+    EXPECT_TRUE(list.contains(text)) << "not in shaders/programs.cmake:\n" << text;
+  for (const std::string& text : list)
+    EXPECT_TRUE(made.contains(text)) << "in shaders/programs.cmake, but nobody makes it:\n" << text;
+}
+
+FLUXGS_GL_TEST_SUITE(ProgramsTest);
+
+}  // namespace
+}  // namespace fluxgs::test
