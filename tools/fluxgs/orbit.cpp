@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "camera/scene_fit.h"
+#include "camera/up_axis.h"
 #include "trainer/data/scene_focus.h"
 
 namespace fluxgs::cli {
@@ -15,25 +17,17 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kInset = 0.05;
 
-double percentile(std::vector<double> values, double fraction) {
-  const auto at = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-  std::ranges::nth_element(values, values.begin() + at);
-  return values[static_cast<std::size_t>(at)];
-}
-
 /// Where an orbit goes. Angles are in radians, from `front` towards `side`.
 struct Circle {
   glm::dvec3 center{0}, up{0, -1, 0};
   glm::dvec3 front{0}, side{0};  // with `up` a basis of unit vectors
-  double radius = 1, height = 0, fov_y = 50 * kPi / 180;
+  double radius = 1, height = 0, fov_y = camera::kUsualFieldOfView;
   double begin = 0, span = 2 * kPi;
 
-  /// Any two directions across `up`; angle 0 is as near as can be to before the scene's z axis.
   void set_up(const glm::dvec3& direction) {
     up = direction;
-    const glm::dvec3 guess = std::abs(up.z) < 0.9 ? glm::dvec3(0, 0, -1) : glm::dvec3(-1, 0, 0);
-    side = glm::normalize(glm::cross(up, guess));
-    front = glm::cross(side, up);
+    front = camera::level_front(up);
+    side = glm::cross(up, front);
   }
   double angle_of(const glm::dvec3& eye) const {
     const glm::dvec3 arm = eye - center;
@@ -63,16 +57,16 @@ Circle circle_along(const std::vector<Photo>& photos) {
   Circle c;
   const std::vector<double> distances = focus_distances(photos);
   const double share = 1.0 / static_cast<double>(photos.size());
-  glm::dvec3 up(0), eyes(0);
+  glm::dvec3 eyes(0);
+  std::vector<Camera> cameras;
   c.fov_y = 0;
   for (std::size_t i = 0; i < photos.size(); ++i) {
-    const Camera& camera = photos[i].camera;
+    const Camera& camera = cameras.emplace_back(photos[i].camera);
     c.center += share * (camera.center() + distances[i] * camera.forward());
-    up -= share * glm::dvec3(camera.rotation[0][1], camera.rotation[1][1], camera.rotation[2][1]);
     c.fov_y += share * 2 * std::atan(0.5 * camera.height / camera.fy);
     eyes += share * camera.center();
   }
-  c.set_up(glm::length(up) > 1e-9 ? glm::normalize(up) : glm::dvec3(0, -1, 0));
+  c.set_up(camera::up_of_cameras(cameras).direction);
   c.height = glm::dot(eyes - c.center, c.up);
   c.radius = 0;
   for (const Photo& photo : photos) {
@@ -84,22 +78,15 @@ Circle circle_along(const std::vector<Photo>& photos) {
   return c;
 }
 
-Circle circle_around(const SplatCloud& cloud) {
+Circle circle_around(const SplatCloud& cloud, const PictureSize& size) {
+  // Sizes of compact scenes are measured over these views: they stay what they are
+  const camera::SceneBounds bounds = camera::robust_bounds(cloud, camera::SplatWeight::equal);
   Circle c;
-  c.set_up({0, -1, 0});
-  if (cloud.size() == 0) return c;
-  std::vector<double> values(cloud.size());
-  for (int axis = 0; axis < 3; ++axis) {
-    for (std::size_t i = 0; i < cloud.size(); ++i)
-      values[i] = static_cast<double>(cloud.positions[i][axis]);
-    // The middle of the extent, not the median: detail draws that to where splats are small
-    c.center[axis] = 0.5 * (percentile(values, 0.02) + percentile(values, 0.98));
-  }
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    values[i] = glm::distance(glm::dvec3(cloud.positions[i]), c.center);
-  const double size = std::max(percentile(values, 0.9), 1e-6);  // far floaters do not count
-  const double distance = 1.15 * size / std::sin(0.5 * c.fov_y);
-  c.height = 0.3 * distance;
+  c.set_up(camera::kUsualUp);
+  c.center = bounds.center;
+  const double distance =
+      camera::fitting_distance(bounds.radius, c.fov_y, glm::dvec2(size.width, size.height));
+  c.height = camera::kFirstHeight * distance;
   c.radius = std::sqrt(distance * distance - c.height * c.height);
   return c;
 }
@@ -127,7 +114,7 @@ std::vector<Camera> orbit_along(const std::vector<Photo>& photos, int count,
 }
 
 std::vector<Camera> orbit_around(const SplatCloud& cloud, int count, const PictureSize& size) {
-  return cameras_on(circle_around(cloud), count, size);
+  return cameras_on(circle_around(cloud, size), count, size);
 }
 
 }  // namespace fluxgs::cli

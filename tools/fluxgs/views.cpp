@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "camera/view_state.h"
 #include "fluxgs/io/file.h"
 
 namespace fluxgs::cli {
@@ -61,10 +62,7 @@ Camera look_at(const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3
   c.fx = c.fy = 0.5 * size.height / std::tan(0.5 * fov_y);
   c.cx = 0.5 * size.width;
   c.cy = 0.5 * size.height;
-  const glm::dvec3 z = glm::normalize(target - eye);
-  const glm::dvec3 x = glm::normalize(glm::cross(z, up));
-  const glm::dvec3 y = glm::cross(z, x);  // down
-  c.rotation = glm::transpose(glm::dmat3(x, y, z));
+  c.rotation = camera::look_rotation(target - eye, up);
   c.translation = -(c.rotation * eye);
   return c;
 }

@@ -1,0 +1,83 @@
+#include "camera/navigation.h"
+
+#include <glm/geometric.hpp>
+
+namespace fluxgs::camera {
+namespace {
+
+bool is_flying(const FlyDirection& d) { return d.right != 0 || d.up != 0 || d.forward != 0; }
+
+/// Half a turn about the level direction of view: what was down is up, and what was in front stays.
+ViewState upside_down(const ViewState& view, const glm::dvec3& up) {
+  const glm::dvec3 front = level_direction(view, up);
+  const glm::dquat turn(0, front.x, front.y, front.z);
+  ViewState result = view;
+  result.orientation = glm::normalize(turn * view.orientation);
+  return result;
+}
+
+}  // namespace
+
+Navigation navigation_from(const ViewState& view, const glm::dvec3& up, const SceneUnits& units) {
+  Navigation n;
+  n.view = n.home = view;
+  n.up = up;
+  n.units = units;
+  return n;
+}
+
+void touch(Navigation& n) {
+  n.glide = {};
+  n.transition.reset();
+}
+
+void drag(Navigation& n, DragAction action, const glm::dvec2& pixels, const glm::dvec2& size) {
+  switch (action) {
+    case DragAction::orbit:
+      n.view = orbit(n.view, pixels, size, n.up);
+      break;
+    case DragAction::look:
+      n.view = look(n.view, pixels, size, n.up);
+      break;
+    case DragAction::pan:
+      n.view = pan(n.view, pixels, size);
+      break;
+  }
+}
+
+void release(Navigation& n, DragAction action, const glm::dvec2& velocity) {
+  n.glide = thrown(velocity);
+  n.gliding = action;
+}
+
+void go_to(Navigation& n, const ViewState& view) {
+  touch(n);
+  n.transition = Transition{.from = n.view, .to = view};
+}
+
+void reset(Navigation& n) { go_to(n, n.home); }
+
+void flip_up(Navigation& n) {
+  touch(n);
+  n.view = upside_down(n.view, n.up);
+  n.home = upside_down(n.home, n.up);
+  n.up = -n.up;
+}
+
+bool moving(const Navigation& n) {
+  return moving(n.glide) || n.transition.has_value() || is_flying(n.flying);
+}
+
+bool advance(Navigation& n, double seconds, const glm::dvec2& size) {
+  if (!moving(n)) return false;
+  if (n.transition) {
+    n.view = advance(*n.transition, seconds);
+    if (finished(*n.transition)) n.transition.reset();
+  }
+  if (moving(n.glide)) drag(n, n.gliding, advance(n.glide, seconds), size);
+  if (is_flying(n.flying))
+    n.view = fly(n.view, n.flying, n.units.speed * n.speed_factor, seconds, n.up);
+  return true;
+}
+
+}  // namespace fluxgs::camera

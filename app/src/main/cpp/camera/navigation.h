@@ -1,0 +1,61 @@
+// A view and what moves it: gestures now, and what goes on afterwards. The platforms translate
+// fingers, mice and keys into these calls and draw while advance() says that something moves.
+#pragma once
+
+#include <optional>
+
+#include "camera/fly.h"
+#include "camera/inertia.h"
+#include "camera/orbit.h"
+#include "camera/pan_zoom.h"
+#include "camera/scene_fit.h"
+#include "camera/transition.h"
+#include "camera/view_state.h"
+
+namespace fluxgs::camera {
+
+/// What a pointer that is dragged does.
+enum class DragAction { orbit, look, pan };
+
+struct Navigation {
+  ViewState view;
+  ViewState home;           ///< where reset() leads
+  glm::dvec3 up{0, -1, 0};  ///< of unit length
+  SceneUnits units;
+  double speed_factor = 1;  ///< of flying
+  FlyDirection flying;      ///< for as long as it is not zero
+
+  // What goes on by itself; a touch ends it.
+  Glide glide;
+  DragAction gliding = DragAction::orbit;
+  std::optional<Transition> transition;
+};
+
+/// Starts at a view, which is also home.
+Navigation navigation_from(const ViewState& view, const glm::dvec3& up, const SceneUnits& units);
+
+/// A finger or button went down: what went on by itself ends.
+void touch(Navigation& n);
+
+/// A pointer that is down moved by `drag` pixels.
+void drag(Navigation& n, DragAction action, const glm::dvec2& pixels, const glm::dvec2& size);
+
+/// The pointer was lifted at a velocity in px/s: the drag goes on and dies away.
+void release(Navigation& n, DragAction action, const glm::dvec2& velocity);
+
+/// Goes smoothly to a view.
+void go_to(Navigation& n, const ViewState& view);
+
+/// Smoothly to where it began.
+void reset(Navigation& n);
+
+/// Turns the scene upside down: the other direction is up, the eye keeps its height over the
+/// scene's ground, and so does home.
+void flip_up(Navigation& n);
+
+bool moving(const Navigation& n);
+
+/// Lets time pass. Whether the view changed or will change.
+bool advance(Navigation& n, double seconds, const glm::dvec2& size);
+
+}  // namespace fluxgs::camera
