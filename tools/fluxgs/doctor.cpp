@@ -12,6 +12,7 @@
 
 #include "fluxgs/networks/onnx_runtime.h"
 #include "platform/host/host_context.h"
+#include "platform/host/window.h"
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/find_program.h"
 #include "tools/fluxgs/renderers.h"
@@ -36,6 +37,12 @@ json gl_implementations() {
   return all;
 }
 
+json windows() {
+  const auto version = host::window_library_version();
+  if (!version) return {{"available", false}, {"reason", version.error().message()}};
+  return {{"available", true}, {"version", *version}};
+}
+
 json program_path(const std::string& name) {
   const auto found = find_program(name);
   return found ? json(*found) : json(nullptr);
@@ -54,6 +61,7 @@ json examine() {
           {"cores", std::thread::hardware_concurrency()},
           {"instruction_sets", sets},
           {"gl", gl_implementations()},
+          {"glfw", windows()},
           {"cuda", {{"available", false}, {"reason", "this build has no CUDA backend"}}},
           {"colmap", program_path("colmap")},
           {"gnuplot", program_path("gnuplot")},
@@ -77,6 +85,10 @@ void print_lines(const json& found) {
                gl["available"].get<bool>()
                    ? gl["renderer"].get<std::string>() + ", " + gl["version"].get<std::string>()
                    : "missing: " + gl["reason"].get<std::string>());
+  const json& glfw = found["glfw"];
+  fmt::print("GLFW        {}\n", glfw["available"].get<bool>()
+                                     ? glfw["version"].get<std::string>()
+                                     : "missing: " + glfw["reason"].get<std::string>());
   fmt::print("CUDA        {}\n", found["cuda"]["reason"].get<std::string>());
   fmt::print("COLMAP      {}\n", found["colmap"].is_null()
                                      ? "not found; needed only for photos without poses"

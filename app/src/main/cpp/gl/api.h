@@ -20,7 +20,8 @@
 // clang-format off
 #define FLUXGS_GL_FUNCTIONS(X) \
   X(ActiveTexture) X(AttachShader) X(BindBuffer) X(BindBufferBase) X(BindFramebuffer) \
-  X(BindTexture) X(BindVertexArray) X(BlendFuncSeparate) X(BufferData) X(BufferSubData) \
+  X(BindTexture) X(BindVertexArray) X(BlendFuncSeparate) X(BlitFramebuffer) X(BufferData) \
+  X(BufferSubData) \
   X(CheckFramebufferStatus) X(ClearBufferfv) X(CompileShader) X(CreateProgram) X(CreateShader) \
   X(DeleteBuffers) X(DeleteFramebuffers) X(DeleteProgram) X(DeleteQueries) X(DeleteShader) \
   X(DeleteTextures) X(DeleteVertexArrays) X(Disable) X(DispatchCompute) \

@@ -13,7 +13,10 @@ class Framebuffer {
   /// The texture must outlive the framebuffer. Fails when the driver cannot render to its format.
   static Expected<Framebuffer> create(Api& api, const Texture& color);
 
-  void bind() const { handle_.api().BindFramebuffer(GL_FRAMEBUFFER, handle_.name()); }
+  /// `use`: GL_FRAMEBUFFER, or only one of GL_READ_FRAMEBUFFER and GL_DRAW_FRAMEBUFFER.
+  void bind(GLenum use = GL_FRAMEBUFFER) const {
+    handle_.api().BindFramebuffer(use, handle_.name());
+  }
 
  private:
   static void destroy(Api& api, GLuint name) { api.DeleteFramebuffers(1, &name); }
