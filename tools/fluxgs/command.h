@@ -23,6 +23,7 @@ void add_render(CLI::App& app, Action& action);
 void add_convert(CLI::App& app, Action& action);
 void add_info(CLI::App& app, Action& action);
 void add_report(CLI::App& app, Action& action);
+void add_view(CLI::App& app, Action& action);
 void add_doctor(CLI::App& app, Action& action);
 
 /// Reads a scene; warns of splats that were left out and of a scene without any.

@@ -13,6 +13,7 @@
 
 #include "fluxgs/io/file.h"
 #include "fluxgs/io/scene.h"
+#include "run_command.h"
 #include "support/scenes.h"
 #include "support/temp_folder.h"
 #include "tools/capture/capture.h"
@@ -21,44 +22,11 @@ namespace fluxgs {
 namespace {
 
 using nlohmann::json;
-
-struct Outcome {
-  int status;
-  std::string out, err;
-};
-
-std::string text_of(const std::filesystem::path& path) {
-  std::ifstream in(path);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-/// Runs `fluxgs ARGUMENTS` in a shell, after `before` (limits, say).
-Outcome fluxgs(const std::string& arguments, const std::string& before = "") {
-  const test::TempFolder folder;
-  const std::string command =
-      fmt::format("{} '{}' {} >'{}' 2>'{}'", before, FLUXGS_BINARY, arguments,
-                  (folder / "out").string(), (folder / "err").string());
-  const int status = std::system(command.c_str());
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(folder / "out"),
-          text_of(folder / "err")};
-}
-
-/// The command failed as it should: status 1, nothing on standard output, a last line that says
-/// "fluxgs: error: " and has all of `parts`.
-void expect_error(const Outcome& o, const std::vector<std::string>& parts) {
-  EXPECT_EQ(o.status, 1) << o.err;
-  EXPECT_EQ(o.out, "");
-  const std::size_t at = o.err.rfind("fluxgs: error: ");
-  ASSERT_NE(at, std::string::npos) << o.err;
-  const std::string line = o.err.substr(at);
-  EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
-  for (const std::string& part : parts)
-    EXPECT_NE(line.find(part), std::string::npos) << part << " in: " << line;
-}
-
-std::string quoted(const std::filesystem::path& path) { return fmt::format("'{}'", path.string()); }
+using test::expect_error;
+using test::fluxgs;
+using test::Outcome;
+using test::quoted;
+using test::text_of;
 
 std::size_t files_in(const std::filesystem::path& folder) {
   return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder),
@@ -155,7 +123,7 @@ TEST(Command, WrongUsageIsStatusTwoAndHelpHasExamples) {
   EXPECT_NE(fluxgs("train x -o y.glb --iterations 0")
                 .err.find("fluxgs: error: --iterations: expected 1 to 1000000000"),
             std::string::npos);
-  for (const char* command : {"train", "eval", "render", "convert", "info", "doctor"}) {
+  for (const char* command : {"train", "eval", "render", "view", "convert", "info", "doctor"}) {
     const Outcome help = fluxgs(std::string(command) + " --help");
     EXPECT_EQ(help.status, 0);
     EXPECT_NE(help.out.find("Example: fluxgs " + std::string(command)), std::string::npos)

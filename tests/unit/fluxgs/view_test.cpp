@@ -1,0 +1,294 @@
+// The window: what is in it, what moves it, and what is said where none can be opened.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include "fluxgs/io/scene.h"
+#include "platform/host/window.h"
+#include "run_command.h"
+#include "support/scenes.h"
+#include "tools/fluxgs/view_input.h"
+#include "tools/fluxgs/view_script.h"
+#include "tools/fluxgs/view_start.h"
+#include "trainer/data/image_io.h"
+#include "virtual_display.h"
+
+namespace fluxgs {
+namespace {
+
+using nlohmann::json;
+using test::expect_error;
+using test::fluxgs;
+using test::Outcome;
+using test::quoted;
+
+/// dB between two pictures; of the second one mirrored or turned upside down if asked.
+double psnr(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b, bool mirror = false,
+            bool turn = false) {
+  double sum = 0;
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x)
+      for (int c = 0; c < 3; ++c) {
+        const int from = *(b.at(mirror ? b.width - 1 - x : x, turn ? b.height - 1 - y : y) + c);
+        const int error = a.at(x, y)[c] - from;
+        sum += error * error;
+      }
+  const double mean = sum / (3.0 * a.width * a.height);
+  return mean > 0 ? 10 * std::log10(255 * 255 / mean) : 200;
+}
+
+class Window : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto library = host::window_library_version();
+    if (!library) GTEST_SKIP() << library.error().message();
+    if (!display_.available()) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+    ASSERT_TRUE(write_scene(folder_ / "scene.ply", test::random_cloud(400, 1, 8)));
+  }
+
+  Outcome view(const std::string& more) {
+    return fluxgs(fmt::format("view {} {}", quoted(folder_ / "scene.ply"), more),
+                  "DISPLAY=" + display_.name());
+  }
+
+  /// With a script; the picture goes to window.png.
+  Outcome play(const json& script, int frames, const std::string& more = "") {
+    std::ofstream(folder_ / "script.json") << script;
+    return view(fmt::format("--size 320x240 --input {} --frames {} --screenshot {} {}",
+                            quoted(folder_ / "script.json"), frames, quoted(folder_ / "window.png"),
+                            more));
+  }
+
+  /// The window shows what `render` draws from the camera that the window printed.
+  void expect_window_shows(const Outcome& viewed, int width, int height) {
+    ASSERT_EQ(viewed.status, 0) << viewed.err;
+    std::ofstream(folder_ / "camera.json") << viewed.out;
+    const Outcome rendered = fluxgs(fmt::format(
+        "render {} --camera {} --size {}x{} -o {}", quoted(folder_ / "scene.ply"),
+        quoted(folder_ / "camera.json"), width, height, quoted(folder_ / "rendered.png")));
+    ASSERT_EQ(rendered.status, 0) << rendered.err;
+    const auto shown = read_image(folder_ / "window.png");
+    const auto expected = read_image(folder_ / "rendered.png");
+    ASSERT_TRUE(shown && expected);
+    ASSERT_EQ(shown->width, width);
+    ASSERT_EQ(shown->height, height);
+    EXPECT_GT(psnr(*shown, *expected), 45);
+    // A scene that looks like that from any side would show nothing
+    EXPECT_LT(psnr(*shown, *expected, true, false), 30);
+    EXPECT_LT(psnr(*shown, *expected, false, true), 30);
+  }
+
+  test::VirtualDisplay display_{"800x600"};
+  test::TempFolder folder_;
+};
+
+const json kPrint = {{"step", 0}, {"type", "p"}};
+
+TEST_F(Window, ShowsWhatRenderDraws) {
+  expect_window_shows(play(json::array({kPrint}), 2), 320, 240);
+}
+
+TEST_F(Window, FollowsTheMouseTheKeysAndItsSize) {
+  const json script = {
+      {{"step", 1}, {"button", "left"}, {"down", true}, {"at", {100, 100}}},
+      {{"step", 2}, {"move", {130, 90}}},
+      {{"step", 3}, {"move", {150, 120}}},
+      {{"step", 3}, {"button", "left"}, {"down", false}, {"at", {150, 120}}},
+      {{"step", 6}, {"resize", {333, 401}}},
+      {{"step", 8}, {"scroll", 2}, {"at", {50, 300}}},
+      {{"step", 9}, {"key", "D"}, {"down", true}},
+      {{"step", 15}, {"key", "D"}, {"down", false}},
+      {{"step", 16}, {"type", "f"}},
+      {{"step", 40}, {"button", "right"}, {"down", true}, {"at", {10, 10}}},
+      {{"step", 41}, {"move", {20, 5}}},
+      {{"step", 42}, {"button", "right"}, {"down", false}, {"at", {20, 5}}},
+      {{"step", 119}, {"type", "p"}},
+  };
+  expect_window_shows(play(script, 120, "--up 0,-1,0"), 333, 401);
+}
+
+TEST_F(Window, CanBeResizedBeforeEveryFrame) {
+  json script = json::array();
+  for (int i = 0; i < 60; ++i)
+    script.push_back({{"step", i}, {"resize", {100 + 7 * (i % 40), 300 - 4 * (i % 55)}}});
+  script.push_back({{"step", 60}, {"resize", {1, 1}}});
+  script.push_back({{"step", 61}, {"resize", {211, 97}}});
+  script.push_back({{"step", 62}, {"type", "p"}});
+  expect_window_shows(play(script, 70), 211, 97);
+}
+
+TEST_F(Window, IsNotDrawnAgainWhileNothingMoves) {
+  const json script = {{{"step", 100}, {"move", {5, 5}}},
+                       {{"step", 200}, {"scroll", 1}, {"at", {9, 9}}},
+                       {{"step", 300}, {"key", "Escape"}, {"down", true}}};
+  std::ofstream(folder_ / "script.json") << script;
+  const Outcome o = view("--input " + quoted(folder_ / "script.json"));
+  ASSERT_EQ(o.status, 0) << o.err;
+  int drawn = 0, steps = 0;
+  const std::size_t at = o.err.rfind("\n", o.err.size() - 2);
+  ASSERT_EQ(std::sscanf(o.err.c_str() + at + 1, "%d frames drawn in %d steps", &drawn, &steps), 2)
+      << o.err;
+  EXPECT_EQ(steps, 301);
+  EXPECT_GE(drawn, 2);
+  EXPECT_LE(drawn, 8);  // a new window may be uncovered more than once
+}
+
+TEST_F(Window, LooksAtAnEmptyScene) {
+  ASSERT_TRUE(write_scene(folder_ / "scene.ply", SplatCloud()));
+  const json script = {{{"step", 0}, {"button", "left"}, {"down", true}, {"at", {9, 9}}},
+                       {{"step", 1}, {"button", "left"}, {"down", false}, {"at", {9, 9}}},
+                       {{"step", 2}, {"button", "left"}, {"down", true}, {"at", {9, 9}}}};
+  EXPECT_EQ(play(script, 5).status, 0);
+}
+
+TEST(ViewCommand, SaysWhereThereIsNoDisplay) {
+  if (!host::window_library_version()) GTEST_SKIP() << "libglfw3 is not installed";
+  const test::TempFolder folder;
+  ASSERT_TRUE(write_scene(folder / "scene.ply", test::random_cloud(10, 0)));
+  expect_error(fluxgs("view " + quoted(folder / "scene.ply"), "env -u DISPLAY -u WAYLAND_DISPLAY"),
+               {"window: no display", "expected a graphical session", "fluxgs render"});
+  expect_error(fluxgs("view " + quoted(folder / "scene.ply"), "DISPLAY=:54321"),
+               {"window: no display"});
+}
+
+TEST(ViewCommand, BadArguments) {
+  const test::TempFolder folder;
+  const std::string scene = quoted(folder / "scene.ply");
+  ASSERT_TRUE(write_scene(folder / "scene.ply", test::random_cloud(10, 0)));
+  for (const char* up : {"0,0,0", "1,2", "1,2,3,4", "nan,0,1", "north", "1,2,x", ""})
+    EXPECT_EQ(fluxgs(fmt::format("view {} --up '{}'", scene, up)).status, 2) << up;
+  EXPECT_EQ(fluxgs("view " + scene + " --screenshot x.png").status, 2);
+  EXPECT_EQ(fluxgs("view " + scene + " --frames 0").status, 2);
+  expect_error(fluxgs("view " + scene + " --frames 1 --screenshot x.jpg"), {"x.jpg", ".png"});
+  expect_error(fluxgs("view " + quoted(folder / "none.ply")), {"none.ply"});
+  const auto with_script = [&](const std::string& text) {
+    std::ofstream(folder / "script.json") << text;
+    return fluxgs(fmt::format("view {} --input {}", scene, quoted(folder / "script.json")));
+  };
+  expect_error(with_script("{}"), {"script.json", "JSON list"});
+  for (const char* event :
+       {"1", "{}", R"({"step":1})", R"({"step":-1,"type":"f"})", R"({"step":1,"type":"ff"})",
+        R"({"step":1,"move":[1]})", R"({"step":1,"move":[1,1e99]})", R"({"step":1,"resize":[0,9]})",
+        R"({"step":1,"button":"fourth","down":true,"at":[1,1]})", R"({"step":1,"key":"W"})",
+        R"({"step":1,"scroll":"up","at":[1,1]})"})
+    expect_error(with_script(fmt::format("[{}]", event)), {"script.json: event 0", "expected"});
+  expect_error(with_script(R"([{"step":2,"type":"f"},{"step":1,"type":"f"}])"),
+               {"event 1: step", "order"});
+  const Outcome help = fluxgs("view --help");
+  EXPECT_NE(help.out.find("double click"), std::string::npos);
+  EXPECT_NE(help.out.find("Example: fluxgs view"), std::string::npos);
+}
+
+using Kind = host::WindowEvent::Kind;
+
+/// A window of 640×480 that nobody sees.
+struct Desk {
+  camera::Navigation n = camera::navigation_from(
+      camera::view_between({0, 0, -5}, {0, 0, 0}, {0, -1, 0}, 1), {0, -1, 0}, {});
+  cli::ViewInput input;
+  double time = 0;
+
+  cli::ViewRequest tell(const host::WindowEvent& event) {
+    return cli::apply(event, time, {640, 480}, input, n);
+  }
+  cli::ViewRequest press(const glm::dvec2& at, bool down,
+                         host::PointerButton button = host::PointerButton::left) {
+    return tell({.kind = Kind::button, .position = at, .button = button, .down = down});
+  }
+  void move(const glm::dvec2& to) { tell({.kind = Kind::pointer_moved, .position = to}); }
+  void key(char key, bool down) { tell({.kind = Kind::key, .down = down, .key = key}); }
+};
+
+TEST(ViewInput, DoubleClicksAreTwoNearInTimeAndPlace) {
+  Desk desk;
+  const auto click = [&](double time, const glm::dvec2& at) {
+    desk.time = time;
+    const bool focus = desk.press(at, true).focus.has_value();
+    desk.press(at, false);
+    return focus;
+  };
+  EXPECT_FALSE(click(0, {100, 100}));
+  EXPECT_TRUE(click(0.2, {102, 100}));
+  EXPECT_FALSE(click(0.3, {102, 100}));  // the third
+  EXPECT_FALSE(click(5, {102, 100}));
+  EXPECT_FALSE(click(5.2, {152, 100}));
+}
+
+TEST(ViewInput, DragsTurnMoveAndLook) {
+  Desk desk;
+  desk.move({50, 50});
+  EXPECT_EQ(desk.n.view.target, glm::dvec3(0.0));
+  const auto dragged = [](Desk d, host::PointerButton button) {
+    d.press({100, 100}, true, button);
+    d.move({120, 100});
+    return d.n.view;
+  };
+  const auto orbited = dragged(desk, host::PointerButton::left);
+  EXPECT_EQ(orbited.target, glm::dvec3(0.0));
+  EXPECT_GT(glm::distance(camera::eye(orbited), glm::dvec3(0, 0, -5)), 0.1);
+  const auto panned = dragged(desk, host::PointerButton::middle);
+  EXPECT_LT(panned.target.x, -0.01);
+  desk.key('W', true);
+  EXPECT_EQ(desk.n.flying.forward, 1);
+  const auto looked = dragged(desk, host::PointerButton::left);
+  EXPECT_LT(glm::distance(camera::eye(looked), glm::dvec3(0, 0, -5)), 1e-9);
+  desk.key('S', true);
+  EXPECT_EQ(desk.n.flying.forward, 0);
+  desk.tell({.kind = Kind::focus_lost});
+  EXPECT_FALSE(camera::moving(desk.n));
+}
+
+TEST(ViewInput, ThrowsGoOnAndRestsDoNot) {
+  for (const bool rests : {false, true}) {
+    Desk desk;
+    desk.press({100, 100}, true);
+    for (int i = 1; i <= 5; ++i) {
+      desk.time = 0.016 * i;
+      desk.move({100 + 20 * i, 100});
+    }
+    if (rests) desk.time += 0.5;
+    desk.press({200, 100}, false);
+    EXPECT_EQ(camera::moving(desk.n), !rests);
+  }
+}
+
+TEST(ViewInput, KeysDoWhatTheHelpSays) {
+  Desk desk;
+  const auto type = [&](char letter) { return desk.tell({.kind = Kind::text, .key = letter}); };
+  EXPECT_TRUE(type('p').print_camera);
+  type('+');
+  EXPECT_DOUBLE_EQ(desk.n.speed_factor, 1.5);
+  type('-');
+  EXPECT_DOUBLE_EQ(desk.n.speed_factor, 1);
+  type('F');
+  EXPECT_EQ(desk.n.up, glm::dvec3(0, 1, 0));
+  type('r');
+  EXPECT_TRUE(desk.n.transition);
+  desk.tell({.kind = Kind::scrolled, .position = {320, 240}, .amount = 1});
+  EXPECT_FALSE(desk.n.transition);
+  EXPECT_NEAR(desk.n.view.distance, 5 / 1.15, 1e-9);
+  EXPECT_TRUE(desk.tell({.kind = Kind::key, .down = true, .key = host::kEscape}).quit);
+}
+
+TEST(ViewStart, UpIsWhatIsGivenOrWhatThePhotosSay) {
+  EXPECT_EQ(**cli::parse_up("0,0,2"), glm::dvec3(0, 0, 1));
+  EXPECT_FALSE(*cli::parse_up("auto"));
+  const SplatCloud cloud = test::random_cloud(200, 0);
+  Dataset data;
+  data.train.emplace_back().camera = test::camera_at({3, 0, 0}, {0, 0, 0}, 64, 48);
+  data.train.emplace_back().camera = test::camera_at({0, 0, 3}, {0, 0, 0}, 64, 48);
+  const auto start = cli::choose_start(cloud, data, std::nullopt, std::nullopt, {640, 480});
+  EXPECT_LT(glm::distance(start.navigation.up, glm::dvec3(0, -1, 0)), 0.02);
+  EXPECT_LT(glm::distance(camera::eye(start.navigation.view), glm::dvec3(3, 0, 0)), 1e-9);
+  EXPECT_LT(glm::length(start.navigation.view.target), 0.01);
+  const auto given = cli::choose_start(cloud, data, std::nullopt, glm::dvec3(0, 0, 1), {640, 480});
+  EXPECT_EQ(given.navigation.up, glm::dvec3(0, 0, 1));
+}
+
+}  // namespace
+}  // namespace fluxgs

@@ -1,0 +1,315 @@
+// fluxgs view: a scene in a window.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <numbers>
+#include <optional>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "camera/focus.h"
+#include "platform/host/window.h"
+#include "render/renderer.h"
+#include "tools/fluxgs/command.h"
+#include "tools/fluxgs/console.h"
+#include "tools/fluxgs/data_options.h"
+#include "tools/fluxgs/view_input.h"
+#include "tools/fluxgs/view_script.h"
+#include "tools/fluxgs/view_start.h"
+#include "tools/fluxgs/views.h"
+#include "trainer/data/image_io.h"
+
+namespace fluxgs::cli {
+namespace {
+
+using nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+constexpr double kIdleWait = 5, kMinimisedWait = 0.1;  // seconds
+constexpr double kLongestStep = 0.1;                   // after a pause the scene must not jump
+constexpr double kTitleEvery = 0.25;
+
+struct ViewSettings {
+  std::string scene, up = "auto", camera_file, screenshot, input;
+  DataOptions data;
+  PictureSize size{1280, 720};
+  int sh_degree = 3, frames = 0;
+};
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// The state of the window and what is shown in it. Members in the order in which they depend on
+/// each other.
+struct Viewer {
+  std::unique_ptr<host::Window> window;
+  std::unique_ptr<render::Renderer> renderer;
+  render::RenderTarget target;
+  SplatCloud cloud;
+  RenderOptions options;
+  camera::Navigation navigation;
+  ViewInput input;
+  std::vector<ScriptedEvent> script;
+  std::size_t next_event = 0;  // of the script
+  std::string name;            // for the title
+  int steps = 0, drawn = 0;
+  double frame_seconds = 0;  // smoothed
+  Clock::time_point titled;
+};
+
+json camera_json(const camera::ViewState& view) {
+  const auto list = [](const glm::dvec3& v) { return json{v.x, v.y, v.z}; };
+  return json::array({{{"name", "view"},
+                       {"position", list(camera::eye(view))},
+                       {"target", list(view.target)},
+                       {"up", list(-camera::down(view))},
+                       {"fovY", view.fov_y * 180 / std::numbers::pi}}});
+}
+
+glm::dvec2 as_vector(const host::WindowSize& size) { return {size.width, size.height}; }
+
+void handle(Viewer& v, const host::WindowEvent& event, double time, bool& quit) {
+  const glm::dvec2 size = as_vector(v.window->size());
+  camera::Navigation& n = v.navigation;
+  const ViewRequest request = apply(event, time, size, v.input, n);
+  quit = quit || request.quit;
+  if (request.print_camera) {
+    print_json(camera_json(n.view));
+    std::fflush(stdout);
+  }
+  if (!request.focus) return;
+  const auto point =
+      camera::visible_point(v.cloud, n.view, *request.focus, size, n.units.near_plane);
+  if (point) camera::go_to(n, camera::focused_on(n.view, *point, n.units.distances));
+}
+
+/// The script's events of this step; afterwards the window has its new size.
+void play(Viewer& v, bool& quit) {
+  for (; v.next_event < v.script.size() && v.script[v.next_event].step <= v.steps; ++v.next_event) {
+    const ScriptedEvent& scripted = v.script[v.next_event];
+    if (scripted.resize.width > 0)
+      v.window->resize(scripted.resize);
+    else
+      handle(v, scripted.event, v.steps * kScriptStep, quit);
+  }
+}
+
+Expected<void> fit_target(Viewer& v, const host::WindowSize& size) {
+  if (v.target.width() == size.width && v.target.height() == size.height) return {};
+  v.target = {};  // memory for one is enough
+  auto made = render::RenderTarget::create(v.window->api(), size.width, size.height,
+                                           render::TargetFormat::rgba8);
+  if (!made) return std::unexpected(made.error());
+  v.target = std::move(*made);
+  return {};
+}
+
+Expected<void> draw(Viewer& v, const host::WindowSize& size) {
+  if (auto fitted = fit_target(v, size); !fitted) return fitted;
+  const Camera camera = camera::camera_of(v.navigation.view, size.width, size.height);
+  if (auto drawn = v.renderer->draw(camera, v.options, v.target); !drawn) return drawn;
+  host::draw_to_window(v.window->api(), v.target, size);
+  ++v.drawn;
+  return {};
+}
+
+Expected<void> take_screenshot(Viewer& v, const std::string& file, const host::WindowSize& size) {
+  const auto picture = host::read_window(v.window->api(), size);
+  if (!picture) return std::unexpected(picture.error());
+  return write_png(file, *picture);
+}
+
+void count_frame(Viewer& v, double seconds) {
+  constexpr double kSmoothing = 0.1;
+  v.frame_seconds = v.frame_seconds > 0 ? std::lerp(v.frame_seconds, seconds, kSmoothing) : seconds;
+}
+
+/// Waits for the GPU, and so not in every frame.
+Expected<void> update_title(Viewer& v) {
+  if (v.drawn > 1 && seconds_since(v.titled) < kTitleEvery) return {};
+  v.titled = Clock::now();
+  const auto stats = v.renderer->stats();
+  if (!stats) return std::unexpected(stats.error());
+  std::string title =
+      fmt::format("{} - {:.0f} frames/s - {} of {} splats", v.name,
+                  1 / std::max(v.frame_seconds, 1e-6), stats->drawn, v.cloud.size());
+  if (const auto& stages = stats->stages)
+    title += fmt::format(" - sort {:.1f} ms, draw {:.1f} ms", stages->sort,
+                         stages->project + stages->draw + stages->resolve);
+  v.window->set_title(title);
+  return {};
+}
+
+/// Draws, takes the screenshot if this is the last frame, and shows.
+Expected<void> show(Viewer& v, const ViewSettings& s, const host::WindowSize& size, bool last) {
+  const Clock::time_point start = Clock::now();
+  if (auto drawn = draw(v, size); !drawn) return drawn;
+  if (last && !s.screenshot.empty())
+    if (auto taken = take_screenshot(v, s.screenshot, size); !taken) return taken;
+  v.window->present();
+  count_frame(v, seconds_since(start));
+  return update_title(v);
+}
+
+bool same(const camera::ViewState& a, const camera::ViewState& b) {
+  return a.target == b.target && a.orientation == b.orientation && a.distance == b.distance &&
+         a.fov_y == b.fov_y;
+}
+
+/// The events of people, or of the script while it lasts. Returns whether the window must be drawn.
+bool take_events(Viewer& v, double wait, double time, bool& quit) {
+  const camera::ViewState before = v.navigation.view;
+  const bool scripted = v.next_event < v.script.size();
+  bool uncovered = false;
+  for (const host::WindowEvent& event : v.window->events(wait)) {
+    uncovered = uncovered || event.kind == host::WindowEvent::Kind::uncovered;
+    if (!scripted) handle(v, event, time, quit);
+  }
+  if (scripted) play(v, quit);
+  return uncovered || !same(before, v.navigation.view);
+}
+
+bool is_empty(const host::WindowSize& size) { return size.width < 1 || size.height < 1; }
+
+/// How long nothing needs to be done if nobody does anything.
+double time_to_wait(const Viewer& v, bool stepping, bool idle) {
+  if (stepping) return 0;
+  if (is_empty(v.window->size())) return kMinimisedWait;
+  return idle ? kIdleWait : 0;
+}
+
+/// Until it is closed. Draws only what has changed, and sleeps otherwise.
+Expected<void> run(Viewer& v, const ViewSettings& s) {
+  const Clock::time_point start = Clock::now();
+  double before = 0;
+  bool redraw = true, quit = false, last = false;
+  host::WindowSize shown;
+  for (; !quit && !last && !v.window->close_requested(); ++v.steps) {
+    // Time goes by steps, not by the clock, where what is drawn shall be the same every time
+    const bool stepping = s.frames > 0 || v.next_event < v.script.size();
+    const bool idle = !redraw && !camera::moving(v.navigation);
+    const double wait = time_to_wait(v, stepping, idle);
+    redraw = take_events(v, wait, seconds_since(start), quit) || redraw || s.frames > 0;
+    const double now = seconds_since(start);
+    const double passed = idle ? 0 : std::min(now - before, kLongestStep);
+    before = now;
+    const host::WindowSize size = v.window->size();
+    const bool moved =
+        camera::advance(v.navigation, stepping ? kScriptStep : passed, as_vector(size));
+    redraw = redraw || moved || size != shown;
+    last = s.frames > 0 && v.steps + 1 >= s.frames;
+    if (!redraw || is_empty(size)) continue;
+    if (auto done = show(v, s, size, last); !done) return done;
+    shown = size;
+    redraw = false;
+  }
+  return {};
+}
+
+Expected<void> load_into(Viewer& v, const ViewSettings& s) {
+  auto scene = load_scene(s.scene);
+  if (!scene) return std::unexpected(scene.error());
+  const auto data = load_if_given(s.data);
+  if (!data) return std::unexpected(data.error());
+  std::optional<Camera> camera;
+  if (!s.camera_file.empty()) {
+    const auto cameras = cameras_from_file(s.camera_file, s.size);
+    if (!cameras) return std::unexpected(cameras.error());
+    camera = cameras->front();
+  }
+  const auto up = parse_up(s.up);
+  if (!up) return std::unexpected(up.error());
+  ViewStart start = choose_start(scene->cloud, *data, camera, *up, s.size);
+  v.navigation = start.navigation;
+  const glm::dvec3& axis = v.navigation.up;
+  spdlog::info("up: {:.2f},{:.2f},{:.2f} ({}; F flips it)", axis.x, axis.y, axis.z,
+               start.up_source);
+  v.cloud = std::move(scene->cloud);
+  v.name = std::filesystem::path(s.scene).filename().string();
+  v.options.background = s.data.background_color();
+  v.options.sh_degree = s.sh_degree;
+  v.options.near_plane = v.navigation.units.near_plane;
+  return {};
+}
+
+Expected<void> start_renderer(Viewer& v) {
+  auto renderer = render::Renderer::create(v.window->api(), {.timestamps = true});
+  if (!renderer) return std::unexpected(renderer.error());
+  v.renderer = std::move(*renderer);
+  return v.renderer->upload(v.cloud);
+}
+
+Expected<void> view(const ViewSettings& s) {
+  if (!s.screenshot.empty() && std::filesystem::path(s.screenshot).extension() != ".png")
+    return fail(s.screenshot, "", "pictures are written as PNG, expected a name that ends in .png");
+  Viewer v;
+  if (!s.input.empty()) {
+    auto script = read_view_script(s.input);
+    if (!script) return std::unexpected(script.error());
+    v.script = std::move(*script);
+  }
+  if (auto loaded = load_into(v, s); !loaded) return loaded;
+  auto window = host::open_window(
+      {.title = v.name, .size = {s.size.width, s.size.height}, .wait_for_display = s.frames == 0});
+  if (!window) return std::unexpected(window.error());
+  v.window = std::move(*window);
+  spdlog::info("GL renderer: {}", v.window->renderer_string());
+  if (auto started = start_renderer(v); !started) return started;
+  if (s.frames == 0) say(kViewKeys);
+  auto done = run(v, s);
+  if (done) spdlog::info("{} frames drawn in {} steps", v.drawn, v.steps);
+  return done;
+}
+
+}  // namespace
+
+void add_view(CLI::App& app, Action& action) {
+  auto s = std::make_shared<ViewSettings>();
+  CLI::App* command = app.add_subcommand("view", "A scene in a window");
+  command->footer(std::string(kViewKeys) +
+                  "Example: fluxgs view garden.glb --data captures/garden\n"
+                  "Example: fluxgs view garden.glb --frames 1 --screenshot window.png");
+  command->add_option("scene", s->scene, "the scene file")->required();
+  CLI::Option* data = command->add_option("--data", s->data.folder,
+                                          "a data set: start at its first photo, up as there");
+  command
+      ->add_option("--camera", s->camera_file,
+                   "start at the first of a JSON list of {name, position, target, up, fovY}")
+      ->excludes(data);
+  command->add_option("--up", s->up, "x,y,z, or auto: from the photos of --data or from the splats")
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            const auto up = parse_up(text);
+            return up ? std::string() : up.error().message();
+          },
+          "x,y,z|auto"))
+      ->capture_default_str();
+  command->add_option_function<std::string>(
+      "--size",
+      [s](const std::string& text) {
+        const auto size = parse_size(text);
+        if (!size) throw CLI::ValidationError("--size", size.error().message());
+        s->size = *size;
+      },
+      "WIDTHxHEIGHT of the window (default: 1280x720)");
+  command->add_option("--sh-degree", s->sh_degree, "evaluate no more than this degree")
+      ->check(CLI::Range(0, 3));
+  add_data_options(*command, s->data);
+  CLI::Option* frames =
+      command->add_option("--frames", s->frames, "draw this many frames of 1/60 s, then close")
+          ->check(CLI::Range(1, 1'000'000));
+  command
+      ->add_option("--screenshot", s->screenshot,
+                   "a PNG of what is in the window in the last frame")
+      ->needs(frames);
+  command->add_option("--input", s->input,
+                      "a JSON list of what the mouse and the keys do (tests, reports of mistakes)");
+  command->callback([s, &action] { action = [s] { return view(*s); }; });
+}
+
+}  // namespace fluxgs::cli

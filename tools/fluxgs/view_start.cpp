@@ -1,0 +1,78 @@
+#include "tools/fluxgs/view_start.h"
+
+#include <algorithm>
+#include <charconv>
+#include <vector>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+
+#include "camera/up_axis.h"
+#include "trainer/data/scene_focus.h"
+
+namespace fluxgs::cli {
+namespace {
+
+struct NamedUp {
+  glm::dvec3 direction;
+  std::string source;
+};
+
+NamedUp choose_up(const SplatCloud& cloud, const std::optional<Dataset>& data,
+                  const std::optional<glm::dvec3>& given) {
+  if (given) return {*given, "as given"};
+  if (data) {
+    std::vector<Camera> cameras;
+    for (const Photo& photo : data->train) cameras.push_back(photo.camera);
+    const camera::UpAxis up = camera::up_of_cameras(cameras);
+    return {up.direction, fmt::format("from the photos, confidence {:.2f}", up.confidence)};
+  }
+  const camera::UpAxis up = camera::up_of_cloud(cloud);
+  if (up.confidence > 0)
+    return {up.direction, fmt::format("from the splats, confidence {:.2f}", up.confidence)};
+  return {up.direction, "as usual; the splats do not say"};
+}
+
+/// The view of a camera, with the target at the depth of the scene's middle.
+camera::ViewState view_into(const camera::SceneBounds& bounds, const Camera& camera) {
+  const double depth = glm::dot(bounds.center - camera.center(), camera.forward());
+  return camera::view_of(camera, std::max(depth, 0.1 * bounds.radius));
+}
+
+}  // namespace
+
+Expected<std::optional<glm::dvec3>> parse_up(const std::string& text) {
+  if (text == "auto") return std::nullopt;
+  glm::dvec3 up(0);
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  bool good = true;
+  for (int i = 0; i < 3 && good; ++i) {
+    const auto [rest, error] = std::from_chars(at, end, up[i]);
+    good = error == std::errc() && (i == 2 ? rest == end : rest != end && *rest == ',');
+    at = rest + (i < 2 ? 1 : 0);
+  }
+  const double length = glm::length(up);
+  if (!good || !(length > 1e-9 && length < 1e9))
+    return fail("", "", fmt::format("'{}' is not a direction, expected x,y,z or auto", text));
+  return up / length;
+}
+
+ViewStart choose_start(const SplatCloud& cloud, const std::optional<Dataset>& data,
+                       const std::optional<Camera>& camera, const std::optional<glm::dvec3>& up,
+                       const PictureSize& size) {
+  const camera::SceneBounds bounds = camera::robust_bounds(cloud);
+  const NamedUp chosen = choose_up(cloud, data, up);
+  camera::ViewState view;
+  if (camera) {
+    view = view_into(bounds, *camera);
+  } else if (data) {
+    view = camera::view_of(data->train[0].camera, focus_distances(data->train)[0]);
+  } else {
+    view = camera::fitting_view(bounds, chosen.direction, camera::kUsualFieldOfView,
+                                glm::dvec2(size.width, size.height));
+  }
+  return {camera::navigation_from(view, chosen.direction, camera::units_of(bounds)), chosen.source};
+}
+
+}  // namespace fluxgs::cli

@@ -1,0 +1,30 @@
+// Where fluxgs view begins, and which way is up.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <glm/vec3.hpp>
+
+#include "camera/navigation.h"
+#include "fluxgs/splat_cloud.h"
+#include "tools/fluxgs/views.h"
+#include "trainer/data/dataset.h"
+
+namespace fluxgs::cli {
+
+struct ViewStart {
+  camera::Navigation navigation;
+  std::string up_source;  ///< where the up axis is from, for people
+};
+
+/// "x,y,z", not all 0, made a unit vector; nothing for "auto". Fails on anything else.
+Expected<std::optional<glm::dvec3>> parse_up(const std::string& text);
+
+/// A given camera; otherwise the first training photo's; otherwise all of the scene. Up is what is
+/// given, what the photos say, or a guess from the cloud.
+ViewStart choose_start(const SplatCloud& cloud, const std::optional<Dataset>& data,
+                       const std::optional<Camera>& camera, const std::optional<glm::dvec3>& up,
+                       const PictureSize& size);
+
+}  // namespace fluxgs::cli
