@@ -53,6 +53,7 @@ int main(int argc, char** argv) {
   fluxgs::cli::add_eval(app, action);
   fluxgs::cli::add_render(app, action);
   fluxgs::cli::add_view(app, action);
+  fluxgs::cli::add_bench(app, action);
   fluxgs::cli::add_convert(app, action);
   fluxgs::cli::add_info(app, action);
   fluxgs::cli::add_report(app, action);

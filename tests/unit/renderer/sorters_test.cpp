@@ -125,7 +125,7 @@ TEST_P(SortersTest, OrdersOfAMovingCameraCatchUp) {
     camera = orbit_camera(80, 60, {}, 2, i, 60);
     must(late->draw(camera, {}, target));
   }
-  late->finish_sort();
+  late->wait_for_sorts(true);
   must(late->draw(camera, {}, target));
   const auto picture = must(late->read(target)).pixels;
   static_cast<void>(shown_order(SorterKind::exact, cloud, camera, 24));

@@ -99,6 +99,11 @@ double sort_margin(const Camera& camera, double motion) {
 
 }  // namespace
 
+double radius_limit(double max_deviations) {
+  constexpr double kNone = 1e3;  // No opacity reaches so far
+  return (max_deviations > 0 ? max_deviations : kNone) * std::sqrt(0.5 * std::numbers::log2e);
+}
+
 FrameUniforms make_frame_uniforms(const Camera& camera, const RenderOptions& options,
                                   const Shortcuts& shortcuts, const SceneConstants& scene,
                                   const sort::DepthKeys& keys) {
@@ -118,9 +123,7 @@ FrameUniforms make_frame_uniforms(const Camera& camera, const RenderOptions& opt
   u.near_plane = static_cast<float>(view.near_plane);
   u.splat_count = scene.count;
   u.sh_degree = static_cast<std::uint32_t>(std::min(options.sh_degree, scene.sh_degree));
-  // In the units of Record::factor, whose square is a power of two's exponent: ½·log2 e
-  const double deviations = shortcuts.max_deviations > 0 ? shortcuts.max_deviations : 1e3;
-  u.radius_max = static_cast<float>(deviations * std::sqrt(0.5 * std::numbers::log2e));
+  u.radius_max = static_cast<float>(radius_limit(shortcuts.max_deviations));
   u.size_min = static_cast<float>(shortcuts.min_size);
   u.sort_margin = static_cast<float>(sort_margin(camera, shortcuts.resort_motion));
   u.key_low = keys.low;

@@ -165,6 +165,7 @@ void Renderer::sort(const sort::SortView& view) {
     sorter_->sort(view, projection_.keys());
     sorted_ = view;
   }
+  if (waits_) sorter_->finish();
   sorter_->collect();
 }
 

@@ -58,11 +58,15 @@ class Renderer {
   /// For the frames that follow. Fails on values out of their range.
   Expected<void> set_shortcuts(const Shortcuts& shortcuts);
 
-  /// Waits until the splats are in the order of the last frame's view, and draws on with that: for
-  /// SorterKind::cpu_async, whose orders come late. draw() again shows the picture.
-  void finish_sort() { sorter_->finish(); }
+  /// Whether draw() waits for the order of its own view, where that comes late
+  /// (SorterKind::cpu_async). Off at first.
+  void wait_for_sorts(bool wait) { waits_ = wait; }
+
+  /// As they are used: texture_fetch where the driver makes it necessary, timestamps where it can.
+  const RendererSettings& settings() const { return settings_; }
 
   // The intermediate results of the last frame, for tests and diagnostics.
+  const SceneConstants& scene() const { return scene_.constants; }
   const ProjectionPass& projection() const { return projection_; }
   const sort::Sorter& sorter() const { return *sorter_; }
 
@@ -85,7 +89,8 @@ class Renderer {
   SceneBuffers scene_;
   std::array<gl::Timestamp, 5> stamps_;   // before, between and after the stages
   std::optional<sort::SortView> sorted_;  // the view that the order was last asked for
-  bool drawn_ = false;                    // whether there is a frame that stats() can speak of
+  bool waits_ = false;
+  bool drawn_ = false;  // whether there is a frame that stats() can speak of
 };
 
 }  // namespace fluxgs::render

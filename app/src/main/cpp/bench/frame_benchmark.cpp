@@ -1,0 +1,222 @@
+#include "bench/frame_benchmark.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <glm/geometric.hpp>
+
+#include "gl/steps.h"
+#include "render/record.h"
+
+namespace fluxgs::bench {
+namespace {
+
+using render::Record;
+using render::Renderer;
+using render::RenderTarget;
+using render::Shortcuts;
+
+// The renderer as it was, whatever happens in between.
+class Restored {
+ public:
+  Restored(Renderer& renderer, const Shortcuts& shortcuts)
+      : renderer_(renderer), shortcuts_(shortcuts) {}
+  Restored(const Restored&) = delete;
+  Restored& operator=(const Restored&) = delete;
+  ~Restored() {
+    renderer_.wait_for_sorts(false);
+    static_cast<void>(renderer_.set_shortcuts(shortcuts_));
+  }
+
+ private:
+  Renderer& renderer_;
+  Shortcuts shortcuts_;
+};
+
+class Protocol {
+ public:
+  Protocol(gl::Api& api, Renderer& renderer, const Shortcuts& shortcuts, const RenderTarget& target,
+           std::span<const Camera> views, const RenderOptions& options,
+           const FrameBenchmarkOptions& protocol, const FrameProgress& progress)
+      : api_(api),
+        renderer_(renderer),
+        sorted_(shortcuts),
+        kept_(shortcuts),
+        target_(target),
+        views_(views),
+        options_(options),
+        protocol_(protocol),
+        progress_(progress) {
+    kept_.resort_motion = std::numeric_limits<double>::max();
+  }
+
+  Expected<FrameBenchmark> run() {
+    FrameBenchmark result;
+    auto done =
+        gl::in_turn([&] { return warm_up(); }, [&] { return time_waiting(result); },
+                    [&] { return time_draws(result); }, [&] { return time_pipeline(result); });
+    if (!done) return std::unexpected(done.error());
+    return result;
+  }
+
+ private:
+  const Camera& view(int frame) const {
+    return views_[static_cast<std::size_t>(frame) % views_.size()];
+  }
+  Expected<void> draw(int frame) { return renderer_.draw(view(frame), options_, target_); }
+
+  // Draws with the view's own order.
+  Expected<void> draw_sorted(int frame) {
+    return gl::in_turn([&] { return renderer_.set_shortcuts(sorted_); },
+                       [&] { return draw(frame); });
+  }
+
+  Expected<double> timed(int frame) {
+    Expected<void> drawn;
+    const double ms = milliseconds_of([&] {
+      drawn = draw(frame);
+      api_.Finish();
+    });
+    if (!drawn) return std::unexpected(drawn.error());
+    if (progress_) progress_(++done_, protocol_.warmup + 3 * protocol_.frames);
+    return ms;
+  }
+
+  Expected<void> warm_up() {
+    renderer_.wait_for_sorts(true);
+    if (auto ok = draw_sorted(0); !ok) return ok;
+    for (int i = 0; i < protocol_.warmup; ++i)
+      if (auto ms = timed(i); !ms) return std::unexpected(ms.error());
+    return {};
+  }
+
+  Expected<void> time_waiting(FrameBenchmark& result) {
+    std::vector<double> samples;
+    std::array<std::vector<double>, 4> stages;
+    for (int i = 0; i < protocol_.frames; ++i) {
+      const auto ms = timed(i);
+      if (!ms) return std::unexpected(ms.error());
+      samples.push_back(*ms);
+      const auto stats = renderer_.stats();
+      if (!stats) return std::unexpected(stats.error());
+      if (!stats->stages) continue;
+      const render::StageTimes& s = *stats->stages;
+      const double times[] = {s.project, s.sort, s.draw, s.resolve};
+      for (std::size_t k = 0; k < stages.size(); ++k) stages[k].push_back(times[k]);
+    }
+    result.sort_to_photon_ms = summarize(std::move(samples));
+    if (!stages[0].empty()) {
+      const auto median = [&](std::size_t k) { return summarize(stages[k]).median; };
+      result.stages = StageMedians{median(0), median(1), median(2), median(3)};
+    }
+    return {};
+  }
+
+  Expected<void> time_draws(FrameBenchmark& result) {
+    std::vector<double> samples;
+    const int per_view = std::max(1, protocol_.frames / static_cast<int>(views_.size()));
+    for (int i = 0; i < protocol_.frames; ++i) {
+      const int at = i / per_view;
+      if (i % per_view == 0) {
+        if (auto ok = draw_sorted(at); !ok) return ok;
+        api_.Finish();
+        if (auto ok = renderer_.set_shortcuts(kept_); !ok) return ok;
+      }
+      const auto ms = timed(at);
+      if (!ms) return std::unexpected(ms.error());
+      samples.push_back(*ms);
+    }
+    result.draw_ms = summarize(std::move(samples));
+    return {};
+  }
+
+  Expected<void> time_pipeline(FrameBenchmark& result) {
+    renderer_.wait_for_sorts(false);
+    Expected<void> drawn = draw_sorted(0);
+    api_.Finish();
+    const double ms = milliseconds_of([&] {
+      for (int i = 0; i < protocol_.frames && drawn; ++i) drawn = draw(i);
+      api_.Finish();
+    });
+    if (!drawn) return drawn;
+    result.pipelined_ms = ms / protocol_.frames;
+    done_ += protocol_.frames;
+    if (progress_) progress_(done_, protocol_.warmup + 3 * protocol_.frames);
+    return {};
+  }
+
+  gl::Api& api_;
+  Renderer& renderer_;
+  Shortcuts sorted_, kept_;
+  const RenderTarget& target_;
+  std::span<const Camera> views_;
+  const RenderOptions& options_;
+  const FrameBenchmarkOptions& protocol_;
+  const FrameProgress& progress_;
+  int done_ = 0;
+};
+
+// The corners that shaders/splat.vert gives the quad, in order around it.
+Quad quad_of(const Record& r, double level_min, double radius_max) {
+  constexpr double kPad = 0.0625;
+  const double xx = r.factor.x, xy = r.factor.y, yy = r.factor.z;
+  const double radius = std::min(std::sqrt(std::max(r.level - level_min, 0.0)), radius_max);
+  const double u = radius + kPad * (xx + std::abs(xy)), v = radius + kPad * yy;
+  constexpr int kAround[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+  Quad quad{};
+  for (int i = 0; i < 4; ++i) {
+    const double dy = kAround[i][1] * v / yy;
+    quad.x[i] = r.centre.x + (kAround[i][0] * u - xy * dy) / xx;
+    quad.y[i] = r.centre.y + dy;
+  }
+  return quad;
+}
+
+}  // namespace
+
+Expected<FrameBenchmark> benchmark_frames(gl::Api& api, Renderer& renderer,
+                                          const RenderTarget& target, std::span<const Camera> views,
+                                          const RenderOptions& options,
+                                          const FrameBenchmarkOptions& protocol,
+                                          const FrameProgress& progress) {
+  const Shortcuts shortcuts = renderer.settings().shortcuts;
+  const Restored restored(renderer, shortcuts);
+  return Protocol(api, renderer, shortcuts, target, views, options, protocol, progress).run();
+}
+
+Expected<FrameCounts> count_frame(const Renderer& renderer, const SplatCloud& cloud,
+                                  const Camera& camera, const RenderOptions& options,
+                                  const RenderTarget& target) {
+  const render::RendererSettings& settings = renderer.settings();
+  const auto count = static_cast<std::uint32_t>(cloud.size());
+  FrameCounts counts;
+  counts.splats = count;
+  counts.sh_degree = std::min(options.sh_degree, cloud.sh_degree);
+  if (count == 0) return counts;
+  counts.key_bits =
+      render::choose_keys(camera, options, renderer.scene(), settings.shortcuts.key_bits).bits;
+  const glm::dvec3 centre = camera.center(), forward = camera.forward();
+  for (const glm::vec3& p : cloud.positions)
+    counts.in_front += glm::dot(forward, glm::dvec3(p) - centre) > options.near_plane;
+
+  const auto keys = renderer.projection().keys().read_all<std::uint32_t>(count);
+  if (!keys) return std::unexpected(keys.error());
+  const int width = target.blend_width(), height = target.blend_height();
+  const auto records =
+      read_records(renderer.projection().records(), count, settings.record, width, height);
+  if (!records) return std::unexpected(records.error());
+  const double level_min = std::log2(options.alpha_min);
+  const double deviations = settings.shortcuts.max_deviations;
+  const double radius_max = render::radius_limit(deviations);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if ((*keys)[i] == sort::kDropped || static_cast<double>((*records)[i].level) < level_min)
+      continue;
+    ++counts.drawn;
+    counts.fragments += area_inside(quad_of((*records)[i], level_min, radius_max), width, height);
+  }
+  return counts;
+}
+
+}  // namespace fluxgs::bench

@@ -1,0 +1,54 @@
+// The off-screen protocol: how long frames take when no display limits them. The same code on the
+// phone and on the desktop.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "bench/samples.h"
+#include "bench/traffic_model.h"
+#include "render/renderer.h"
+
+namespace fluxgs::bench {
+
+struct FrameBenchmarkOptions {
+  int warmup = 20;   ///< frames before any time is taken: clocks rise, caches fill
+  int frames = 200;  ///< of each kind
+};
+
+/// Milliseconds of the GPU's stages, medians over the frames that were sorted.
+using StageMedians = render::StageTimes;
+
+struct FrameBenchmark {
+  /// From draw() until the GPU has finished, the splats being in order already: cull, project,
+  /// draw, resolve. Comparable with renderers that sort elsewhere (Flux-GS, "Deployment on
+  /// Mobiles").
+  Summary draw_ms;
+  /// The same with the sort of the frame's own view, waited for: what a finger feels.
+  Summary sort_to_photon_ms;
+  /// From the first frame to the last finished one over their number, sorting as the sorter does
+  /// and without waiting between frames.
+  double pipelined_ms = 0;
+  std::optional<StageMedians> stages;  ///< where the driver has timestamps
+};
+
+/// Told after each frame how many of all are done.
+using FrameProgress = std::function<void(int done, int all)>;
+
+/// Draws the views in turn, again and again; a moving path is many views a small step apart.
+/// Precondition: at least one view, frames ≥ 1. The renderer's shortcuts are kept. Fails where
+/// draw() does.
+Expected<FrameBenchmark> benchmark_frames(gl::Api& api, render::Renderer& renderer,
+                                          const render::RenderTarget& target,
+                                          std::span<const Camera> views,
+                                          const RenderOptions& options,
+                                          const FrameBenchmarkOptions& protocol,
+                                          const FrameProgress& progress = {});
+
+/// Counts the last frame of the renderer, of this cloud, camera and target; read back from the GPU.
+Expected<FrameCounts> count_frame(const render::Renderer& renderer, const SplatCloud& cloud,
+                                  const Camera& camera, const RenderOptions& options,
+                                  const render::RenderTarget& target);
+
+}  // namespace fluxgs::bench
