@@ -184,11 +184,93 @@ TEST_P(RendererTest, RefusesTargetsAndSettingsThatCannotBe) {
   EXPECT_THAT(batch.error().message(), HasSubstr("129"));
 
   gl::Capabilities weak = api().capabilities;
-  weak.max_vertex_storage_blocks = 0;
-  EXPECT_THAT(gl::check_limits(weak).error().message(), HasSubstr("VERTEX_SHADER_STORAGE"));
+  weak.max_work_group_invocations = 127;
+  EXPECT_THAT(gl::check_limits(weak).error().message(), HasSubstr("WORK_GROUP_INVOCATIONS"));
+  weak = api().capabilities;
+  weak.max_compute_storage_blocks = 3;
+  EXPECT_THAT(gl::check_limits(weak).error().message(), HasSubstr("SHADER_STORAGE_BLOCKS"));
+  weak = api().capabilities;
+  weak.max_shared_memory_bytes = 16383;
+  EXPECT_THAT(gl::check_limits(weak).error().message(), HasSubstr("SHARED_MEMORY"));
   weak = api().capabilities;
   weak.half_float_targets = weak.float_targets = false;
   EXPECT_EQ(render::accurate_accumulation(weak), Accumulation::direct);
+}
+
+// As a Mali: the same picture, bit for bit, with nothing but textures in the vertex stage.
+TEST_P(RendererTest, DriversWithoutStorageInTheVertexStageUseTextures) {
+  const SplatCloud cloud = random_cloud(5000, 1, 12);  // Several rows of the textures
+  const Camera camera = orbit_camera(160, 120, {}, 2, 1, 4);
+  must(renderer().upload(cloud));
+  const Image<float> expected = picture(renderer(), camera);
+  const int blocks = std::exchange(api().capabilities.max_vertex_storage_blocks, 0);
+  const auto weak = must(render::Renderer::create(api()));
+  api().capabilities.max_vertex_storage_blocks = blocks;
+  EXPECT_TRUE(weak->settings().texture_fetch);
+  must(weak->upload(cloud));
+  EXPECT_EQ(picture(*weak, camera).pixels, expected.pixels);
+  const auto half = must(render::Renderer::create(
+      api(), {.record = render::RecordPrecision::half, .texture_fetch = true}));
+  const auto half_stored =
+      must(render::Renderer::create(api(), {.record = render::RecordPrecision::half}));
+  must(half->upload(cloud));
+  must(half_stored->upload(cloud));
+  EXPECT_EQ(picture(*half, camera).pixels, picture(*half_stored, camera).pixels);
+}
+
+// What each shortcut costs, against float64: none of them breaks the picture.
+TEST_P(RendererTest, ShortcutsCostWhatTheyMay) {
+  const SplatCloud cloud = random_cloud(3000, 1, 13);
+  const Camera camera = orbit_camera(160, 120, {}, 2, 1, 4);
+  const ReferenceImage reference = render_reference(cloud, camera, {});
+  const auto psnr = [&](const render::RendererSettings& settings, double scale) {
+    const auto made = must(render::Renderer::create(api(), settings));
+    must(made->upload(cloud));
+    const RenderTarget target =
+        must(RenderTarget::create(api(), camera.width, camera.height, TargetFormat::rgba16f,
+                                  render::accurate_accumulation(api().capabilities), scale));
+    must(made->draw(camera, {}, target));
+    const Image<float> image = must(made->read(target));
+    const double found = compare(image, reference, false).psnr;
+    keep_picture(std::string(host::name(GetParam())) + " shortcut", image);
+    std::printf("%-7s %.2f dB\n", std::string(host::name(GetParam())).c_str(), found);
+    return found;
+  };
+  using render::RecordPrecision;
+  EXPECT_GT(psnr({}, 1), 65);
+  EXPECT_GT(psnr({.shortcuts = {.key_bits = 32}}, 1), 65);
+  EXPECT_GT(psnr({.shortcuts = {.key_bits = 16}}, 1), 50);
+  EXPECT_GT(psnr({.record = RecordPrecision::half}, 1), 45);
+  EXPECT_GT(psnr({.shortcuts = {.max_deviations = 3}}, 1), 40);
+  EXPECT_GT(psnr({.shortcuts = {.min_size = 1}}, 1), 40);
+  EXPECT_GT(psnr({}, 0.5), 20);
+}
+
+// An order is kept while the camera moves less than allowed; splats that come into view are there.
+TEST_P(RendererTest, SmallMotionsKeepTheOrder) {
+  const SplatCloud cloud = random_cloud(3000, 0, 14);
+  const auto lazy = must(render::Renderer::create(api(), {.shortcuts = {.resort_motion = 0.05}}));
+  must(lazy->upload(cloud));
+  must(renderer().upload(cloud));
+  const RenderTarget shown = target(80, 60);
+  const auto difference = [&](const Camera& camera) {
+    must(lazy->draw(camera, {}, shown));
+    const Image<float> kept = must(lazy->read(shown));
+    const Image<float> exact = picture(renderer(), camera);
+    double sum = 0;
+    for (std::size_t i = 0; i < kept.pixels.size(); ++i)
+      sum += std::pow(static_cast<double>(kept.pixels[i] - exact.pixels[i]), 2);
+    return std::sqrt(sum / static_cast<double>(kept.pixels.size()));
+  };
+  Camera camera = front_camera(80, 60, 1.2);
+  EXPECT_EQ(difference(camera), 0);
+  const auto order = must(lazy->sorter().order().read_all<std::uint32_t>(100));
+  camera.translation.x += 0.04;  // 0.033 radians
+  const double small = difference(camera);
+  EXPECT_EQ(must(lazy->sorter().order().read_all<std::uint32_t>(100)), order);
+  EXPECT_LT(small, 0.02);
+  camera.translation.x += 0.04;
+  EXPECT_EQ(difference(camera), 0);  // Sorted again
 }
 
 FLUXGS_GL_TEST_SUITE(RendererTest);

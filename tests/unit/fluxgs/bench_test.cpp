@@ -1,0 +1,83 @@
+// fluxgs bench, as people call it.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "fluxgs/io/scene.h"
+#include "run_command.h"
+#include "support/scenes.h"
+
+namespace fluxgs {
+namespace {
+
+using nlohmann::json;
+using test::expect_error;
+using test::fluxgs;
+using test::Outcome;
+using test::quoted;
+
+class BenchCommand : public testing::Test {
+ protected:
+  void SetUp() override {
+    scene_ = folder_ / "scene.ply";
+    SplatCloud cloud;
+    cloud.sh_degree = 1;
+    cloud.resize(2000);
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const auto t = static_cast<float>(i);
+      cloud.positions[i] = {std::sin(t), 0.001F * t - 1, std::cos(t)};
+      cloud.log_scales[i] = glm::vec3(-3.0F);
+      cloud.rotations[i] = {1, 0, 0, 0};
+    }
+    ASSERT_TRUE(write_scene(scene_, cloud));
+  }
+
+  json bench(const std::string& options) {
+    const Outcome o =
+        fluxgs("bench " + quoted(scene_) + " --size 96x64 --frames 3 --warmup 1 --json " + options);
+    EXPECT_EQ(o.status, 0) << o.err;
+    return json::parse(o.out, nullptr, false);
+  }
+
+  test::TempFolder folder_;
+  std::filesystem::path scene_;
+};
+
+TEST_F(BenchCommand, SaysWhatTheContractPromises) {
+  const json r = bench("");
+  for (const char* key : {"gl_renderer", "size", "frames", "draw_ms", "sort_to_photon_ms", "stages",
+                          "bytes_per_frame", "splats_drawn", "load_ms", "peak_memory_bytes"})
+    EXPECT_TRUE(r.contains(key)) << key;
+  for (const char* key : {"draw_ms", "sort_to_photon_ms"}) {
+    EXPECT_GT(r[key]["median"].get<double>(), 0);
+    EXPECT_GE(r[key]["p95"].get<double>(), r[key]["median"].get<double>());
+  }
+  EXPECT_EQ(r["size"], json({96, 64}));
+  EXPECT_EQ(r["frames"], 3);
+  EXPECT_EQ(r["splats_drawn"], 2000);
+  EXPECT_GT(r["bytes_per_frame"].get<double>(), 2000 * 100);
+}
+
+TEST_F(BenchCommand, SettingsReachTheRenderer) {
+  EXPECT_EQ(bench("--min-size 90")["splats_drawn"], 0);
+  const json usual = bench(""), half = bench("--record half"), small = bench("--scale 0.5");
+  EXPECT_LT(half["traffic"]["vertices"], usual["traffic"]["vertices"]);
+  EXPECT_LT(half["gpu_memory_bytes"], usual["gpu_memory_bytes"]);
+  EXPECT_LT(small["fragments"], usual["fragments"]);
+  EXPECT_LT(bench("--key-bits 16")["traffic"]["sort"], usual["traffic"]["sort"]);
+  EXPECT_EQ(bench("--sorter cpu")["sorter"], "cpu");
+  EXPECT_EQ(bench("--blend direct")["traffic"]["resolve"], 0);
+  EXPECT_EQ(bench("--orbit-step 2")["views"], 3);
+}
+
+TEST_F(BenchCommand, SaysWhatIsWrong) {
+  expect_error(fluxgs("bench /nowhere.glb"), {"/nowhere.glb"});
+  EXPECT_EQ(fluxgs("bench " + quoted(scene_) + " --frames 0").status, 2);
+  EXPECT_EQ(fluxgs("bench " + quoted(scene_) + " --key-bits 9").status, 2);
+  EXPECT_EQ(fluxgs("bench " + quoted(scene_) + " --sorter quick").status, 2);
+  expect_error(fluxgs("bench " + quoted(scene_) + " --gl angle", "FLUXGS_ANGLE_DIR=/nowhere"),
+               {"/nowhere"});
+}
+
+}  // namespace
+}  // namespace fluxgs
