@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <span>
 
 #include <fmt/format.h>
@@ -29,13 +30,20 @@ std::string quoted(const std::string& text) {
   return result + "'";
 }
 
+/// gnuplot has eight colours; a shape of its own for each round of them.
+int point_type(std::size_t series) {
+  constexpr int kFilled[] = {7, 5, 9, 11, 13};  // circle, square, triangles, diamond
+  return kFilled[series / 8 % std::size(kFilled)];
+}
+
 std::string script_of(const Plot& plot, const fs::path& out) {
   const bool svg = out.extension() == ".svg";
   std::string script = fmt::format(
       "set terminal {} size 960,600 noenhanced {}\nset output {}\nset title {}\nset xlabel {}\n"
-      "set ylabel {}\nset grid\nset key bottom right\nset encoding utf8\n",
+      "set ylabel {}\nset grid\nset key {}\nset encoding utf8\n",
       svg ? "svg" : "pngcairo", svg ? "background 'white'" : "", quoted(out.string()),
-      quoted(plot.title), quoted(plot.x_label), quoted(plot.y_label));
+      quoted(plot.title), quoted(plot.x_label), quoted(plot.y_label),
+      plot.legend_outside ? "outside right top" : "bottom right");
   if (plot.log_x) script += "set logscale x 2\n";
   std::string commands;
   for (std::size_t i = 0; i < plot.series.size(); ++i) {
@@ -44,9 +52,9 @@ std::string script_of(const Plot& plot, const fs::path& out) {
     for (const auto& [x, y] : series.points)
       if (std::isfinite(x) && std::isfinite(y)) script += fmt::format("{} {}\n", x, y);
     script += "EOD\n";
-    commands +=
-        fmt::format("{}$s{} with {} linewidth 2 pointtype 7 title {}", i > 0 ? ", " : "", i,
-                    series.line ? "linespoints" : "points pointsize 1.5", quoted(series.name));
+    commands += fmt::format("{}$s{} with {} linewidth 2 pointtype {} title {}", i > 0 ? ", " : "",
+                            i, series.line ? "linespoints" : "points pointsize 1.5", point_type(i),
+                            quoted(series.name));
   }
   return script + "plot " + commands + "\n";
 }

@@ -18,6 +18,7 @@ struct PlotSeries {
 struct Plot {
   std::string title, x_label, y_label;
   bool log_x = false;
+  bool legend_outside = false;  ///< for many series
   std::vector<PlotSeries> series;
 };
 

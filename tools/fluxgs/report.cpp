@@ -27,6 +27,7 @@ void add_report(CLI::App& app, Action& action) {
   command->require_subcommand(1);
   command->footer("Example: fluxgs report codec garden.ply --plot codec.png");
   add_report_codec(*command, action);
+  add_report_render(*command, action);
 }
 
 }  // namespace fluxgs::cli

@@ -70,6 +70,26 @@ TEST_F(BenchCommand, SettingsReachTheRenderer) {
   EXPECT_EQ(bench("--orbit-step 2")["views"], 3);
 }
 
+TEST_F(BenchCommand, ReportComparesTheSettings) {
+  const auto plot = folder_ / "plot.svg";
+  const Outcome o = fluxgs("report render " + quoted(scene_) +
+                           " --size 96x64 --views 2 --rounds 2 --json - --plot " + quoted(plot));
+  ASSERT_EQ(o.status, 0) << o.err;
+  const json r = json::parse(o.out);
+  EXPECT_NE(test::text_of(plot).find("Pareto"), std::string::npos);
+  double exact = 0, coarse = 0, front = 0;
+  for (const json& row : r["settings"]) {
+    EXPECT_GT(row["ms"].get<double>(), 0);
+    EXPECT_GT(row["bytes_per_frame"].get<double>(), 0);
+    if (row["group"] == "defaults") exact = row["psnr"].get<double>();
+    if (row["name"] == "scale 0.5") coarse = row["psnr"].get<double>();
+    front += row["on_front"].get<bool>();
+  }
+  EXPECT_GT(exact, 60);
+  EXPECT_LT(coarse, exact);
+  EXPECT_GE(front, 1);
+}
+
 TEST_F(BenchCommand, SaysWhatIsWrong) {
   expect_error(fluxgs("bench /nowhere.glb"), {"/nowhere.glb"});
   EXPECT_EQ(fluxgs("bench " + quoted(scene_) + " --frames 0").status, 2);

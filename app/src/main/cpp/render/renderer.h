@@ -62,6 +62,9 @@ class Renderer {
   /// (SorterKind::cpu_async). Off at first.
   void wait_for_sorts(bool wait) { waits_ = wait; }
 
+  /// The next frame is sorted, however little the camera has moved.
+  void sort_anew() { sorted_.reset(); }
+
   /// As they are used: texture_fetch where the driver makes it necessary, timestamps where it can.
   const RendererSettings& settings() const { return settings_; }
 

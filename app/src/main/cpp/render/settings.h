@@ -26,9 +26,9 @@ constexpr std::size_t record_bytes(RecordPrecision precision) {
 
 /// What a frame may leave out. Can be changed from frame to frame.
 struct Shortcuts {
-  /// Of a depth key: 10…32. Depths that differ in the 25th bit of a float cannot be told apart
-  /// anyway; see sort/depth_keys.h.
-  int key_bits = 24;
+  /// Of a depth key, at most: 10…32. 32 order the splats by all the bits of their float32 depths,
+  /// and take no more than the scene's range of depths needs, usually 26; see sort/depth_keys.h.
+  int key_bits = 32;
   /// px: splats whose box is smaller in both directions are not drawn.
   double min_size = 0;
   /// Quads end at so many standard deviations, or where α falls below alpha_min if that is nearer;
