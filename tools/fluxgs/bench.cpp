@@ -232,14 +232,7 @@ void add_bench(CLI::App& app, Action& action) {
       "Example: fluxgs bench garden.glb --size 1280x720 --frames 200\n"
       "Example: fluxgs bench garden.glb --orbit-step 0.5 --sorter cpu --json");
   command->add_option("scene", s->scene, "the scene file")->required();
-  command->add_option_function<std::string>(
-      "--size",
-      [s](const std::string& text) {
-        const auto size = parse_size(text);
-        if (!size) throw CLI::ValidationError("--size", size.error().message());
-        s->size = *size;
-      },
-      "WIDTHxHEIGHT (default: 1280x720)");
+  add_size_option(*command, s->size, "WIDTHxHEIGHT (default: 1280x720)");
   command->add_option("--frames", s->protocol.frames, "frames of each kind")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();

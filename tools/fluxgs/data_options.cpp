@@ -57,4 +57,15 @@ Expected<std::optional<Dataset>> load_if_given(const DataOptions& options) {
   return std::move(*data);
 }
 
+void add_size_option(CLI::App& command, PictureSize& size, const std::string& help) {
+  command.add_option_function<std::string>(
+      "--size",
+      [&size](const std::string& text) {
+        const auto parsed = parse_size(text);
+        if (!parsed) throw CLI::ValidationError("--size", parsed.error().message());
+        size = *parsed;
+      },
+      help);
+}
+
 }  // namespace fluxgs::cli

@@ -9,6 +9,7 @@
 #include <glm/vec3.hpp>
 
 #include "fluxgs/error.h"
+#include "tools/fluxgs/views.h"
 #include "trainer/data/dataset.h"
 
 namespace fluxgs::cli {
@@ -26,6 +27,9 @@ void add_data_options(CLI::App& command, DataOptions& options);
 
 /// --split, "test" or "train".
 void add_split_option(CLI::App& command, std::string& split);
+
+/// --size WIDTHxHEIGHT. `size` must live as long as `command`.
+void add_size_option(CLI::App& command, PictureSize& size, const std::string& help);
 
 /// Loads the data set and prints its warnings.
 Expected<Dataset> load(const DataOptions& options);

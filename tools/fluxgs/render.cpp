@@ -241,14 +241,7 @@ void add_render(CLI::App& app, Action& action) {
   orbit->excludes(camera);
   add_split_option(*command, s->split);
   add_data_options(*command, s->data);
-  command->add_option_function<std::string>(
-      "--size",
-      [s](const std::string& text) {
-        const auto size = parse_size(text);
-        if (!size) throw CLI::ValidationError("--size", size.error().message());
-        s->size = *size;
-      },
-      "WIDTHxHEIGHT (default: the photos', otherwise 1280x720)");
+  add_size_option(*command, s->size, "WIDTHxHEIGHT (default: the photos', otherwise 1280x720)");
   add_renderer_options(*command, s->choice);
   command->add_option("--format", s->choice.format, "for gles: rgba8 or rgba16f")
       ->check(CLI::IsMember(kFormatNames))

@@ -351,14 +351,7 @@ void add_report_render(CLI::App& app, Action& action) {
       "Example: fluxgs report render garden.glb --data captures/garden --plot render.png");
   command->add_option("scene", s->scene, "the scene file")->required();
   command->add_option("--data", s->data.folder, "a data set: views are those of its photos");
-  command->add_option_function<std::string>(
-      "--size",
-      [s](const std::string& text) {
-        const auto size = parse_size(text);
-        if (!size) throw CLI::ValidationError("--size", size.error().message());
-        s->size = *size;
-      },
-      "WIDTHxHEIGHT (default: 640x480)");
+  add_size_option(*command, s->size, "WIDTHxHEIGHT (default: 640x480)");
   command->add_option("--views", s->views, "pictures that errors are measured on")
       ->check(CLI::Range(1, 12))
       ->capture_default_str();

@@ -289,14 +289,7 @@ void add_view(CLI::App& app, Action& action) {
           },
           "x,y,z|auto"))
       ->capture_default_str();
-  command->add_option_function<std::string>(
-      "--size",
-      [s](const std::string& text) {
-        const auto size = parse_size(text);
-        if (!size) throw CLI::ValidationError("--size", size.error().message());
-        s->size = *size;
-      },
-      "WIDTHxHEIGHT of the window (default: 1280x720)");
+  add_size_option(*command, s->size, "WIDTHxHEIGHT of the window (default: 1280x720)");
   command->add_option("--sh-degree", s->sh_degree, "evaluate no more than this degree")
       ->check(CLI::Range(0, 3));
   add_data_options(*command, s->data);
