@@ -10,6 +10,7 @@
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/data_options.h"
 #include "tools/fluxgs/orbit.h"
+#include "tools/fluxgs/pictures.h"
 #include "tools/fluxgs/progress.h"
 #include "tools/fluxgs/renderers.h"
 #include "tools/fluxgs/views.h"
@@ -110,25 +111,6 @@ Expected<std::vector<Shot>> choose_shots(const RenderSettings& s, const SplatClo
   if (!shots || !data) return shots;
   if (auto ok = check_photos_stay(s, *shots, *data); !ok) return std::unexpected(ok.error());
   return shots;
-}
-
-Image<float> interleaved(const PlanarImage& planes) {
-  Image<float> image(planes.width(), planes.height(), 3);
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x)
-      for (int c = 0; c < 3; ++c) image.at(x, y)[c] = planes.row(c, y)[x];
-  return image;
-}
-
-double largest_difference(const PlanarImage& a, const PlanarImage& b) {
-  double worst = 0;
-  for (int c = 0; c < 3; ++c)
-    for (int y = 0; y < a.height(); ++y)
-      for (int x = 0; x < a.width(); ++x)
-        worst =
-            std::max(worst, static_cast<double>(std::abs(std::clamp(a.row(c, y)[x], 0.0f, 1.0f) -
-                                                         std::clamp(b.row(c, y)[x], 0.0f, 1.0f))));
-  return worst;
 }
 
 /// Renders, writes and measures one picture.

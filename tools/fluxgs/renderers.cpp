@@ -7,20 +7,11 @@
 
 #include "platform/host/host_context.h"
 #include "render/renderer.h"
+#include "tools/fluxgs/pictures.h"
 #include "tools/reference/reference_renderer.h"
 
 namespace fluxgs::cli {
 namespace {
-
-/// The first three channels of interleaved pixels.
-template <class T>
-PlanarImage planes_of(const Image<T>& image) {
-  PlanarImage out(image.width, image.height, 3);
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x)
-      for (int c = 0; c < 3; ++c) out.row(c, y)[x] = static_cast<float>(image.at(x, y)[c]);
-  return out;
-}
 
 /// The phone's renderer on this machine. Members in the order in which they depend on each other.
 struct Gles {

@@ -13,6 +13,7 @@
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/data_options.h"
 #include "tools/fluxgs/measuring_views.h"
+#include "tools/fluxgs/pictures.h"
 #include "tools/fluxgs/plot.h"
 #include "tools/fluxgs/progress.h"
 #include "tools/fluxgs/renderers.h"
@@ -89,28 +90,6 @@ std::vector<Row> all_rows(int sh_degree) {
     rows.back().kept_order = true;
   }
   return rows;
-}
-
-PlanarImage planes_of(const auto& image) {
-  PlanarImage out(image.width, image.height, 3);
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x)
-      for (int c = 0; c < 3; ++c) out.row(c, y)[x] = static_cast<float>(image.at(x, y)[c]);
-  return out;
-}
-
-/// Mean square and largest difference of pictures limited to 0…1.
-std::pair<double, double> difference(const PlanarImage& a, const PlanarImage& b) {
-  double sum = 0, largest = 0;
-  for (int c = 0; c < 3; ++c)
-    for (int y = 0; y < a.height(); ++y)
-      for (int x = 0; x < a.width(); ++x) {
-        const double off = std::abs(static_cast<double>(std::clamp(a.row(c, y)[x], 0.0f, 1.0f)) -
-                                    static_cast<double>(std::clamp(b.row(c, y)[x], 0.0f, 1.0f)));
-        sum += off * off;
-        largest = std::max(largest, off);
-      }
-  return {sum / (3.0 * a.width() * a.height()), largest};
 }
 
 /// Draws with any settings: keeps a renderer for each set of programs.
@@ -216,9 +195,8 @@ Expected<void> measure_errors(std::vector<Row>& rows, Gallery& gallery, const Sp
       if (!ms) return std::unexpected(ms.error());
       const auto picture = gallery.picture();
       if (!picture) return std::unexpected(picture.error());
-      const auto [square, largest] = difference(*picture, *exact);
-      row.square_error += square;
-      row.largest = std::max(row.largest, largest);
+      row.square_error += std::pow(10, -psnr(*picture, *exact) / 10);
+      row.largest = std::max(row.largest, largest_difference(*picture, *exact));
       row.ssim += metrics.run(*picture, *exact, 1).ssim;
       ++row.pictures;
       if (v > 0) continue;

@@ -10,10 +10,8 @@
 namespace fluxgs::bench {
 namespace {
 
-using render::Accumulation;
 using render::RendererSettings;
 using render::SorterKind;
-using render::TargetFormat;
 using render::TargetPlan;
 
 constexpr double kWord = 4, kVec4 = 16;
@@ -49,27 +47,22 @@ double sort_bytes(const FrameCounts& c, const RendererSettings& s) {
   return 2 * kWord * static_cast<double>(c.splats);  // The upload of an order, written and read
 }
 
-double pixel_bytes(TargetFormat format) { return format == TargetFormat::rgba8 ? 4 : 8; }
-
-double blend_pixel_bytes(const TargetPlan& t) {
-  if (t.accumulation == Accumulation::single_float) return 16;
-  return t.accumulation == Accumulation::half_float ? 8 : pixel_bytes(t.format);
-}
-
 }  // namespace
 
 FrameTraffic model_traffic(const FrameCounts& c, const RendererSettings& s, const TargetPlan& t) {
   const double pixels = static_cast<double>(t.width) * t.height;
   const double blended =
       std::max(1.0, std::round(t.width * t.scale)) * std::max(1.0, std::round(t.height * t.scale));
-  const bool resolves = blend_pixel_bytes(t) != pixel_bytes(t.format) || blended != pixels;
+  const auto shown_bytes = static_cast<double>(render::pixel_bytes(t.format));
+  const auto blend_bytes = static_cast<double>(render::blend_pixel_bytes(t));
+  const bool resolves = blend_bytes != shown_bytes || blended != pixels;
   const auto drawn = static_cast<double>(c.drawn);
   return {.project = project_bytes(c, s),
           .sort = sort_bytes(c, s),
           .vertices = drawn * (kWord + static_cast<double>(record_bytes(s.record))),
-          .resolve = resolves ? blended * blend_pixel_bytes(t) + pixels * pixel_bytes(t.format) : 0,
-          .blend_tiled = blended * blend_pixel_bytes(t),
-          .blend_immediate = (2 * c.fragments + blended) * blend_pixel_bytes(t)};
+          .resolve = resolves ? blended * blend_bytes + pixels * shown_bytes : 0,
+          .blend_tiled = blended * blend_bytes,
+          .blend_immediate = (2 * c.fragments + blended) * blend_bytes};
 }
 
 namespace {

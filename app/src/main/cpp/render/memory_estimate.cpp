@@ -46,8 +46,6 @@ std::size_t frame_bytes(std::uint64_t count, const RendererSettings& s) {
          sizeof(FrameUniforms);
 }
 
-std::size_t pixel_bytes(TargetFormat format) { return format == TargetFormat::rgba8 ? 4 : 8; }
-
 std::size_t target_bytes(const TargetPlan& t) {
   if (t.width == 0 || t.height == 0) return 0;
   const std::size_t pixels = static_cast<std::size_t>(t.width) * static_cast<std::size_t>(t.height);
@@ -59,13 +57,17 @@ std::size_t target_bytes(const TargetPlan& t) {
       blended == pixels &&
       (t.accumulation == Accumulation::direct ||
        (t.accumulation == Accumulation::half_float && t.format == TargetFormat::rgba16f));
-  const std::size_t blend = t.accumulation == Accumulation::single_float ? 16
-                            : t.accumulation == Accumulation::half_float ? 8
-                                                                         : pixel_bytes(t.format);
-  return pixels * pixel_bytes(t.format) + (same ? 0 : blended * blend);
+  return pixels * pixel_bytes(t.format) + (same ? 0 : blended * blend_pixel_bytes(t));
 }
 
 }  // namespace
+
+std::size_t pixel_bytes(TargetFormat format) { return format == TargetFormat::rgba8 ? 4 : 8; }
+
+std::size_t blend_pixel_bytes(const TargetPlan& t) {
+  if (t.accumulation == Accumulation::single_float) return 16;
+  return t.accumulation == Accumulation::half_float ? 8 : pixel_bytes(t.format);
+}
 
 MemoryEstimate estimate_memory(std::uint64_t count, int sh_degree, const RendererSettings& settings,
                                const TargetPlan& target) {

@@ -24,6 +24,10 @@ struct TargetPlan {
   double scale = 1;
 };
 
+/// Bytes of a pixel of the picture, and of what it is blended in.
+std::size_t pixel_bytes(TargetFormat format);
+std::size_t blend_pixel_bytes(const TargetPlan& target);
+
 /// The sum of the sizes that Renderer and RenderTarget ask the driver for; drivers round each up.
 /// `settings` as the renderer uses them: texture_fetch where the driver makes it necessary.
 MemoryEstimate estimate_memory(std::uint64_t count, int sh_degree, const RendererSettings& settings,
