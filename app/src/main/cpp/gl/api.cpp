@@ -29,6 +29,8 @@ std::string error_name(GLenum error) {
       return "GL_INVALID_FRAMEBUFFER_OPERATION";
     case GL_OUT_OF_MEMORY:
       return "out of graphics memory";
+    case GL_CONTEXT_LOST_KHR:
+      return "the context was lost";
     default:
       return "GL error " + std::to_string(error);
   }
@@ -53,6 +55,12 @@ void load_extensions(Api& api, const ProcLoader& loader) {
   }
   if (has.debug) {
     load_extension(api.DebugMessageCallback, loader, "glDebugMessageCallback", "KHR", has.is_es);
+  }
+  if (has.reset_status) {
+    load_extension(api.GetGraphicsResetStatus, loader, "glGetGraphicsResetStatus", "KHR",
+                   has.is_es);
+    if (!api.GetGraphicsResetStatus)
+      load(api.GetGraphicsResetStatus, loader, "glGetGraphicsResetStatusEXT");
   }
 }
 
@@ -80,7 +88,15 @@ Expected<void> check_errors(Api& api, const char* where) {
   const GLenum error = api.GetError();
   if (error == GL_NO_ERROR) return {};
   clear_errors(api);
+  api.out_of_memory = api.out_of_memory || error == GL_OUT_OF_MEMORY;
+  api.lost = api.lost || error == GL_CONTEXT_LOST_KHR;
   return fail("OpenGL", where, error_name(error));
+}
+
+bool context_lost(Api& api) {
+  if (!api.lost && api.GetGraphicsResetStatus)
+    api.lost = api.GetGraphicsResetStatus() != GL_NO_ERROR;
+  return api.lost;
 }
 
 }  // namespace fluxgs::gl

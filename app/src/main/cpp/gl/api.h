@@ -48,10 +48,15 @@ struct Api {
   PFNGLQUERYCOUNTEREXTPROC QueryCounter = nullptr;
   PFNGLGETQUERYOBJECTUI64VEXTPROC GetQueryObjectui64v = nullptr;
   PFNGLDEBUGMESSAGECALLBACKKHRPROC DebugMessageCallback = nullptr;
+  PFNGLGETGRAPHICSRESETSTATUSKHRPROC GetGraphicsResetStatus = nullptr;
 
   Capabilities capabilities;
   Quirks quirks;
   DebugLog debug;
+  /// check_errors() has met GL_OUT_OF_MEMORY. Stays until whoever has made room resets it.
+  bool out_of_memory = false;
+  /// The context is gone for good and its objects with it: see context_lost().
+  bool lost = false;
 
   Api() = default;
   Api(const Api&) = delete;
@@ -71,5 +76,10 @@ void clear_errors(Api& api);
 
 /// Fails with `where` and the error's name if a GL error is pending.
 Expected<void> check_errors(Api& api, const char* where);
+
+/// Whether the context was lost: the GPU was reset, or the system took it away. Asks the driver
+/// where it can (KHR_robustness), and remembers. Then every object has to be made again in a new
+/// context; the owners of the old ones may go at any time, as nothing is deleted any more.
+bool context_lost(Api& api);
 
 }  // namespace fluxgs::gl

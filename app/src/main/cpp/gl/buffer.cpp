@@ -21,6 +21,14 @@ Expected<Buffer> Buffer::create(Api& api, std::size_t bytes, const void* data, G
   return buffer;
 }
 
+Expected<void> Buffer::remake(Api& api, std::size_t bytes, const void* data, GLenum usage) {
+  *this = {};
+  auto made = create(api, bytes, data, usage);
+  if (!made) return std::unexpected(made.error());
+  *this = std::move(*made);
+  return {};
+}
+
 void Buffer::bind(GLenum target) const { handle_.api().BindBuffer(target, name()); }
 
 void Buffer::bind_base(GLenum target, GLuint index) const {

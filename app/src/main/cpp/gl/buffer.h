@@ -19,6 +19,11 @@ class Buffer {
   static Expected<Buffer> create(Api& api, std::size_t bytes, const void* data = nullptr,
                                  GLenum usage = GL_DYNAMIC_COPY);
 
+  /// Lets go of what this buffer holds before it becomes a new one, as there may not be room for
+  /// both; it is nothing where that fails.
+  Expected<void> remake(Api& api, std::size_t bytes, const void* data = nullptr,
+                        GLenum usage = GL_DYNAMIC_COPY);
+
   GLuint name() const { return handle_.name(); }
   std::size_t size() const { return size_; }
 

@@ -51,7 +51,7 @@ void ask_limits(Api& api, Capabilities& c) {
 void ask_extensions(Api& api, Capabilities& c) {
   const std::set<std::string> has = extensions(api);
   if (!c.is_es) {  // All of it is core in desktop GL 4.5
-    c.half_float_targets = c.float_targets = c.timestamps = c.debug = true;
+    c.half_float_targets = c.float_targets = c.timestamps = c.debug = c.reset_status = true;
     return;
   }
   const bool float_buffers = has.contains("GL_EXT_color_buffer_float");
@@ -59,6 +59,7 @@ void ask_extensions(Api& api, Capabilities& c) {
   c.float_targets = float_buffers && has.contains("GL_EXT_float_blend");
   c.timestamps = has.contains("GL_EXT_disjoint_timer_query");
   c.debug = has.contains("GL_KHR_debug");
+  c.reset_status = has.contains("GL_KHR_robustness") || has.contains("GL_EXT_robustness");
 }
 
 }  // namespace

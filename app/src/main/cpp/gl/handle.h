@@ -7,8 +7,9 @@
 
 namespace fluxgs::gl {
 
-/// Owns a GL object and deletes it with Delete(api, name). Move-only. The context must be current
-/// when a handle that owns something is destroyed, and the Api must outlive it.
+/// Owns a GL object and deletes it with Delete(api, name), unless its context was lost. Move-only.
+/// The context must be current when a handle that owns something is destroyed, and the Api must
+/// outlive it.
 template <auto Delete>
 class Handle {
  public:
@@ -22,7 +23,7 @@ class Handle {
     return *this;
   }
   ~Handle() {
-    if (name_ != 0) Delete(*api_, name_);
+    if (name_ != 0 && !api_->lost) Delete(*api_, name_);
   }
 
   GLuint name() const { return name_; }

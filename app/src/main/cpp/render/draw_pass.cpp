@@ -73,6 +73,7 @@ void DrawPass::write_arguments(gl::Api& api, const sort::Sorter& sorter) const {
 
 Expected<void> DrawPass::reserve(gl::Api& api, std::size_t record_bytes, std::size_t order_bytes) {
   if (!texture_fetch_) return {};
+  textures_ = {};  // There may not be room for both
   return gl::take(VertexTextures::create(api, record_bytes, order_bytes), textures_);
 }
 

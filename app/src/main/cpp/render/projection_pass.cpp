@@ -28,9 +28,8 @@ Expected<ProjectionPass> ProjectionPass::create(gl::Api& api, RecordPrecision pr
 
 Expected<void> ProjectionPass::reserve(gl::Api& api, std::uint32_t count) {
   const std::size_t bytes = texture_padded(record_bytes(precision_) * (std::size_t{count} + 1));
-  return gl::in_turn(
-      [&] { return gl::take(gl::Buffer::create(api, bytes), records_); },
-      [&] { return gl::take(gl::Buffer::create(api, sizeof(std::uint32_t) * count), keys_); });
+  return gl::in_turn([&] { return records_.remake(api, bytes); },
+                     [&] { return keys_.remake(api, sizeof(std::uint32_t) * count); });
 }
 
 void ProjectionPass::run(gl::Api& api, const SceneBuffers& scene) const {

@@ -100,15 +100,13 @@ Expected<void> Renderer::make_room(const PackedScene& packed) {
 Expected<void> Renderer::upload(const SplatCloud& cloud) {
   if (auto ok = check_scene(api_.capabilities, cloud); !ok) return ok;
   const PackedScene packed = pack_scene(cloud);
+  scene_ = {};  // There may not be room for both
+  sorted_.reset();
+  drawn_ = false;
   auto scene = SceneBuffers::create(api_, packed);
   if (!scene) return std::unexpected(scene.error());
-  sorted_.reset();
-  if (auto room = make_room(packed); !room) {
-    scene_ = {};  // The buffers may already have the new scene's size
-    return room;
-  }
+  if (auto room = make_room(packed); !room) return room;
   scene_ = std::move(*scene);
-  drawn_ = false;
   return {};
 }
 

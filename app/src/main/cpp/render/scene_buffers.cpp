@@ -108,11 +108,7 @@ void find_box(PackedScene& scene, const std::vector<std::size_t>& splats) {
 }
 
 Expected<void> check_size(const gl::Capabilities& driver, const SplatCloud& cloud) {
-  const std::size_t per_splat =
-      sizeof(float) * 4 * std::max<std::size_t>(4, harmonics_stride(cloud.sh_degree));
-  const auto by_bytes = static_cast<std::uint64_t>(driver.max_storage_block_bytes) / per_splat;
-  const auto by_groups = static_cast<std::uint64_t>(driver.max_work_groups_x) * 128 - 1;
-  const std::uint64_t most = std::min({by_bytes, by_groups, std::uint64_t{0xFFFF0000}});
+  const std::uint64_t most = most_splats(driver, cloud.sh_degree);
   if (cloud.size() <= most) return {};
   return fail("scene", "size",
               std::to_string(cloud.size()) + " splats of degree " +
@@ -153,6 +149,14 @@ std::vector<glm::vec3> positions_of(const PackedScene& scene) {
   return positions;
 }
 
+std::uint64_t most_splats(const gl::Capabilities& driver, int sh_degree) {
+  const std::size_t per_splat =
+      sizeof(float) * 4 * std::max<std::size_t>(4, harmonics_stride(sh_degree));
+  const auto by_bytes = static_cast<std::uint64_t>(driver.max_storage_block_bytes) / per_splat;
+  const auto by_groups = static_cast<std::uint64_t>(driver.max_work_groups_x) * 128 - 1;
+  return std::min({by_bytes, by_groups, std::uint64_t{0xFFFF0000}});
+}
+
 Expected<void> check_scene(const gl::Capabilities& driver, const SplatCloud& cloud) {
   return gl::in_turn([&] { return check_cloud(cloud); }, [&] { return check_size(driver, cloud); });
 }
@@ -163,7 +167,7 @@ Expected<SceneBuffers> SceneBuffers::create(gl::Api& api, const PackedScene& sce
   buffers.harmonics_stride = scene.harmonics_stride;
   const auto upload = [&](const auto& values, gl::Buffer& into) {
     const std::size_t bytes = values.size() * sizeof(values[0]);
-    return gl::take(gl::Buffer::create(api, bytes, values.data(), GL_STATIC_DRAW), into);
+    return into.remake(api, bytes, values.data(), GL_STATIC_DRAW);
   };
   auto done = gl::in_turn([&] { return upload(scene.geometry, buffers.geometry); },
                           [&] { return upload(scene.harmonics, buffers.harmonics); });

@@ -33,6 +33,9 @@ PackedScene pack_scene(const SplatCloud& cloud);
 /// Where each splat lies, as PackedScene has it; NaN for undrawable ones.
 std::vector<glm::vec3> positions_of(const PackedScene& scene);
 
+/// How many splats of that degree the driver's limits allow.
+std::uint64_t most_splats(const gl::Capabilities& driver, int sh_degree);
+
 /// Fails where the arrays of the cloud differ in length and where the driver's limits are too small
 /// for it.
 Expected<void> check_scene(const gl::Capabilities& driver, const SplatCloud& cloud);

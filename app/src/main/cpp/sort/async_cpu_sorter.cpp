@@ -13,6 +13,7 @@ Expected<void> AsyncCpuSorter::set_scene(std::uint32_t count, std::uint32_t spar
   thread_ = std::make_unique<SortThread>(std::move(positions));
   wanted_ = shown_ = 0;
   for (UploadedOrder& slot : slots_) {
+    slot = {};  // There may not be room for both
     auto made = gl::take(UploadedOrder::create(api_, std::size_t{count} + spare), slot);
     if (!made) return made;
   }

@@ -29,6 +29,7 @@ Expected<void> ExactSorter::set_scene(std::uint32_t count, std::uint32_t spare,
   positions_ = std::move(positions);
   depths_.reserve(count);
   indices_.reserve(count);
+  uploaded_ = {};  // There may not be room for both
   return gl::take(UploadedOrder::create(api_, std::size_t{count} + spare), uploaded_);
 }
 

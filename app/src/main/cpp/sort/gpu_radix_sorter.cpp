@@ -55,7 +55,7 @@ Expected<void> GpuRadixSorter::set_scene(std::uint32_t count, std::uint32_t spar
   const std::size_t radix = std::size_t{1} << digit_bits_;
   const std::size_t blocks = std::max(block_count(count), 1U);
   const auto make = [&](gl::Buffer& buffer, std::size_t words) {
-    return gl::take(gl::Buffer::create(api_, 4 * words), buffer);
+    return buffer.remake(api_, 4 * words);
   };
   return gl::in_turn([&] { return make(state_, 4 + radix + radix * blocks); },
                      [&] { return make(pairs_[0], std::size_t{2} * count); },

@@ -1,0 +1,19 @@
+// Which splats stay when there is no room for all of them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "fluxgs/splat_cloud.h"
+
+namespace fluxgs::render {
+
+/// How much splat i adds to pictures, from no place in particular: its opacity times the mean area
+/// of its shadows along its own three axes, in square scene units. 0 where an attribute is not a
+/// number.
+double contribution(const SplatCloud& cloud, std::size_t i);
+
+/// The indices, ascending, of the `count` splats that add most; ties go by index.
+std::vector<std::uint32_t> most_contributing(const SplatCloud& cloud, std::size_t count);
+
+}  // namespace fluxgs::render

@@ -1,0 +1,148 @@
+// Stands between the renderer and the driver: a context that is lost at any call, and a GPU with
+// little memory.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include "gl/api.h"
+
+namespace fluxgs::test {
+
+/// What the functions of the one Api under a GlFaults do.
+struct FaultState {
+  long calls = 0;              ///< so far
+  long lost_after = -1;        ///< calls that still reach the driver; negative: all
+  std::size_t memory = ~0UL;   ///< bytes that buffers and textures may take
+  std::size_t used = 0;        ///< bytes they take
+  std::size_t most_used = 0;   ///< the largest `used` so far
+  long allocations = 0;        ///< so far
+  bool out_of_memory = false;  ///< the next glGetError() says so
+
+  std::map<GLenum, GLuint> buffer_at, texture_at;   // bindings
+  std::map<GLuint, std::size_t> buffers, textures;  // bytes of each
+
+  bool is_lost() const { return lost_after >= 0 && calls > lost_after; }
+  /// Whether there is room for so many bytes in the place of `old`.
+  bool take(std::size_t bytes, std::size_t old);
+};
+inline FaultState faults;
+
+inline bool FaultState::take(std::size_t bytes, std::size_t old) {
+  ++allocations;
+  if (used - old + bytes > memory) {
+    out_of_memory = true;
+    return false;
+  }
+  used += bytes - old;
+  most_used = used > most_used ? used : most_used;
+  return true;
+}
+
+template <auto Member>
+inline std::remove_reference_t<decltype(std::declval<gl::Api&>().*Member)> driver = nullptr;
+
+template <auto A, auto B>
+inline constexpr bool kIs =
+    std::is_same_v<std::integral_constant<decltype(A), A>, std::integral_constant<decltype(B), B>>;
+
+inline std::size_t texel_bytes(GLenum format) {
+  switch (format) {
+    case GL_RGBA32F:
+    case GL_RGBA32UI:
+      return 16;
+    case GL_RGBA16F:
+      return 8;
+    default:
+      return 4;
+  }
+}
+
+// What is done before, or instead of, the call of the driver. False: instead.
+template <auto Member, class... A>
+bool before(A... arguments) {
+  [[maybe_unused]] const auto all = std::make_tuple(arguments...);
+  if constexpr (kIs<Member, &gl::Api::BindBuffer>) {
+    faults.buffer_at[std::get<0>(all)] = std::get<1>(all);
+  } else if constexpr (kIs<Member, &gl::Api::BindTexture>) {
+    faults.texture_at[std::get<0>(all)] = std::get<1>(all);
+  } else if constexpr (kIs<Member, &gl::Api::BufferData>) {
+    std::size_t& held = faults.buffers[faults.buffer_at[std::get<0>(all)]];
+    const auto bytes = static_cast<std::size_t>(std::get<1>(all));
+    if (!faults.take(bytes, held)) return false;
+    held = bytes;
+  } else if constexpr (kIs<Member, &gl::Api::TexStorage2D>) {
+    std::size_t& held = faults.textures[faults.texture_at[std::get<0>(all)]];
+    const std::size_t bytes = texel_bytes(std::get<2>(all)) *
+                              static_cast<std::size_t>(std::get<3>(all)) *
+                              static_cast<std::size_t>(std::get<4>(all));
+    if (!faults.take(bytes, held)) return false;
+    held = bytes;
+  } else if constexpr (kIs<Member, &gl::Api::DeleteBuffers> ||
+                       kIs<Member, &gl::Api::DeleteTextures>) {
+    auto& held = kIs<Member, &gl::Api::DeleteBuffers> ? faults.buffers : faults.textures;
+    for (GLsizei i = 0; i < std::get<0>(all); ++i)
+      if (const auto it = held.find(std::get<1>(all)[i]); it != held.end()) {
+        faults.used -= it->second;
+        held.erase(it);
+      }
+  }
+  return true;
+}
+
+template <auto Member, class R, class... A>
+R GL_APIENTRY through(A... arguments) {
+  ++faults.calls;
+  if (faults.is_lost()) {  // KHR_robustness: commands do nothing, and glGetError says why
+    if constexpr (kIs<Member, &gl::Api::GetError>) return GL_CONTEXT_LOST_KHR;
+    if constexpr (kIs<Member, &gl::Api::GetGraphicsResetStatus>)
+      return GL_UNKNOWN_CONTEXT_RESET_KHR;
+    // The driver behind lives on, and will be asked again: nothing may stay mapped in it
+    if constexpr (kIs<Member, &gl::Api::UnmapBuffer>) return driver<Member>(arguments...);
+    return R();
+  }
+  if constexpr (kIs<Member, &gl::Api::GetError>)
+    if (std::exchange(faults.out_of_memory, false)) return GL_OUT_OF_MEMORY;
+  if constexpr (kIs<Member, &gl::Api::GetGraphicsResetStatus>)
+    if (!driver<Member>) return GL_NO_ERROR;
+  if (!before<Member>(arguments...)) return R();
+  return driver<Member>(arguments...);
+}
+
+template <auto Member, class R, class... A>
+void put_between(gl::Api& api, R(GL_APIENTRY* function)(A...)) {
+  driver<Member> = function;
+  api.*Member = through<Member, R, A...>;
+}
+
+/// For its lifetime every function of `api` goes through `faults`. One at a time.
+class GlFaults {
+ public:
+  explicit GlFaults(gl::Api& api) : api_(api) {
+    faults = {};
+#define FLUXGS_PUT_BETWEEN(name) put_between<&gl::Api::name>(api, api.name);
+    FLUXGS_GL_FUNCTIONS(FLUXGS_PUT_BETWEEN)
+    FLUXGS_PUT_BETWEEN(GetGraphicsResetStatus)
+    FLUXGS_PUT_BETWEEN(QueryCounter)
+    FLUXGS_PUT_BETWEEN(GetQueryObjectui64v)
+#undef FLUXGS_PUT_BETWEEN
+  }
+  GlFaults(const GlFaults&) = delete;
+  GlFaults& operator=(const GlFaults&) = delete;
+  ~GlFaults() {
+#define FLUXGS_PUT_BACK(name) api_.name = driver<&gl::Api::name>;
+    FLUXGS_GL_FUNCTIONS(FLUXGS_PUT_BACK)
+    FLUXGS_PUT_BACK(GetGraphicsResetStatus)
+    FLUXGS_PUT_BACK(QueryCounter)
+    FLUXGS_PUT_BACK(GetQueryObjectui64v)
+#undef FLUXGS_PUT_BACK
+  }
+
+ private:
+  gl::Api& api_;
+};
+
+}  // namespace fluxgs::test

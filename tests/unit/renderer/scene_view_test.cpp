@@ -1,0 +1,299 @@
+// The scene stays in view: contexts that are lost at any call, and GPUs with too little memory.
+#include "render/scene_view.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "gl_faults.h"
+#include "gl_fixture.h"
+#include "render/memory_estimate.h"
+#include "render/splat_budget.h"
+#include "scenes.h"
+
+namespace fluxgs::test {
+namespace {
+
+using render::SceneView;
+using render::SceneViewSettings;
+using testing::HasSubstr;
+
+constexpr int kWidth = 64, kHeight = 48;
+const Camera kCamera = orbit_camera(kWidth, kHeight, {}, 2, 1, 4);
+
+std::shared_ptr<const SplatCloud> shared_cloud(std::size_t count, int degree = 1) {
+  return std::make_shared<SplatCloud>(random_cloud(count, degree, 21));
+}
+
+class SceneViewTest : public GlTest {
+ protected:
+  void TearDown() override {
+    if (!IsSkipped()) {
+      api().lost = api().out_of_memory = false;
+      api().debug.messages.clear();  // Calls were swallowed, and those that follow may be mistakes
+    }
+    GlTest::TearDown();
+  }
+
+  static Expected<Image<float>> picture(gl::Api& api, SceneView& view, const Camera& camera) {
+    if (auto drawn = view.draw(camera, {}); !drawn) return std::unexpected(drawn.error());
+    return render::read_pixels(api, view.target());
+  }
+  Expected<Image<float>> picture(SceneView& view, const Camera& camera = kCamera) {
+    return picture(api(), view, camera);
+  }
+
+  void survive_a_loss_at_every_call(const SceneViewSettings& settings);
+};
+
+// Every call of a frame, its reading and its counting: nothing hangs or crashes, it is noticed, and
+// nothing that was left half done is in the pictures after.
+void SceneViewTest::survive_a_loss_at_every_call(const SceneViewSettings& settings) {
+  const GlFaults between(api());
+  SceneView view(shared_cloud(300), settings);
+  must(view.open(api(), kWidth, kHeight));
+  const auto frame = [&](int width) {
+    auto found = picture(view, orbit_camera(width, kHeight, {}, 2, 1, 4));
+    static_cast<void>(view.renderer().stats());
+    return found;
+  };
+  for (const int width : {kWidth, kWidth + 1}) {
+    const Image<float> expected = must(frame(width));
+    faults.calls = 0;
+    must(frame(width));
+    const long calls = faults.calls;
+    ASSERT_GT(calls, 20);
+    for (long call = 0; call < calls; ++call) {
+      faults.calls = 0;
+      faults.lost_after = call;
+      static_cast<void>(frame(width));
+      EXPECT_TRUE(gl::context_lost(api())) << call;
+      const auto after = view.draw(kCamera, {});
+      ASSERT_FALSE(after) << call << " of " << calls;
+      EXPECT_THAT(after.error().message(), HasSubstr("the context was lost"));
+      // As if it had been a bad dream
+      faults.lost_after = -1;
+      api().lost = false;
+      ASSERT_EQ(must(frame(width)).pixels, expected.pixels) << call << " of " << calls;
+    }
+  }
+}
+
+TEST_P(SceneViewTest, ALossAtAnyCallIsNoticedAndHarmless) {
+  survive_a_loss_at_every_call({.renderer = {.timestamps = true}});
+  survive_a_loss_at_every_call({.renderer = {.sorter = render::SorterKind::exact}});
+}
+
+// Losses while the GL objects are made: an error, and nothing is left behind in the new context.
+TEST_P(SceneViewTest, ALossAtAnyCallOfTheStartIsAnError) {
+  const GlFaults between(api());
+  const auto cloud = shared_cloud(300);
+  long calls = 0;
+  Image<float> expected;
+  {
+    SceneView view(cloud, {});
+    must(view.open(api(), kWidth, kHeight));
+    calls = faults.calls;
+    expected = must(picture(view));
+  }
+  // Most of the calls make programs, all alike, and slowly on some drivers
+  const long step = calls / 7;
+  for (long call = 0; call < calls; call += step) {
+    faults.calls = 0;
+    faults.lost_after = call;
+    {
+      SceneView view(cloud, {});
+      EXPECT_FALSE(view.open(api(), kWidth, kHeight)) << call << " of " << calls;
+      EXPECT_TRUE(gl::context_lost(api()));
+    }
+    faults.lost_after = -1;
+    api().lost = false;
+  }
+  SceneView view(cloud, {});
+  must(view.open(api(), kWidth, kHeight));
+  EXPECT_EQ(must(picture(view)).pixels, expected.pixels);
+}
+
+// Which call of a frame belongs to which stage.
+std::vector<std::pair<const char*, long>> stages(gl::Api& api, SceneView& view) {
+  static std::vector<std::pair<const char*, long>> found;
+  static decltype(gl::Api::DispatchCompute) dispatch;
+  static decltype(gl::Api::DrawElementsIndirect) draw;
+  static decltype(gl::Api::DrawArrays) resolve;
+  static decltype(gl::Api::ReadPixels) read;
+  found.clear();
+  dispatch = std::exchange(api.DispatchCompute, [](GLuint x, GLuint y, GLuint z) {
+    found.emplace_back(found.empty() ? "project" : "sort", faults.calls);
+    dispatch(x, y, z);
+  });
+  draw = std::exchange(api.DrawElementsIndirect, [](GLenum mode, GLenum type, const void* at) {
+    found.emplace_back("draw", faults.calls);
+    draw(mode, type, at);
+  });
+  resolve = std::exchange(api.DrawArrays, [](GLenum mode, GLint first, GLsizei count) {
+    found.emplace_back("resolve", faults.calls);
+    resolve(mode, first, count);
+  });
+  read = std::exchange(api.ReadPixels, [](GLint x, GLint y, GLsizei w, GLsizei h, GLenum format,
+                                          GLenum type, void* to) {
+    found.emplace_back("read", faults.calls);
+    read(x, y, w, h, format, type, to);
+  });
+  faults.calls = 0;
+  must(view.draw(kCamera, {}));
+  must(render::read_pixels(api, view.target()));
+  api.DispatchCompute = dispatch;
+  api.DrawElementsIndirect = draw;
+  api.DrawArrays = resolve;
+  api.ReadPixels = read;
+  return found;
+}
+
+// As a phone has it: the context goes, and everything is made again in another one.
+TEST_P(SceneViewTest, IsMadeAgainInANewContextWhateverStageLostTheOldOne) {
+  SceneView view(shared_cloud(300), {});
+  auto old = must(host::HostContext::create(GetParam()));
+  must(view.open(old->api(), kWidth, kHeight));
+  const Image<float> expected = must(picture(old->api(), view, kCamera));
+  std::vector<std::pair<const char*, long>> all;
+  {
+    const GlFaults between(old->api());
+    all = stages(old->api(), view);
+  }
+  std::string before;
+  for (const auto& [stage, call] : all) {
+    if (before == stage) continue;  // The first of each
+    before = stage;
+    {
+      const GlFaults between(old->api());
+      faults.lost_after = call;
+      static_cast<void>(picture(old->api(), view, kCamera));
+      EXPECT_TRUE(gl::context_lost(old->api())) << stage;
+    }
+    auto fresh = must(host::HostContext::create(GetParam()));
+    must(view.open(fresh->api(), kWidth, kHeight));
+    old = std::move(fresh);
+    must(old->make_current());
+    EXPECT_EQ(must(picture(old->api(), view, kCamera)).pixels, expected.pixels) << stage;
+    EXPECT_TRUE(old->api().debug.mistakes().empty());
+  }
+  EXPECT_GE(all.size(), 5U);
+  view.close();
+}
+
+TEST_P(SceneViewTest, ShowsWhatTheMemoryHolds) {
+  const auto cloud = shared_cloud(5000);
+  const GlFaults between(api());
+  SceneView all(cloud, {});
+  must(all.open(api(), kWidth, kHeight));
+  must(picture(all));
+  EXPECT_TRUE(all.shows_all());
+  all.close();
+  EXPECT_EQ(faults.used, 0U) << "something was not deleted";
+
+  // By the estimate: never asked for more than was granted
+  const std::size_t budget = faults.most_used / 2;
+  faults.most_used = 0;
+  SceneView some(cloud, {.memory = budget});
+  must(some.open(api(), kWidth, kHeight));
+  const Image<float> shown = must(picture(some));
+  EXPECT_FALSE(some.shows_all());
+  EXPECT_GT(some.splats(), 1000U);
+  const std::size_t splats = some.splats();
+  // The sorter without a scene, whose buffers are replaced, is not in the estimate
+  EXPECT_LE(faults.used, budget);
+  // A larger picture leaves room for fewer splats, and the first one again for as many
+  must(picture(some, orbit_camera(2 * kWidth, kHeight, {}, 2, 1, 4)));
+  EXPECT_LT(some.splats(), splats);
+  EXPECT_LE(faults.used, budget);
+  EXPECT_EQ(must(picture(some)).pixels, shown.pixels);
+  EXPECT_EQ(some.splats(), splats);
+
+  // They are the ones that add most
+  SceneView selected(
+      std::make_shared<SplatCloud>(in_order(*cloud, render::most_contributing(*cloud, splats))),
+      {});
+  must(selected.open(api(), kWidth, kHeight));
+  EXPECT_EQ(must(picture(selected)).pixels, shown.pixels);
+}
+
+TEST_P(SceneViewTest, GivesWayWhereTheDriverHasLessThanItSays) {
+  const auto cloud = shared_cloud(5000);
+  const GlFaults between(api());
+  SceneView view(cloud, {});
+  must(view.open(api(), kWidth, kHeight));
+  must(picture(view));
+  faults.memory = faults.used * 3 / 5;
+  must(view.open(api(), kWidth, kHeight));
+  EXPECT_FALSE(api().lost);
+  EXPECT_GT(view.splats(), 5000U / 3);
+  EXPECT_LT(view.splats(), 5000U * 3 / 5);
+  must(picture(view));
+  EXPECT_LE(faults.used, faults.memory);
+  // Less and less while it runs: seen when the picture changes its size
+  faults.memory = faults.memory / 2;
+  const std::size_t before = view.splats();
+  must(picture(view, orbit_camera(kWidth + 2, kHeight, {}, 2, 1, 4)));
+  EXPECT_LT(view.splats(), before);
+  EXPECT_GT(view.splats(), 0U);
+  // Nothing at all: an error, and a picture again once there is room
+  const std::size_t some = std::exchange(faults.memory, 1000);
+  const auto refused = picture(view);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message(), HasSubstr("out of graphics memory"));
+  EXPECT_FALSE(picture(view));
+  faults.memory = 2 * some;
+  must(picture(view));
+  EXPECT_GT(view.splats(), before / 2);
+}
+
+TEST_P(SceneViewTest, ABudgetThatHoldsNoPictureIsRefused) {
+  SceneView view(shared_cloud(10), {.memory = 1000});
+  const auto opened = view.open(api(), kWidth, kHeight);
+  ASSERT_FALSE(opened);
+  EXPECT_THAT(opened.error().message(),
+              HasSubstr("a picture of 64×48 pixels with one splat takes"));
+  EXPECT_THAT(opened.error().message(), HasSubstr("1000 may be used"));
+}
+
+TEST_P(SceneViewTest, TheLimitsOfTheDriverAreABudget) {
+  const auto limit = std::exchange(api().capabilities.max_storage_block_bytes, 64 * 1000);
+  SceneView view(shared_cloud(5000, 0), {});
+  const auto opened = view.open(api(), kWidth, kHeight);
+  api().capabilities.max_storage_block_bytes = limit;
+  must(opened);
+  EXPECT_EQ(view.splats(), 1000U);
+}
+
+TEST_P(SceneViewTest, AnEmptySceneIsShown) {
+  SceneView view(std::make_shared<SplatCloud>(), {});
+  must(view.open(api(), kWidth, kHeight));
+  EXPECT_TRUE(view.shows_all());
+  for (const float value : must(picture(view)).pixels) ASSERT_EQ(value, 0.0F);
+}
+
+FLUXGS_GL_TEST_SUITE(SceneViewTest);
+
+TEST(SplatBudget, ContributionIsOpacityTimesMeanArea) {
+  SplatCloud cloud;
+  add(cloud, {.scale = {1, 2, 3}, .opacity = 0.5F});
+  add(cloud, {});
+  cloud.log_scales[1].x = std::nanf("");
+  EXPECT_NEAR(render::contribution(cloud, 0), 0.5 * 11 / 3, 1e-6);
+  EXPECT_EQ(render::contribution(cloud, 1), 0);
+}
+
+TEST(SplatBudget, TheLeastGoFirstAndTiesByIndex) {
+  SplatCloud cloud;
+  for (const float size : {1.0F, 3.0F, 2.0F, 1.0F, 3.0F}) add(cloud, {.scale = glm::vec3(size)});
+  using Indices = std::vector<std::uint32_t>;
+  EXPECT_EQ(render::most_contributing(cloud, 0), (Indices{}));
+  EXPECT_EQ(render::most_contributing(cloud, 1), (Indices{1}));
+  EXPECT_EQ(render::most_contributing(cloud, 3), (Indices{1, 2, 4}));
+  EXPECT_EQ(render::most_contributing(cloud, 4), (Indices{0, 1, 2, 4}));
+  EXPECT_EQ(render::most_contributing(cloud, 9), (Indices{0, 1, 2, 3, 4}));
+}
+
+}  // namespace
+}  // namespace fluxgs::test
