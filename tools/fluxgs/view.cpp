@@ -7,13 +7,14 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "camera/focus.h"
 #include "platform/host/window.h"
-#include "render/renderer.h"
+#include "render/scene_view.h"
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/console.h"
 #include "tools/fluxgs/data_options.h"
@@ -38,6 +39,7 @@ struct ViewSettings {
   DataOptions data;
   PictureSize size{1280, 720};
   int sh_degree = 3, frames = 0;
+  double memory = 0;  // MB; 0: what there is
 };
 
 double seconds_since(Clock::time_point start) {
@@ -48,15 +50,15 @@ double seconds_since(Clock::time_point start) {
 /// each other.
 struct Viewer {
   std::unique_ptr<host::Window> window;
-  std::unique_ptr<render::Renderer> renderer;
-  render::RenderTarget target;
-  SplatCloud cloud;
+  std::optional<render::SceneView> scene;
+  std::shared_ptr<const SplatCloud> cloud;
   RenderOptions options;
   camera::Navigation navigation;
   ViewInput input;
   std::vector<ScriptedEvent> script;
   std::size_t next_event = 0;  // of the script
   std::string name;            // for the title
+  std::size_t told_splats = 0;
   int steps = 0, drawn = 0;
   double frame_seconds = 0;  // smoothed
   Clock::time_point titled;
@@ -84,7 +86,7 @@ void handle(Viewer& v, const host::WindowEvent& event, double time, bool& quit) 
   }
   if (!request.focus) return;
   const auto point =
-      camera::visible_point(v.cloud, n.view, *request.focus, size, n.units.near_plane);
+      camera::visible_point(*v.cloud, n.view, *request.focus, size, n.units.near_plane);
   if (point) camera::go_to(n, camera::focused_on(n.view, *point, n.units.distances));
 }
 
@@ -92,28 +94,53 @@ void handle(Viewer& v, const host::WindowEvent& event, double time, bool& quit) 
 void play(Viewer& v, bool& quit) {
   for (; v.next_event < v.script.size() && v.script[v.next_event].step <= v.steps; ++v.next_event) {
     const ScriptedEvent& scripted = v.script[v.next_event];
-    if (scripted.resize.width > 0)
+    if (scripted.lose_context)
+      v.window->api().lost = true;
+    else if (scripted.resize.width > 0)
       v.window->resize(scripted.resize);
     else
       handle(v, scripted.event, v.steps * kScriptStep, quit);
   }
 }
 
-Expected<void> fit_target(Viewer& v, const host::WindowSize& size) {
-  if (v.target.width() == size.width && v.target.height() == size.height) return {};
-  v.target = {};  // memory for one is enough
-  auto made = render::RenderTarget::create(v.window->api(), size.width, size.height,
-                                           render::TargetFormat::rgba8);
-  if (!made) return std::unexpected(made.error());
-  v.target = std::move(*made);
-  return {};
+void tell_splats(Viewer& v) {
+  const std::size_t splats = v.scene->splats();
+  if (splats == std::exchange(v.told_splats, splats)) return;
+  if (v.scene->shows_all())
+    spdlog::info("all {} splats are shown", splats);
+  else
+    spdlog::warn("graphics memory is short: {} of {} splats are shown, those that add most", splats,
+                 v.cloud->size());
 }
 
-Expected<void> draw(Viewer& v, const host::WindowSize& size) {
-  if (auto fitted = fit_target(v, size); !fitted) return fitted;
+Expected<void> open_window(Viewer& v, const ViewSettings& s, const host::WindowSize& size) {
+  auto window =
+      host::open_window({.title = v.name, .size = size, .wait_for_display = s.frames == 0});
+  if (!window) return std::unexpected(window.error());
+  v.window = std::move(*window);
+  spdlog::info("GL renderer: {}", v.window->renderer_string());
+  return v.scene->open(v.window->api(), size.width, size.height);
+}
+
+/// The GPU was reset, or taken away: another window with everything in it made again.
+Expected<void> recover(Viewer& v, const ViewSettings& s) {
+  spdlog::warn("the graphics context was lost; starting it again");
+  const host::WindowSize size = v.window->size();
+  v.scene->close();
+  v.window.reset();
+  return open_window(v, s, size);
+}
+
+Expected<void> draw(Viewer& v, const ViewSettings& s, const host::WindowSize& size) {
   const Camera camera = camera::camera_of(v.navigation.view, size.width, size.height);
-  if (auto drawn = v.renderer->draw(camera, v.options, v.target); !drawn) return drawn;
-  host::draw_to_window(v.window->api(), v.target, size);
+  auto drawn = v.scene->draw(camera, v.options);
+  if (!drawn && gl::context_lost(v.window->api())) {
+    if (auto recovered = recover(v, s); !recovered) return recovered;
+    drawn = v.scene->draw(camera, v.options);
+  }
+  if (!drawn) return drawn;
+  tell_splats(v);
+  host::draw_to_window(v.window->api(), v.scene->target(), size);
   ++v.drawn;
   return {};
 }
@@ -133,11 +160,12 @@ void count_frame(Viewer& v, double seconds) {
 Expected<void> update_title(Viewer& v) {
   if (v.drawn > 1 && seconds_since(v.titled) < kTitleEvery) return {};
   v.titled = Clock::now();
-  const auto stats = v.renderer->stats();
+  const auto stats = v.scene->renderer().stats();
+  if (!stats && gl::context_lost(v.window->api())) return {};  // The next frame sees to it
   if (!stats) return std::unexpected(stats.error());
   std::string title =
       fmt::format("{} - {:.0f} frames/s - {} of {} splats", v.name,
-                  1 / std::max(v.frame_seconds, 1e-6), stats->drawn, v.cloud.size());
+                  1 / std::max(v.frame_seconds, 1e-6), stats->drawn, v.cloud->size());
   if (const auto& stages = stats->stages)
     title += fmt::format(" - sort {:.1f} ms, draw {:.1f} ms", stages->sort,
                          stages->project + stages->draw + stages->resolve);
@@ -148,7 +176,7 @@ Expected<void> update_title(Viewer& v) {
 /// Draws, takes the screenshot if this is the last frame, and shows.
 Expected<void> show(Viewer& v, const ViewSettings& s, const host::WindowSize& size, bool last) {
   const Clock::time_point start = Clock::now();
-  if (auto drawn = draw(v, size); !drawn) return drawn;
+  if (auto drawn = draw(v, s, size); !drawn) return drawn;
   if (last && !s.screenshot.empty())
     if (auto taken = take_screenshot(v, s.screenshot, size); !taken) return taken;
   v.window->present();
@@ -229,7 +257,8 @@ Expected<void> load_into(Viewer& v, const ViewSettings& s) {
   const glm::dvec3& axis = v.navigation.up;
   spdlog::info("up: {:.2f},{:.2f},{:.2f} ({}; F flips it)", axis.x, axis.y, axis.z,
                start.up_source);
-  v.cloud = std::move(scene->cloud);
+  v.cloud = std::make_shared<const SplatCloud>(std::move(scene->cloud));
+  v.told_splats = v.cloud->size();
   v.name = std::filesystem::path(s.scene).filename().string();
   v.options.background = s.data.background_color();
   v.options.sh_degree = s.sh_degree;
@@ -237,11 +266,11 @@ Expected<void> load_into(Viewer& v, const ViewSettings& s) {
   return {};
 }
 
-Expected<void> start_renderer(Viewer& v) {
-  auto renderer = render::Renderer::create(v.window->api(), {.timestamps = true});
-  if (!renderer) return std::unexpected(renderer.error());
-  v.renderer = std::move(*renderer);
-  return v.renderer->upload(v.cloud);
+render::SceneViewSettings scene_settings(const ViewSettings& s) {
+  render::SceneViewSettings settings{.renderer = {.timestamps = true}};
+  constexpr double kMegabyte = 1e6;
+  if (s.memory > 0) settings.memory = static_cast<std::size_t>(s.memory * kMegabyte);
+  return settings;
 }
 
 Expected<void> view(const ViewSettings& s) {
@@ -254,12 +283,8 @@ Expected<void> view(const ViewSettings& s) {
     v.script = std::move(*script);
   }
   if (auto loaded = load_into(v, s); !loaded) return loaded;
-  auto window = host::open_window(
-      {.title = v.name, .size = {s.size.width, s.size.height}, .wait_for_display = s.frames == 0});
-  if (!window) return std::unexpected(window.error());
-  v.window = std::move(*window);
-  spdlog::info("GL renderer: {}", v.window->renderer_string());
-  if (auto started = start_renderer(v); !started) return started;
+  v.scene.emplace(v.cloud, scene_settings(s));
+  if (auto opened = open_window(v, s, {s.size.width, s.size.height}); !opened) return opened;
   if (s.frames == 0) say(kViewKeys);
   auto done = run(v, s);
   if (done) spdlog::info("{} frames drawn in {} steps", v.drawn, v.steps);
@@ -292,6 +317,10 @@ void add_view(CLI::App& app, Action& action) {
   add_size_option(*command, s->size, "WIDTHxHEIGHT of the window (default: 1280x720)");
   command->add_option("--sh-degree", s->sh_degree, "evaluate no more than this degree")
       ->check(CLI::Range(0, 3));
+  command
+      ->add_option("--memory", s->memory,
+                   "MB of graphics memory that may be used; the splats that add least are left out")
+      ->check(CLI::Range(0.001, 1e6));
   add_data_options(*command, s->data);
   CLI::Option* frames =
       command->add_option("--frames", s->frames, "draw this many frames of 1/60 s, then close")

@@ -88,6 +88,10 @@ std::optional<ScriptedEvent> scripted_event(const json& entry) {
     scripted.resize = {static_cast<int>(size->x), static_cast<int>(size->y)};
     return scripted;
   }
+  if (flag_of(entry, "lose_context") == true) {
+    scripted.lose_context = true;
+    return scripted;
+  }
   const auto event = event_of(entry);
   if (!event) return std::nullopt;
   scripted.event = *event;
@@ -109,7 +113,8 @@ Expected<std::vector<ScriptedEvent>> read_view_script(const std::string& path) {
     if (!event)
       return fail(path, where,
                   "expected \"step\" and one of \"move\", \"button\" with \"down\" and \"at\", "
-                  "\"scroll\" with \"at\", \"key\" with \"down\", \"type\" or \"resize\"");
+                  "\"scroll\" with \"at\", \"key\" with \"down\", \"type\", \"resize\" or "
+                  "\"lose_context\"");
     if (!events.empty() && event->step < events.back().step)
       return fail(path, where + ": step", "expected the order of the steps");
     events.push_back(*event);

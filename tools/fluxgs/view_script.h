@@ -9,11 +9,13 @@
 
 namespace fluxgs::cli {
 
-/// To happen before a step is drawn: an event, or a new size of the window if that is not 0×0.
+/// To happen before a step is drawn: an event; or a new size of the window if that is not 0×0; or
+/// the loss of the graphics context, as when the GPU is reset.
 struct ScriptedEvent {
   int step = 0;  ///< ≥ 0
   host::WindowEvent event;
   host::WindowSize resize;
+  bool lose_context = false;
 };
 
 /// The duration of a step, seconds.
@@ -26,6 +28,7 @@ inline constexpr double kScriptStep = 1.0 / 60;
 ///   {"step", "key": "W", "down": true}                  a key that is held, or "Escape"
 ///   {"step", "type": "f"}                               a character
 ///   {"step", "resize": [width, height]}
+///   {"step", "lose_context": true}
 /// Errors name the file, the entry and what was expected.
 Expected<std::vector<ScriptedEvent>> read_view_script(const std::string& path);
 

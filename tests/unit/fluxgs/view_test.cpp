@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <fstream>
 
 #include <fmt/format.h>
@@ -136,6 +137,31 @@ TEST_F(Window, IsNotDrawnAgainWhileNothingMoves) {
   EXPECT_EQ(steps, 301);
   EXPECT_GE(drawn, 2);
   EXPECT_LE(drawn, 8);  // a new window may be uncovered more than once
+}
+
+TEST_F(Window, SurvivesTheLossOfItsContext) {
+  const Outcome o = play(json::array({{{"step", 3}, {"lose_context", true}},
+                                      {{"step", 5}, {"lose_context", true}},
+                                      {{"step", 7}, {"type", "p"}}}),
+                         9);
+  EXPECT_NE(o.err.find("the graphics context was lost; starting it again"), std::string::npos);
+  expect_window_shows(o, 320, 240);
+}
+
+TEST_F(Window, ShowsFewerSplatsWhereMemoryIsShort) {
+  const Outcome o = play(json::array({kPrint}), 2, "--memory 1.63");
+  EXPECT_EQ(o.status, 0) << o.err;
+  int shown = 0, all = 0;
+  const char* text = "graphics memory is short: ";
+  const std::size_t at = o.err.find(text);
+  ASSERT_NE(at, std::string::npos) << o.err;
+  ASSERT_EQ(std::sscanf(o.err.c_str() + at + std::strlen(text), "%d of %d splats", &shown, &all),
+            2);
+  EXPECT_EQ(all, 400);
+  EXPECT_GT(shown, 40);
+  EXPECT_LT(shown, 400);
+  expect_error(play(json::array({kPrint}), 2, "--memory 0.5"),
+               {"graphics memory: a picture of 320×240 pixels", "500000 may be used"});
 }
 
 TEST_F(Window, LooksAtAnEmptyScene) {
