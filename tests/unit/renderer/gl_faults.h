@@ -31,6 +31,9 @@ struct FaultState {
 };
 inline FaultState faults;
 
+/// Whether this thread is in a call of the driver that went through GlFaults.
+inline thread_local bool inside_driver = false;
+
 inline bool FaultState::take(std::size_t bytes, std::size_t old) {
   ++allocations;
   if (used - old + bytes > memory) {
@@ -109,6 +112,10 @@ R GL_APIENTRY through(A... arguments) {
   if constexpr (kIs<Member, &gl::Api::GetGraphicsResetStatus>)
     if (!driver<Member>) return GL_NO_ERROR;
   if (!before<Member>(arguments...)) return R();
+  inside_driver = true;
+  struct Back {
+    ~Back() { inside_driver = false; }
+  } const back;
   return driver<Member>(arguments...);
 }
 
