@@ -1,6 +1,8 @@
 // fluxgs report render: what each setting of the renderer costs and brings.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <tuple>
@@ -32,6 +34,7 @@ struct RenderReport {
   DataOptions data;
   PictureSize size{640, 480};
   int views = 4, rounds = 7;
+  std::vector<std::string> only;  // groups of rows; none: all
 };
 
 /// One setting: what differs from the exact defaults.
@@ -43,6 +46,7 @@ struct Row {
   // The measurements
   std::vector<double> times;  ///< ms, a frame with the sort of its view
   double square_error = 0, ssim = 0, largest = 0, bytes = 0;
+  double worst = std::numeric_limits<double>::infinity();  ///< dB, of the pictures
   int pictures = 0;
   bool on_front = false;
 
@@ -58,21 +62,25 @@ Row row(std::string group, std::string name, const Change& change) {
   return made;
 }
 
+constexpr const char* kDefaults = "defaults";
+constexpr std::array kGroups = {kDefaults, "target", "key-bits", "sh-degree", "record", "cut-off",
+                                "extent",  "size",   "scale",    "sorter",    "re-sort"};
+
 std::vector<Row> all_rows(int sh_degree) {
   using T = TuningOptions;
   std::vector<Row> rows;
   const auto add = [&](const char* group, std::string name, auto change) {
     rows.push_back(row(group, std::move(name), change));
   };
-  add("defaults", "all exact, RGBA16F", [](T&) {});
+  add(kDefaults, "all exact, RGBA16F", [](T&) {});
   add("target", "RGBA8, blended in float", [](T& t) { t.format = "rgba8"; });
   add("target", "RGBA8, blended in half", [](T& t) { t.format = "rgba8", t.blend = "half"; });
   add("target", "RGBA8, blended in RGBA8", [](T& t) { t.format = "rgba8", t.blend = "direct"; });
   add("target", "RGBA16F, blended in half", [](T& t) { t.blend = "half"; });
   for (const int bits : {10, 12, 14, 16, 20, 24})
-    add("key bits", fmt::format("{}-bit keys", bits), [&](T& t) { t.key_bits = bits; });
+    add("key-bits", fmt::format("{}-bit keys", bits), [&](T& t) { t.key_bits = bits; });
   for (int degree = 0; degree < sh_degree; ++degree)
-    add("SH degree", fmt::format("SH degree {}", degree), [&](T& t) { t.sh_degree = degree; });
+    add("sh-degree", fmt::format("SH degree {}", degree), [&](T& t) { t.sh_degree = degree; });
   add("record", "half records", [](T& t) { t.record = "half"; });
   for (const int steps : {2, 4, 8, 16})
     add("cut-off", fmt::format("cut-off {}/255", steps),
@@ -80,7 +88,7 @@ std::vector<Row> all_rows(int sh_degree) {
   for (const double sigmas : {3.0, 2.5, 2.0})
     add("extent", fmt::format("{} deviations", sigmas), [&](T& t) { t.max_deviations = sigmas; });
   for (const double size : {1.5, 2.0, 3.0, 4.0})
-    add("least size", fmt::format("at least {} px", size), [&](T& t) { t.min_size = size; });
+    add("size", fmt::format("at least {} px", size), [&](T& t) { t.min_size = size; });
   for (const double scale : {0.9, 0.75, 0.5})
     add("scale", fmt::format("scale {}", scale), [&](T& t) { t.scale = scale; });
   add("sorter", "CPU, waited for", [](T& t) { t.sorter = "cpu"; });
@@ -89,6 +97,16 @@ std::vector<Row> all_rows(int sh_degree) {
         [&](T& t) { t.resort_degrees = degrees * 1.001; });
     rows.back().kept_order = true;
   }
+  return rows;
+}
+
+/// The defaults, which the others are compared with, and the groups that were asked for.
+std::vector<Row> chosen_rows(int sh_degree, const std::vector<std::string>& only) {
+  std::vector<Row> rows = all_rows(sh_degree);
+  if (only.empty()) return rows;
+  std::erase_if(rows, [&](const Row& r) {
+    return r.group != kDefaults && std::ranges::find(only, r.group) == only.end();
+  });
   return rows;
 }
 
@@ -195,7 +213,9 @@ Expected<void> measure_errors(std::vector<Row>& rows, Gallery& gallery, const Sp
       if (!ms) return std::unexpected(ms.error());
       const auto picture = gallery.picture();
       if (!picture) return std::unexpected(picture.error());
-      row.square_error += std::pow(10, -psnr(*picture, *exact) / 10);
+      const double found = psnr(*picture, *exact);
+      row.square_error += std::pow(10, -found / 10);
+      row.worst = std::min(row.worst, found);
       row.largest = std::max(row.largest, largest_difference(*picture, *exact));
       row.ssim += metrics.run(*picture, *exact, 1).ssim;
       ++row.pictures;
@@ -239,18 +259,19 @@ json json_of(const Row& r) {
           {"ms_p95", bench::summarize(r.times).p95},
           {"bytes_per_frame", r.bytes},
           {"psnr", finite_or_null(r.psnr())},
+          {"psnr_worst", finite_or_null(r.worst)},
           {"ssim", r.ssim / r.pictures},
           {"max_error", r.largest},
           {"on_front", r.on_front}};
 }
 
 void print_table(const std::vector<Row>& rows, const std::string& gl) {
-  fmt::print("{}\n{:<26} {:>9} {:>7} {:>9} {:>8} {:>8} {:>9}\n", gl, "setting", "ms", "ratio",
-             "MB/frame", "PSNR", "SSIM", "max error");
+  fmt::print("{}\n{:<26} {:>9} {:>7} {:>9} {:>8} {:>8} {:>8} {:>9}\n", gl, "setting", "ms", "ratio",
+             "MB/frame", "PSNR", "worst", "SSIM", "max error");
   for (const Row& r : rows)
-    fmt::print("{:<26} {:>9.2f} {:>7.2f} {:>9.1f} {:>8.2f} {:>8.5f} {:>9.5f}{}\n", r.name, r.ms(),
-               r.ms() / rows.front().ms(), 1e-6 * r.bytes, r.psnr(), r.ssim / r.pictures, r.largest,
-               r.on_front ? "  Pareto" : "");
+    fmt::print("{:<26} {:>9.2f} {:>7.2f} {:>9.1f} {:>8.2f} {:>8.2f} {:>8.5f} {:>9.5f}{}\n", r.name,
+               r.ms(), r.ms() / rows.front().ms(), 1e-6 * r.bytes, r.psnr(), r.worst,
+               r.ssim / r.pictures, r.largest, r.on_front ? "  Pareto" : "");
 }
 
 Plot plot_of(const std::vector<Row>& rows, const std::string& scene, const std::string& gl) {
@@ -294,7 +315,7 @@ Expected<void> report(const RenderReport& s) {
   const auto gallery = Gallery::open(s.gl, cloud, options);
   if (!gallery) return std::unexpected(gallery.error());
   const Threads threads(s.data.threads);
-  std::vector<Row> rows = all_rows(cloud.sh_degree);
+  std::vector<Row> rows = chosen_rows(cloud.sh_degree, s.only);
   auto done = gl::in_turn(
       [&] {
         return measure_errors(rows, **gallery, cloud, views, options, threads,
@@ -326,7 +347,8 @@ void add_report_render(CLI::App& app, Action& action) {
       "reference; times are medians of frames that are sorted for their own view and waited for.\n"
       "MB/frame is the model of fluxgs bench for a GPU without tiles. \"Order N degrees old\" is\n"
       "the picture of a camera that has just turned by so much.\n"
-      "Example: fluxgs report render garden.glb --data captures/garden --plot render.png");
+      "Example: fluxgs report render garden.glb --data captures/garden --plot render.png\n"
+      "Example: fluxgs report render garden.glb --only defaults --rounds 1 --gl angle");
   command->add_option("scene", s->scene, "the scene file")->required();
   command->add_option("--data", s->data.folder, "a data set: views are those of its photos");
   add_size_option(*command, s->size, "WIDTHxHEIGHT (default: 640x480)");
@@ -336,6 +358,9 @@ void add_report_render(CLI::App& app, Action& action) {
   command->add_option("--rounds", s->rounds, "frames that each time is the median of")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
+  command->add_option("--only", s->only, "these groups of settings only, besides the defaults")
+      ->delimiter(',')
+      ->check(CLI::IsMember(std::vector<std::string>(kGroups.begin(), kGroups.end())));
   command->add_option("--gl", s->gl, "egl, osmesa or angle")
       ->check(CLI::IsMember(kGlNames))
       ->capture_default_str();

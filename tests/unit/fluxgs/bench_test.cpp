@@ -90,6 +90,19 @@ TEST_F(BenchCommand, ReportComparesTheSettings) {
   EXPECT_GE(front, 1);
 }
 
+TEST_F(BenchCommand, ReportsOnlyWhatIsAskedFor) {
+  const Outcome o = fluxgs("report render " + quoted(scene_) +
+                           " --size 32x24 --views 2 --rounds 1 --only record,scale --json -");
+  ASSERT_EQ(o.status, 0) << o.err;
+  std::vector<std::string> groups;
+  for (const json& row : json::parse(o.out)["settings"]) {
+    groups.push_back(row["group"]);
+    EXPECT_LE(row["psnr_worst"].get<double>(), row["psnr"].get<double>());
+  }
+  EXPECT_EQ(groups, (std::vector<std::string>{"defaults", "record", "scale", "scale", "scale"}));
+  EXPECT_EQ(fluxgs("report render " + quoted(scene_) + " --only everything").status, 2);
+}
+
 TEST_F(BenchCommand, SaysWhatIsWrong) {
   expect_error(fluxgs("bench /nowhere.glb"), {"/nowhere.glb"});
   EXPECT_EQ(fluxgs("bench " + quoted(scene_) + " --frames 0").status, 2);
