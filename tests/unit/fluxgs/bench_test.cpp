@@ -94,8 +94,9 @@ TEST_F(BenchCommand, ReportsOnlyWhatIsAskedFor) {
   const Outcome o = fluxgs("report render " + quoted(scene_) +
                            " --size 32x24 --views 2 --rounds 1 --only record,scale --json -");
   ASSERT_EQ(o.status, 0) << o.err;
+  const json r = json::parse(o.out);
   std::vector<std::string> groups;
-  for (const json& row : json::parse(o.out)["settings"]) {
+  for (const json& row : r["settings"]) {
     groups.push_back(row["group"]);
     EXPECT_LE(row["psnr_worst"].get<double>(), row["psnr"].get<double>());
   }
