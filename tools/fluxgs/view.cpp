@@ -113,20 +113,33 @@ void tell_splats(Viewer& v) {
                  v.cloud->size());
 }
 
+render::SceneViewSettings scene_settings(const ViewSettings& s, const gl::Api& api) {
+  using render::SorterKind;
+  render::SceneViewSettings settings{.renderer = {.timestamps = true}};
+  if (api.quirks.runs_on_cpu) settings.renderer.sorter = SorterKind::cpu_async;
+  constexpr double kMegabyte = 1e6;
+  if (s.memory > 0) settings.memory = static_cast<std::size_t>(s.memory * kMegabyte);
+  return settings;
+}
+
 Expected<void> open_window(Viewer& v, const ViewSettings& s, const host::WindowSize& size) {
   auto window =
       host::open_window({.title = v.name, .size = size, .wait_for_display = s.frames == 0});
   if (!window) return std::unexpected(window.error());
   v.window = std::move(*window);
   spdlog::info("GL renderer: {}", v.window->renderer_string());
-  return v.scene->open(v.window->api(), size.width, size.height);
+  v.scene.emplace(v.cloud, scene_settings(s, v.window->api()));
+  auto opened = v.scene->open(v.window->api(), size.width, size.height);
+  // What is drawn for a script shall be the same every time
+  if (opened) v.scene->renderer().wait_for_sorts(s.frames > 0 || !v.script.empty());
+  return opened;
 }
 
 /// The GPU was reset, or taken away: another window with everything in it made again.
 Expected<void> recover(Viewer& v, const ViewSettings& s) {
   spdlog::warn("the graphics context was lost; starting it again");
   const host::WindowSize size = v.window->size();
-  v.scene->close();
+  v.scene.reset();
   v.window.reset();
   return open_window(v, s, size);
 }
@@ -234,7 +247,7 @@ Expected<void> run(Viewer& v, const ViewSettings& s) {
     if (!redraw || is_empty(size)) continue;
     if (auto done = show(v, s, size, last); !done) return done;
     shown = size;
-    redraw = false;
+    redraw = !v.scene->renderer().order_is_current();
   }
   return {};
 }
@@ -266,13 +279,6 @@ Expected<void> load_into(Viewer& v, const ViewSettings& s) {
   return {};
 }
 
-render::SceneViewSettings scene_settings(const ViewSettings& s) {
-  render::SceneViewSettings settings{.renderer = {.timestamps = true}};
-  constexpr double kMegabyte = 1e6;
-  if (s.memory > 0) settings.memory = static_cast<std::size_t>(s.memory * kMegabyte);
-  return settings;
-}
-
 Expected<void> view(const ViewSettings& s) {
   if (!s.screenshot.empty() && std::filesystem::path(s.screenshot).extension() != ".png")
     return fail(s.screenshot, "", "pictures are written as PNG, expected a name that ends in .png");
@@ -283,7 +289,6 @@ Expected<void> view(const ViewSettings& s) {
     v.script = std::move(*script);
   }
   if (auto loaded = load_into(v, s); !loaded) return loaded;
-  v.scene.emplace(v.cloud, scene_settings(s));
   if (auto opened = open_window(v, s, {s.size.width, s.size.height}); !opened) return opened;
   if (s.frames == 0) say(kViewKeys);
   auto done = run(v, s);

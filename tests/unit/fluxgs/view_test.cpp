@@ -149,7 +149,7 @@ TEST_F(Window, SurvivesTheLossOfItsContext) {
 }
 
 TEST_F(Window, ShowsFewerSplatsWhereMemoryIsShort) {
-  const Outcome o = play(json::array({kPrint}), 2, "--memory 1.63");
+  const Outcome o = play(json::array({kPrint}), 2, "--memory 1.70");
   EXPECT_EQ(o.status, 0) << o.err;
   int shown = 0, all = 0;
   const char* text = "graphics memory is short: ";

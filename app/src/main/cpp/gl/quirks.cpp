@@ -5,12 +5,15 @@ namespace fluxgs::gl {
 std::vector<std::string> Quirks::names() const {
   std::vector<std::string> set;
   if (half_float_blending_truncates) set.emplace_back("half_float_blending_truncates");
+  if (runs_on_cpu) set.emplace_back("runs_on_cpu");
   return set;
 }
 
 Quirks find_quirks(const Capabilities& capabilities) {
   Quirks quirks;
   quirks.half_float_blending_truncates = capabilities.renderer.starts_with("llvmpipe");
+  quirks.runs_on_cpu = capabilities.renderer.starts_with("llvmpipe") ||
+                       capabilities.renderer.contains("SwiftShader");
   return quirks;
 }
 

@@ -1,5 +1,5 @@
-// Known defects of drivers, each a named boolean with the reason beside it. Code and tests that
-// make allowance for one ask for the name, never for the driver.
+// Known defects and oddities of drivers, each a named boolean with the reason beside it. Code and
+// tests that make allowance for one ask for the name, never for the driver.
 #pragma once
 
 #include <string>
@@ -14,6 +14,10 @@ struct Quirks {
   /// layers darken the picture: 200 of them cost 24 dB against a driver that rounds. Mesa's
   /// llvmpipe (lp_build_float_to_half in gallivm/lp_bld_conv.c), measured on 22.3.6.
   bool half_float_blending_truncates = false;
+
+  /// The processor plays the GPU (llvmpipe, SwiftShader): what a GPU gains by working on thousands
+  /// of splats at once is lost. A thread sorts some 30 times as fast as the compute shaders do.
+  bool runs_on_cpu = false;
 
   /// The names of those that are set.
   std::vector<std::string> names() const;

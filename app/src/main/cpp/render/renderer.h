@@ -62,6 +62,10 @@ class Renderer {
   /// (SorterKind::cpu_async). Off at first.
   void wait_for_sorts(bool wait) { waits_ = wait; }
 
+  /// Whether the last frame had the order that was last asked for. If not, the same view drawn
+  /// again may be another picture.
+  bool order_is_current() const { return sorter_->is_current(); }
+
   /// The next frame is sorted, however little the camera has moved.
   void sort_anew() { sorted_.reset(); }
 

@@ -21,6 +21,7 @@ class AsyncCpuSorter final : public Sorter {
                            std::vector<glm::vec3> positions) override;
   void sort(const SortView& view, const gl::Buffer& keys) override;
   void collect() override;
+  bool is_current() const override { return shown_ == wanted_; }
   void finish() override;
   const gl::Buffer& order() const override { return slots_[current_].order; }
   const gl::Buffer& count() const override { return slots_[current_].count; }

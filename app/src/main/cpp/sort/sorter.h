@@ -42,6 +42,9 @@ class Sorter {
   /// Makes an order that has become ready since available; to be called once a frame.
   virtual void collect() {}
 
+  /// Whether order() is that of the last view.
+  virtual bool is_current() const { return true; }
+
   /// Waits until order() is that of the last view.
   virtual void finish() {}
 
