@@ -3,6 +3,8 @@
 #include <array>
 #include <vector>
 
+#include "gl/shader_log.h"
+
 namespace fluxgs::gl {
 namespace {
 
@@ -31,7 +33,7 @@ std::string shader_log(Api& api, GLuint shader) {
   api.GetShaderiv(shader, GL_INFO_LOG_LENGTH, &length);
   std::string log(static_cast<std::size_t>(length > 0 ? length : 0), '\0');
   if (length > 0) api.GetShaderInfoLog(shader, length, nullptr, log.data());
-  return one_line(std::move(log));
+  return log;
 }
 
 std::string program_log(Api& api, GLuint program) {
@@ -40,6 +42,19 @@ std::string program_log(Api& api, GLuint program) {
   std::string log(static_cast<std::size_t>(length > 0 ? length : 0), '\0');
   if (length > 0) api.GetProgramInfoLog(program, length, nullptr, log.data());
   return one_line(std::move(log));
+}
+
+std::string stage_name(GLenum stage) {
+  switch (stage) {
+    case GL_VERTEX_SHADER:
+      return "vertex";
+    case GL_FRAGMENT_SHADER:
+      return "fragment";
+    case GL_COMPUTE_SHADER:
+      return "compute";
+    default:
+      return "unknown";
+  }
 }
 
 Expected<Shader> compile(Api& api, const ShaderSource& source,
@@ -52,7 +67,8 @@ Expected<Shader> compile(Api& api, const ShaderSource& source,
   GLint ok = GL_FALSE;
   api.GetShaderiv(shader.name(), GL_COMPILE_STATUS, &ok);
   if (ok == GL_TRUE) return shader;
-  return fail("shader " + std::string(source.name), "compile", shader_log(api, shader.name()));
+  return fail(stage_name(source.stage) + " shader " + std::string(source.name), "compile",
+              one_line(name_lines(shader_log(api, shader.name()), source.name, text)));
 }
 
 }  // namespace

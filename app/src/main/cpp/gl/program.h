@@ -9,7 +9,7 @@
 
 namespace fluxgs::gl {
 
-/// The source of one stage. `defines` ("NAME VALUE" each) go right after the #version line.
+/// The source of one stage.
 struct ShaderSource {
   GLenum stage = 0;
   std::string_view name;  ///< for error texts: the file's name
@@ -20,7 +20,9 @@ class Program {
  public:
   Program() = default;
 
-  /// Compiles and links; the error's text holds the driver's log.
+  /// Compiles and links. `defines` ("NAME VALUE" each) go right after the #version line. The error
+  /// names the stage and the file, and holds the driver's log with the files' own lines
+  /// (gl/shader_log.h).
   static Expected<Program> create(Api& api, std::span<const ShaderSource> stages,
                                   std::span<const std::string> defines = {});
 
