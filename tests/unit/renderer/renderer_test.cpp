@@ -10,7 +10,6 @@
 namespace fluxgs::test {
 namespace {
 
-using render::Accumulation;
 using render::RenderTarget;
 using render::TargetFormat;
 using testing::HasSubstr;
@@ -148,6 +147,8 @@ TEST_P(RendererTest, RefusesWhatMakesNoPicture) {
   names("frustum_margin", [](Camera&, RenderOptions& o) { o.frustum_margin = kNan; });
   names("sh_degree", [](Camera&, RenderOptions& o) { o.sh_degree = 4; });
   names("background", [](Camera&, RenderOptions& o) { o.background.g = kNan; });
+  names("background", [](Camera&, RenderOptions& o) { o.background.b = 70'000; });  // as half: ∞
+  names("background", [](Camera&, RenderOptions& o) { o.background.r = -0.1; });
 }
 
 TEST_P(RendererTest, RefusesCloudsThatDoNotFit) {
@@ -192,9 +193,6 @@ TEST_P(RendererTest, RefusesTargetsAndSettingsThatCannotBe) {
   weak = api().capabilities;
   weak.max_shared_memory_bytes = 16383;
   EXPECT_THAT(gl::check_limits(weak).error().message(), HasSubstr("SHARED_MEMORY"));
-  weak = api().capabilities;
-  weak.half_float_targets = weak.float_targets = false;
-  EXPECT_EQ(render::accurate_accumulation(weak), Accumulation::direct);
 }
 
 // As a Mali: the same picture, bit for bit, with nothing but textures in the vertex stage.

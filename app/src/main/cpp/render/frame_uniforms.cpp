@@ -58,7 +58,10 @@ Expected<void> check_options(const RenderOptions& o) {
     return fail("options", "frustum_margin", "must be finite and not negative");
   }
   if (o.sh_degree < 0 || o.sh_degree > 3) return fail("options", "sh_degree", "must be 0…3");
-  if (!finite(o.background)) return fail("options", "background", "must be finite");
+  const auto color = [](double v) { return v >= 0 && v <= 1; };
+  if (!color(o.background.r) || !color(o.background.g) || !color(o.background.b)) {
+    return fail("options", "background", "must lie in 0…1");
+  }
   return {};
 }
 

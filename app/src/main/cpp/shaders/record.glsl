@@ -17,15 +17,20 @@ const float TO_LEVELS = 0.84932180028802;  // √(½·log2 e): from Footprint::f
 const uint RECORD_SIZE = 1u;  // uvec4s
 const float CENTRE_STEPS = 64.0, CENTRE_LIMIT = 262143.0;
 const float COLOR_STEPS = 511.5, OPACITY_STEPS = 511.0;
+// Of a half float that is neither infinite nor, as drivers may take small ones, zero: a splat of
+// more than 13,914 px is drawn as if it had so many.
+const float LEAST_FACTOR = 6.103515625e-5, LARGEST_FACTOR = 65504.0;
 
 void pack_record(Record r, out uvec4 words[RECORD_SIZE]) {
   vec2 steps = round((r.centre - 0.5 * frame.target_size) * CENTRE_STEPS);
   uvec2 centre = uvec2(ivec2(clamp(steps, -CENTRE_LIMIT, CENTRE_LIMIT))) & 0x7FFFFu;
   uvec3 color = uvec3(round(min(r.color, 2.0) * COLOR_STEPS));
   uint opacity = uint(round(exp2(r.level) * OPACITY_STEPS));
+  vec3 factor = clamp(r.factor, vec3(LEAST_FACTOR, -LARGEST_FACTOR, LEAST_FACTOR),
+                      vec3(LARGEST_FACTOR));
   words[0] = uvec4(centre.x | (color.r << 19) | ((opacity >> 6) << 29),
-                    centre.y | (color.g << 19), packHalf2x16(r.factor.xy),
-                    packHalf2x16(vec2(r.factor.z, 0.0)) | (color.b << 16) | (opacity << 26));
+                    centre.y | (color.g << 19), packHalf2x16(factor.xy),
+                    packHalf2x16(vec2(factor.z, 0.0)) | (color.b << 16) | (opacity << 26));
 }
 
 Record unpack_record(uvec4 words[RECORD_SIZE]) {
