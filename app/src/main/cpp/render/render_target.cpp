@@ -28,7 +28,8 @@ Expected<void> check_formats(const gl::Capabilities& driver, TargetFormat format
                              Accumulation accumulation) {
   const bool half = format == TargetFormat::rgba16f || accumulation == Accumulation::half_float;
   if (half && !driver.half_float_targets) {
-    return fail("render target", "RGBA16F", driver.renderer + " cannot render to it");
+    return fail("render target", "RGBA16F",
+                driver.renderer + " cannot render to it; RGBA8 is possible");
   }
   if (accumulation == Accumulation::single_float && !driver.float_targets) {
     return fail("render target", "RGBA32F", driver.renderer + " cannot blend in it");
