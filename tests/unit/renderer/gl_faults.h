@@ -1,5 +1,5 @@
-// Stands between the renderer and the driver: a context that is lost at any call, and a GPU with
-// little memory.
+// Stands between the renderer and the driver: a context that is lost at any call, a GPU with little
+// memory, and the account of what is allocated.
 #pragma once
 
 #include <cstddef>
@@ -20,6 +20,7 @@ struct FaultState {
   std::size_t used = 0;        ///< bytes they take
   std::size_t most_used = 0;   ///< the largest `used` so far
   long allocations = 0;        ///< so far
+  long framebuffers = 0;       ///< there are
   bool out_of_memory = false;  ///< the next glGetError() says so
 
   std::map<GLenum, GLuint> buffer_at, texture_at;   // bindings
@@ -84,6 +85,10 @@ bool before(A... arguments) {
                               static_cast<std::size_t>(std::get<4>(all));
     if (!faults.take(bytes, held)) return false;
     held = bytes;
+  } else if constexpr (kIs<Member, &gl::Api::GenFramebuffers>) {
+    faults.framebuffers += std::get<0>(all);
+  } else if constexpr (kIs<Member, &gl::Api::DeleteFramebuffers>) {
+    faults.framebuffers -= std::get<0>(all);
   } else if constexpr (kIs<Member, &gl::Api::DeleteBuffers> ||
                        kIs<Member, &gl::Api::DeleteTextures>) {
     auto& held = kIs<Member, &gl::Api::DeleteBuffers> ? faults.buffers : faults.textures;

@@ -1,6 +1,6 @@
 // A surface whose size changes in every frame, as while a window is dragged at its corner or a
 // phone is turned.
-#include "live_objects.h"
+#include "gl_faults.h"
 #include "picture_fixture.h"
 #include "render/memory_estimate.h"
 
@@ -34,7 +34,7 @@ TEST_P(ResizeTest, TwoHundredFramesLeaveNothingBehind) {
   must(renderer().upload(cloud));
   Image<float> last;
   {
-    const LiveObjects live(api());
+    const GlFaults counted(api());
     RenderTarget shown;
     for (int i = 0; i < kFrames; ++i) {
       const TargetPlan p = plan(i);
@@ -43,14 +43,14 @@ TEST_P(ResizeTest, TwoHundredFramesLeaveNothingBehind) {
       ASSERT_EQ(api().GetError(), GLenum{GL_NO_ERROR}) << "frame " << i;
       // Of the renderer nothing, of targets one
       const std::size_t textures = shown.needs_resolve() ? 2 : 1;
-      const LiveObjects::Count expected{.textures = textures,
-                                        .framebuffers = textures,
-                                        .bytes = render::estimate_memory(0, 0, {}, p).targets};
-      ASSERT_EQ(live.count(), expected) << "frame " << i;
+      ASSERT_EQ(faults.textures.size(), textures) << "frame " << i;
+      ASSERT_EQ(faults.framebuffers, static_cast<long>(textures)) << "frame " << i;
+      ASSERT_EQ(faults.used, render::estimate_memory(0, 0, {}, p).targets) << "frame " << i;
     }
     last = must(renderer().read(shown));
     shown = {};
-    EXPECT_EQ(live.count(), LiveObjects::Count());
+    EXPECT_EQ(faults.used, 0U);
+    EXPECT_EQ(faults.framebuffers, 0);
   }
   const auto fresh = must(render::Renderer::create(api()));
   must(fresh->upload(cloud));

@@ -15,17 +15,6 @@
 #include "platform/host/dynamic_library.h"
 #include "platform/host/host_context.h"
 
-namespace {
-bool angle_is_loaded = false;
-}  // namespace
-
-#if defined(__SANITIZE_ADDRESS__)
-/// LeakSanitizer asks this at exit. It stops every thread and reads its stack, and now and then
-/// dies ("Tracer caught signal 11") of those that SwiftShader's scheduler keeps. The other
-/// implementations run the same code, so that a leak of ours shows there.
-extern "C" int __lsan_is_turned_off() { return angle_is_loaded ? 1 : 0; }
-#endif
-
 namespace fluxgs::host {
 namespace {
 
@@ -128,7 +117,7 @@ Expected<Egl> open_angle() {
   if (!gles) return std::unexpected(gles.error());
   egl.library = *library;
   egl.gles = *gles;
-  egl.is_angle = angle_is_loaded = true;
+  egl.is_angle = true;
   const EGLint attributes[] = {kAngleType,
                                kAngleTypeVulkan,
                                kAngleDeviceType,
