@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -92,6 +93,7 @@ std::vector<Row> all_rows(int sh_degree) {
   for (const double scale : {0.9, 0.75, 0.5})
     add("scale", fmt::format("scale {}", scale), [&](T& t) { t.scale = scale; });
   add("sorter", "CPU, waited for", [](T& t) { t.sorter = "cpu"; });
+  add("sorter", "order in float64", [](T& t) { t.sorter = "exact"; });
   for (const double degrees : {0.5, 2.0, 8.0}) {
     add("re-sort", fmt::format("order {} degrees old", degrees),
         [&](T& t) { t.resort_degrees = degrees * 1.001; });
@@ -333,7 +335,8 @@ Expected<void> report(const RenderReport& s) {
   for (const Row& r : rows) numbers["settings"].push_back(json_of(r));
   if (auto given = give_report(s.report, numbers, [&] { print_table(rows, gl); }); !given)
     return given;
-  return s.plot.empty() ? Expected<void>() : write_plot(s.plot, plot_of(rows, s.scene, gl));
+  if (s.plot.empty()) return {};
+  return write_plot(s.plot, plot_of(rows, std::filesystem::path(s.scene).filename().string(), gl));
 }
 
 }  // namespace
