@@ -21,6 +21,14 @@
 
 namespace fluxgs::test {
 
+/// Whether this is a build with AddressSanitizer, which looks for mistakes, not for numbers, and
+/// takes its time.
+#if defined(__SANITIZE_ADDRESS__)
+inline constexpr bool kSanitized = true;
+#else
+inline constexpr bool kSanitized = false;
+#endif
+
 struct SimpleSplat {
   glm::vec3 position{0, 0, 0};
   glm::vec3 scale{0.1F, 0.1F, 0.1F};  ///< deviations, scene units

@@ -4,10 +4,10 @@
 #include <string>
 
 #include "gl/steps.h"
-#include "render/memory_estimate.h"
 #include "render/splat_budget.h"
 
 namespace fluxgs::render {
+
 Expected<void> SceneView::open(gl::Api& api, int width, int height) {
   close();
   api_ = &api;
@@ -34,24 +34,30 @@ Expected<void> SceneView::draw(const Camera& camera, const RenderOptions& option
   return check_context();
 }
 
-// By the estimate and the driver's limits; whether the driver has as much is seen when it is asked.
-Expected<std::size_t> SceneView::splats_for(int width, int height) const {
-  const TargetPlan plan{
+TargetPlan SceneView::plan(int width, int height) const {
+  return {
       .width = width,
       .height = height,
       .format = settings_.format,
       .accumulation = settings_.accumulation.value_or(accurate_accumulation(api_->capabilities)),
       .scale = settings_.scale};
-  const std::uint64_t fitting =
-      std::min(splats_that_fit(settings_.memory, cloud_->sh_degree, renderer_->settings(), plan),
-               most_splats(api_->capabilities, cloud_->sh_degree));
-  if (fitting > 0 || cloud_->size() == 0) return std::min<std::size_t>(fitting, cloud_->size());
-  const std::size_t needed =
-      estimate_memory(1, cloud_->sh_degree, renderer_->settings(), plan).total();
+}
+
+// By the estimate and the driver's limits; whether the driver has as much is seen when it is asked.
+Expected<std::size_t> SceneView::splats_for(int width, int height) const {
+  const int degree = cloud_->sh_degree;
+  const std::uint64_t most = most_splats(api_->capabilities, degree);
+  const std::size_t splats = std::min<std::size_t>(most, cloud_->size());
+  if (!settings_.memory) return splats;
+  const RendererSettings& renderer = renderer_->settings();
+  const TargetPlan picture = plan(width, height);
+  const std::uint64_t fitting = splats_that_fit(*settings_.memory, degree, renderer, picture);
+  if (fitting > 0 || splats == 0) return std::min<std::size_t>(fitting, splats);
+  const std::size_t needed = estimate_memory(1, degree, renderer, picture).total();
   return fail("graphics memory", "",
               "a picture of " + std::to_string(width) + "×" + std::to_string(height) +
                   " pixels with one splat takes " + std::to_string(needed) + " bytes; " +
-                  std::to_string(settings_.memory) + " may be used");
+                  std::to_string(*settings_.memory) + " may be used");
 }
 
 Expected<void> SceneView::upload(std::size_t splats) {
@@ -71,13 +77,11 @@ Expected<void> SceneView::make(int width, int height, std::size_t splats) {
     shown_ = 0;
     if (auto emptied = renderer_->upload({}); !emptied) return emptied;
   }
-  const auto accumulation =
-      settings_.accumulation.value_or(accurate_accumulation(api_->capabilities));
+  const TargetPlan p = plan(width, height);
   return gl::in_turn(
       [&] {
-        return gl::take(RenderTarget::create(*api_, width, height, settings_.format, accumulation,
-                                             settings_.scale),
-                        target_);
+        return gl::take(
+            RenderTarget::create(*api_, width, height, p.format, p.accumulation, p.scale), target_);
       },
       [&] { return upload(splats); });
 }

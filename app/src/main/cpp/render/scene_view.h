@@ -3,11 +3,11 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 
 #include "fluxgs/splat_cloud.h"
+#include "render/memory_estimate.h"
 #include "render/render_target.h"
 #include "render/renderer.h"
 
@@ -19,7 +19,8 @@ struct SceneViewSettings {
   std::optional<Accumulation> accumulation = {};  ///< not given: accurate_accumulation()
   double scale = 1;  ///< of the picture that is blended, see RenderTarget
   /// Bytes that the scene, its frames and the picture may take together (memory_estimate.h).
-  std::size_t memory = std::numeric_limits<std::size_t>::max();
+  /// Not given: what the driver has.
+  std::optional<std::size_t> memory = {};
 };
 
 /// Not thread-safe; every call on the thread on which the context is current. When a call fails and
@@ -52,6 +53,7 @@ class SceneView {
   const RenderTarget& target() const { return target_; }
 
  private:
+  TargetPlan plan(int width, int height) const;
   Expected<void> fit(int width, int height);
   Expected<void> make(int width, int height, std::size_t splats);
   Expected<std::size_t> splats_for(int width, int height) const;
