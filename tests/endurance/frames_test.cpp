@@ -3,6 +3,7 @@
 #include <malloc.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -16,8 +17,9 @@
 
 namespace {
 
-// What this thread asks operator new for, outside of the driver.
-thread_local long news = 0;
+// What is asked of operator new, outside of calls of the driver, by all threads. (Mesa's own are
+// written in C; SwiftShader's have an allocator of their own.)
+std::atomic<long> news = 0;
 
 void* allocate(std::size_t bytes) {
   if (!fluxgs::test::inside_driver) ++news;

@@ -112,13 +112,26 @@ int main(int argc, char** argv) {
   fluxgs::Settings settings;
   CLI::App app("Times the sorters of the renderer");
   app.footer("Example: sort_benchmark --gl egl --counts 10000,300000 --digits 4,8");
-  app.add_option("--gl", settings.gl, "egl, osmesa or angle")->capture_default_str();
-  app.add_option("--counts", settings.counts, "numbers of keys")->delimiter(',');
-  app.add_option("--keys", settings.key_bits, "widths of keys, bits")->delimiter(',');
+  app.add_option("--counts", settings.counts, "numbers of keys")
+      ->delimiter(',')
+      ->check(CLI::Range(1U, 100'000'000U));
+  app.add_option("--keys", settings.key_bits, "widths of keys, bits")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 32));
   app.add_option("--digits", settings.digit_bits, "widths of the GPU's digits, bits")
-      ->delimiter(',');
-  app.add_option("--repeats", settings.repeats, "runs of each")->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+      ->delimiter(',')
+      ->check(CLI::Range(4, 8));
+  app.add_option("--repeats", settings.repeats, "runs of each")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--gl", settings.gl, "egl, osmesa or angle")
+      ->check(CLI::IsMember({"egl", "osmesa", "angle"}))
+      ->capture_default_str();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
   const auto done = fluxgs::run(settings);
   if (!done) spdlog::error("{}", done.error().message());
   return done ? 0 : 1;

@@ -152,6 +152,7 @@ Expected<Stage> set_up(const BenchSettings& s, const SplatCloud& cloud) {
                         stage.target);
       });
   if (!done) return std::unexpected(done.error());
+  warn_of_undrawable(*stage.renderer);
   return stage;
 }
 
@@ -246,7 +247,7 @@ void add_bench(CLI::App& app, Action& action) {
   command
       ->add_option("--orbit-step", s->orbit_step,
                    "turn the first camera by so many degrees a frame")
-      ->check(CLI::Range(-180.0, 180.0));
+      ->check(in_range(-180.0, 180.0));
   command->add_option("--gl", s->gl, "egl, osmesa or angle")
       ->check(CLI::IsMember(kGlNames))
       ->capture_default_str();

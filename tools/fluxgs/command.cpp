@@ -27,6 +27,17 @@ void warn_of_lost_degrees(const std::string& path, const SceneFormat& format, in
       path, format.extension, format.max_sh_degree, sh_degree);
 }
 
+CLI::Validator in_range(double least, double most) {
+  const std::string name = fmt::format("in [{} - {}]", least, most);
+  return {[=](const std::string& text) {
+            double value = 0;
+            const bool number = CLI::detail::lexical_cast(text, value);
+            if (number && value >= least && value <= most) return std::string();  // not for NaN
+            return fmt::format("{} is not a number {}", text, name);
+          },
+          "FLOAT:" + name};
+}
+
 void print_json(const nlohmann::json& object) { fmt::print("{}\n", object.dump(2)); }
 
 Expected<void> write_json(const std::string& path, const nlohmann::json& object) {

@@ -27,6 +27,9 @@ void add_report(CLI::App& app, Action& action);
 void add_view(CLI::App& app, Action& action);
 void add_doctor(CLI::App& app, Action& action);
 
+/// For options: a number from `least` to `most`, and, unlike with CLI::Range, never NaN.
+CLI::Validator in_range(double least, double most);
+
 /// Reads a scene; warns of splats that were left out and of a scene without any.
 Expected<SceneFile> load_scene(const std::string& path);
 

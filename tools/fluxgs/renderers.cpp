@@ -6,7 +6,6 @@
 #include <spdlog/spdlog.h>
 
 #include "platform/host/host_context.h"
-#include "render/renderer.h"
 #include "tools/fluxgs/pictures.h"
 #include "tools/reference/reference_renderer.h"
 
@@ -51,10 +50,17 @@ Expected<ViewRenderer> make_gles(const RendererChoice& choice, const SplatCloud&
   if (auto uploaded = gles->renderer->upload(cloud); !uploaded)
     return std::unexpected(uploaded.error());
   spdlog::info("GL renderer: {}", gles->context->renderer_string());
+  warn_of_undrawable(*gles->renderer);
   return [gles, options](const Camera& camera) { return gles->picture(camera, options); };
 }
 
 }  // namespace
+
+void warn_of_undrawable(const render::Renderer& renderer) {
+  if (renderer.undrawable() == 0) return;
+  spdlog::warn("warning: {} of {} splats are not drawn: an attribute is beyond 1e15 or not finite",
+               renderer.undrawable(), renderer.scene().count);
+}
 
 void add_renderer_options(CLI::App& command, RendererChoice& choice) {
   command

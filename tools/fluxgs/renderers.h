@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "fluxgs/splat_cloud.h"
+#include "render/renderer.h"
 #include "trainer/train/evaluate.h"
 
 namespace fluxgs::cli {
@@ -28,5 +29,8 @@ void add_renderer_options(CLI::App& command, RendererChoice& choice);
 /// on this machine, or a scene too large for it.
 Expected<ViewRenderer> make_renderer(const RendererChoice& choice, const SplatCloud& cloud,
                                      const RenderOptions& options, const Threads& threads);
+
+/// Says so where splats of the scene are too large or too far for the renderer.
+void warn_of_undrawable(const render::Renderer& renderer);
 
 }  // namespace fluxgs::cli

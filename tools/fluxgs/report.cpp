@@ -2,13 +2,27 @@
 #include "tools/fluxgs/report.h"
 
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 
 #include <fmt/format.h>
+
+#include "tools/fluxgs/plot.h"
 
 namespace fluxgs::cli {
 
 nlohmann::json finite_or_null(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
+}
+
+Expected<void> check_outputs(const std::string& plot, const std::string& json) {
+  for (const std::string& path : {plot, json}) {
+    const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+    std::error_code ignored;
+    if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
+      return fail(path, "", "its folder does not exist");
+  }
+  return plot.empty() ? Expected<void>() : check_plot(plot);
 }
 
 Expected<void> give_report(const std::string& path, const nlohmann::json& numbers,

@@ -15,6 +15,10 @@ namespace fluxgs::cli {
 /// JSON has no infinity.
 nlohmann::json finite_or_null(double value);
 
+/// Whether a chart and a JSON can be written to these paths, each of which may be empty, before
+/// minutes are spent on what they shall hold: the folders exist, and what check_plot() asks for.
+Expected<void> check_outputs(const std::string& plot, const std::string& json);
+
 /// Writes the numbers to a file and the table to standard output, or the numbers alone to standard
 /// output for "-", or the table alone for "".
 Expected<void> give_report(const std::string& path, const nlohmann::json& numbers,

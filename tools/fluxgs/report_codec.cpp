@@ -251,8 +251,7 @@ Plot plot_of(const CodecReport& s, const std::vector<Row>& rows) {
 }
 
 Expected<void> report(const CodecReport& s) {
-  if (!s.plot.empty())
-    if (auto ok = check_plot(s.plot); !ok) return ok;
+  if (auto ok = check_outputs(s.plot, s.report); !ok) return ok;
   auto scene = load_scene(s.scene);
   if (!scene) return std::unexpected(scene.error());
   SplatCloud& cloud = scene->cloud;

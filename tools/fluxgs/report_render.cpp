@@ -290,7 +290,9 @@ Plot plot_of(const std::vector<Row>& rows, const std::string& scene, const std::
     if (r.on_front) front.points.emplace_back(r.ms(), r.psnr());
   }
   std::ranges::sort(front.points);
+  // Later ones are drawn over earlier ones: the front beneath, the defaults on top
   plot.series.push_back(std::move(front));
+  std::ranges::reverse(plot.series);
   return plot;
 }
 
@@ -303,8 +305,7 @@ std::vector<Camera> views_of(const RenderReport& s, const SplatCloud& cloud, con
 }
 
 Expected<void> report(const RenderReport& s) {
-  if (!s.plot.empty())
-    if (auto ok = check_plot(s.plot); !ok) return ok;
+  if (auto ok = check_outputs(s.plot, s.report); !ok) return ok;
   const auto scene = load_scene(s.scene);
   if (!scene) return std::unexpected(scene.error());
   std::optional<Dataset> data;

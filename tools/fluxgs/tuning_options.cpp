@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "tools/fluxgs/command.h"
+
 namespace fluxgs::cli {
 namespace {
 
@@ -48,19 +50,19 @@ void add_tuning_options(CLI::App& command, TuningOptions& t) {
                         "in what: accurate (the best the driver has), float, half or direct")
             ->check(CLI::IsMember({"accurate", "float", "half", "direct"})));
   shown(command.add_option("--scale", t.scale, "blend in so much smaller a picture, enlarged then")
-            ->check(CLI::Range(0.1, 1.0)));
+            ->check(in_range(0.1, 1.0)));
   shown(command.add_option("--alpha-min", t.alpha_min, "where a splat ends")
-            ->check(CLI::Range(1e-4, 0.5)));
+            ->check(in_range(1e-4, 0.5)));
   shown(command
             .add_option("--max-deviations", t.max_deviations,
                         "where a splat ends at the latest, in standard deviations; 0: off")
-            ->check(CLI::Range(0.0, 100.0)));
+            ->check(in_range(0.0, 100.0)));
   shown(command.add_option("--min-size", t.min_size, "leave out splats smaller than this, px")
-            ->check(CLI::Range(0.0, 100.0)));
+            ->check(in_range(0.0, 100.0)));
   shown(command
             .add_option("--resort", t.resort_degrees,
                         "sort again when the camera has turned by so many degrees, or moved as far")
-            ->check(CLI::Range(0.0, 180.0)));
+            ->check(in_range(0.0, 180.0)));
   command
       .add_flag("--texture-fetch", t.texture_fetch,
                 "as on devices without storage buffers in the vertex stage")

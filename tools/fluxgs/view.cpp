@@ -18,6 +18,7 @@
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/console.h"
 #include "tools/fluxgs/data_options.h"
+#include "tools/fluxgs/renderers.h"
 #include "tools/fluxgs/view_input.h"
 #include "tools/fluxgs/view_script.h"
 #include "tools/fluxgs/view_start.h"
@@ -56,9 +57,10 @@ struct Viewer {
   camera::Navigation navigation;
   ViewInput input;
   std::vector<ScriptedEvent> script;
-  std::size_t next_event = 0;  // of the script
-  std::string name;            // for the title
-  std::size_t told_splats = 0;
+  std::size_t next_event = 0;   // of the script
+  std::string name;             // for the title
+  std::size_t told_splats = 0;  // what the user was told last
+  bool told_enlarged = false;
   int steps = 0, drawn = 0;
   double frame_seconds = 0;  // smoothed
   Clock::time_point titled;
@@ -103,14 +105,23 @@ void play(Viewer& v, bool& quit) {
   }
 }
 
-void tell_splats(Viewer& v) {
-  const std::size_t splats = v.scene->splats();
-  if (splats == std::exchange(v.told_splats, splats)) return;
-  if (v.scene->shows_all())
-    spdlog::info("all {} splats are shown", splats);
-  else
-    spdlog::warn("graphics memory is short: {} of {} splats are shown, those that add most", splats,
-                 v.cloud->size());
+/// Small changes, as every new size of the window brings them, are not worth a line.
+void tell_room(Viewer& v, const host::WindowSize& size) {
+  const std::size_t splats = v.scene->splats(), told = v.told_splats;
+  if (std::max(splats, told) - std::min(splats, told) > told / 10) {
+    v.told_splats = splats;
+    if (v.scene->shows_all())
+      spdlog::info("all {} splats are shown", splats);
+    else
+      spdlog::warn(
+          "warning: graphics memory is short: {} of {} splats are shown, those that add most",
+          splats, v.cloud->size());
+  }
+  const bool enlarged = v.scene->target().width() < size.width;
+  if (enlarged && !v.told_enlarged)
+    spdlog::warn("warning: graphics memory is short: pictures of {}x{} pixels are enlarged",
+                 v.scene->target().width(), v.scene->target().height());
+  v.told_enlarged = enlarged;
 }
 
 render::SceneViewSettings scene_settings(const ViewSettings& s, const gl::Api& api) {
@@ -132,29 +143,23 @@ Expected<void> open_window(Viewer& v, const ViewSettings& s, const host::WindowS
   auto opened = v.scene->open(v.window->api(), size.width, size.height);
   // What is drawn for a script shall be the same every time
   if (opened) v.scene->renderer().wait_for_sorts(s.frames > 0 || !v.script.empty());
+  if (opened) warn_of_undrawable(v.scene->renderer());
   return opened;
 }
 
 /// The GPU was reset, or taken away: another window with everything in it made again.
 Expected<void> recover(Viewer& v, const ViewSettings& s) {
-  spdlog::warn("the graphics context was lost; starting it again");
+  spdlog::warn("warning: the graphics context was lost; starting it again");
   const host::WindowSize size = v.window->size();
   v.scene.reset();
   v.window.reset();
   return open_window(v, s, size);
 }
 
-Expected<void> draw(Viewer& v, const ViewSettings& s, const host::WindowSize& size) {
+Expected<void> draw(Viewer& v, const host::WindowSize& size) {
   const Camera camera = camera::camera_of(v.navigation.view, size.width, size.height);
-  auto drawn = v.scene->draw(camera, v.options);
-  if (!drawn && gl::context_lost(v.window->api())) {
-    if (auto recovered = recover(v, s); !recovered) return recovered;
-    drawn = v.scene->draw(camera, v.options);
-  }
-  if (!drawn) return drawn;
-  tell_splats(v);
+  if (auto drawn = v.scene->draw(camera, v.options); !drawn) return drawn;
   host::draw_to_window(v.window->api(), v.scene->target(), size);
-  ++v.drawn;
   return {};
 }
 
@@ -189,9 +194,18 @@ Expected<void> update_title(Viewer& v) {
 /// Draws, takes the screenshot if this is the last frame, and shows.
 Expected<void> show(Viewer& v, const ViewSettings& s, const host::WindowSize& size, bool last) {
   const Clock::time_point start = Clock::now();
-  if (auto drawn = draw(v, s, size); !drawn) return drawn;
-  if (last && !s.screenshot.empty())
-    if (auto taken = take_screenshot(v, s.screenshot, size); !taken) return taken;
+  const auto picture = [&]() -> Expected<void> {
+    if (auto drawn = draw(v, size); !drawn || !last || s.screenshot.empty()) return drawn;
+    return take_screenshot(v, s.screenshot, size);
+  };
+  auto done = picture();
+  if (!done && gl::context_lost(v.window->api())) {
+    done = recover(v, s);
+    if (done) done = picture();
+  }
+  if (!done) return done;
+  ++v.drawn;
+  tell_room(v, size);
   v.window->present();
   count_frame(v, seconds_since(start));
   return update_title(v);
@@ -325,7 +339,7 @@ void add_view(CLI::App& app, Action& action) {
   command
       ->add_option("--memory", s->memory,
                    "MB of graphics memory that may be used; the splats that add least are left out")
-      ->check(CLI::Range(0.001, 1e6));
+      ->check(in_range(0.001, 1e6));
   add_data_options(*command, s->data);
   CLI::Option* frames =
       command->add_option("--frames", s->frames, "draw this many frames of 1/60 s, then close")

@@ -149,7 +149,7 @@ TEST_F(Window, SurvivesTheLossOfItsContext) {
 }
 
 TEST_F(Window, ShowsFewerSplatsWhereMemoryIsShort) {
-  const Outcome o = play(json::array({kPrint}), 2, "--memory 1.70");
+  const Outcome o = view("--size 64x48 --frames 2 --memory 0.22");
   EXPECT_EQ(o.status, 0) << o.err;
   int shown = 0, all = 0;
   const char* text = "graphics memory is short: ";
@@ -160,8 +160,14 @@ TEST_F(Window, ShowsFewerSplatsWhereMemoryIsShort) {
   EXPECT_EQ(all, 400);
   EXPECT_GT(shown, 40);
   EXPECT_LT(shown, 400);
-  expect_error(play(json::array({kPrint}), 2, "--memory 0.5"),
-               {"graphics memory: a picture of 320×240 pixels", "500000 may be used"});
+  // In the end fewer pixels, enlarged
+  const Outcome small = play(json::array({kPrint}), 2, "--memory 1");
+  EXPECT_EQ(small.status, 0) << small.err;
+  EXPECT_NE(small.err.find("pictures of 160x120 pixels are enlarged"), std::string::npos)
+      << small.err;
+  expect_error(view("--frames 2 --memory 0.05"),
+               {"graphics memory: 50000 bytes do not hold one pixel and one splat"});
+  EXPECT_EQ(view("--frames 2 --memory nan").status, 2);
 }
 
 TEST_F(Window, LooksAtAnEmptyScene) {

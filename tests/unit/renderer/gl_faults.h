@@ -130,10 +130,11 @@ void put_between(gl::Api& api, R(GL_APIENTRY* function)(A...)) {
   api.*Member = through<Member, R, A...>;
 }
 
-/// For its lifetime every function of `api` goes through `faults`. One at a time.
+/// For its lifetime every function of `api` goes through `faults`. One at a time. With
+/// `reset_status` the driver can say that the context was lost, otherwise only its errors do.
 class GlFaults {
  public:
-  explicit GlFaults(gl::Api& api) : api_(api) {
+  explicit GlFaults(gl::Api& api, bool reset_status = true) : api_(api) {
     faults = {};
 #define FLUXGS_PUT_BETWEEN(name) put_between<&gl::Api::name>(api, api.name);
     FLUXGS_GL_FUNCTIONS(FLUXGS_PUT_BETWEEN)
@@ -141,6 +142,7 @@ class GlFaults {
     FLUXGS_PUT_BETWEEN(QueryCounter)
     FLUXGS_PUT_BETWEEN(GetQueryObjectui64v)
 #undef FLUXGS_PUT_BETWEEN
+    if (!reset_status) api.GetGraphicsResetStatus = nullptr;
   }
   GlFaults(const GlFaults&) = delete;
   GlFaults& operator=(const GlFaults&) = delete;

@@ -44,49 +44,52 @@ class SceneViewTest : public GlTest {
     return picture(api(), view, camera);
   }
 
-  void survive_a_loss_at_every_call(const SceneViewSettings& settings);
+  void survive_a_loss_at_every_call(const SceneViewSettings& settings, bool reset_status);
 };
 
-// Every call of a frame, its reading and its counting: nothing hangs or crashes, it is noticed, and
-// nothing that was left half done is in the pictures after.
-void SceneViewTest::survive_a_loss_at_every_call(const SceneViewSettings& settings) {
-  const GlFaults between(api());
+// Every call of a frame for which the picture is made anew, of its reading and its counting:
+// nothing hangs or crashes, it is noticed, and nothing that was left half done is in the pictures
+// after.
+void SceneViewTest::survive_a_loss_at_every_call(const SceneViewSettings& settings,
+                                                 bool reset_status) {
+  const GlFaults between(api(), reset_status);
   SceneView view(shared_cloud(300), settings);
   must(view.open(api(), kWidth, kHeight));
-  const auto frame = [&](int width) {
-    auto found = picture(view, orbit_camera(width, kHeight, {}, 2, 1, 4));
+  const Camera other = orbit_camera(kWidth + 1, kHeight, {}, 2, 2, 4);
+  const auto frame = [&] {
+    auto found = picture(view);
     static_cast<void>(view.renderer().stats());
     return found;
   };
-  for (const int width : {kWidth, kWidth + 1}) {
-    const Image<float> expected = must(frame(width));
+  const Image<float> expected = must(frame());
+  must(picture(view, other));
+  faults.calls = 0;
+  must(frame());
+  const long calls = faults.calls;
+  ASSERT_GT(calls, 40);
+  for (long call = 0; call < calls; ++call) {
+    must(picture(view, other));
     faults.calls = 0;
-    must(frame(width));
-    const long calls = faults.calls;
-    ASSERT_GT(calls, 20);
-    for (long call = 0; call < calls; ++call) {
-      faults.calls = 0;
-      faults.lost_after = call;
-      static_cast<void>(frame(width));
-      EXPECT_TRUE(gl::context_lost(api())) << call;
-      const auto after = view.draw(kCamera, {});
-      ASSERT_FALSE(after) << call << " of " << calls;
-      EXPECT_THAT(after.error().message(), HasSubstr("the context was lost"));
-      // As if it had been a bad dream
-      faults.lost_after = -1;
-      api().lost = false;
-      ASSERT_EQ(must(frame(width)).pixels, expected.pixels) << call << " of " << calls;
-    }
+    faults.lost_after = call;
+    static_cast<void>(frame());
+    EXPECT_TRUE(gl::context_lost(api())) << call;
+    const auto after = view.draw(kCamera, {});
+    ASSERT_FALSE(after) << call << " of " << calls;
+    EXPECT_THAT(after.error().message(), HasSubstr("the context was lost"));
+    // As if it had been a bad dream
+    faults.lost_after = -1;
+    api().lost = false;
+    ASSERT_EQ(must(frame()).pixels, expected.pixels) << call << " of " << calls;
   }
 }
 
 TEST_P(SceneViewTest, ALossAtAnyCallIsNoticedAndHarmless) {
-  survive_a_loss_at_every_call({.renderer = {.timestamps = true}});
-  survive_a_loss_at_every_call({.renderer = {.sorter = render::SorterKind::exact}});
+  survive_a_loss_at_every_call({.renderer = {.timestamps = true}}, true);
+  survive_a_loss_at_every_call({.renderer = {.sorter = render::SorterKind::exact}}, false);
 }
 
-// Losses while the GL objects are made: an error, and nothing is left behind in the new context.
-TEST_P(SceneViewTest, ALossAtAnyCallOfTheStartIsAnError) {
+// While the GL objects are made: an error, and what is made next is whole.
+TEST_P(SceneViewTest, ALossDuringTheStartIsAnError) {
   const GlFaults between(api());
   const auto cloud = shared_cloud(300);
   long calls = 0;
@@ -97,7 +100,7 @@ TEST_P(SceneViewTest, ALossAtAnyCallOfTheStartIsAnError) {
     calls = faults.calls;
     expected = must(picture(view));
   }
-  // Most of the calls make programs, all alike, and slowly on some drivers
+  // A few calls stand for all: most make programs, all alike, and slowly on some drivers
   const long step = calls / 7;
   for (long call = 0; call < calls; call += step) {
     faults.calls = 0;
@@ -192,7 +195,7 @@ TEST_P(SceneViewTest, ShowsWhatTheMemoryHolds) {
   all.close();
   EXPECT_EQ(faults.used, 0U) << "something was not deleted";
 
-  // By the estimate: never asked for more than was granted
+  // By the estimate: never, not even in between, more than was granted
   const std::size_t budget = faults.most_used / 2;
   faults.most_used = 0;
   SceneView some(cloud, {.memory = budget});
@@ -201,14 +204,13 @@ TEST_P(SceneViewTest, ShowsWhatTheMemoryHolds) {
   EXPECT_FALSE(some.shows_all());
   EXPECT_GT(some.splats(), 1000U);
   const std::size_t splats = some.splats();
-  // The sorter without a scene, whose buffers are replaced, is not in the estimate
-  EXPECT_LE(faults.used, budget);
+  EXPECT_GT(faults.used, budget * 3 / 4);
   // A larger picture leaves room for fewer splats, and the first one again for as many
   must(picture(some, orbit_camera(2 * kWidth, kHeight, {}, 2, 1, 4)));
   EXPECT_LT(some.splats(), splats);
-  EXPECT_LE(faults.used, budget);
   EXPECT_EQ(must(picture(some)).pixels, shown.pixels);
   EXPECT_EQ(some.splats(), splats);
+  EXPECT_LE(faults.most_used, budget);
 
   // They are the ones that add most
   SceneView selected(
@@ -248,13 +250,44 @@ TEST_P(SceneViewTest, GivesWayWhereTheDriverHasLessThanItSays) {
   EXPECT_GT(view.splats(), before / 2);
 }
 
-TEST_P(SceneViewTest, ABudgetThatHoldsNoPictureIsRefused) {
+// In the end fewer pixels: half of the memory is the splats'.
+TEST_P(SceneViewTest, APictureThatDoesNotFitIsMadeSmaller) {
+  const auto cloud = shared_cloud(300);
+  const Camera large = orbit_camera(8 * kWidth, 8 * kHeight, {}, 2, 1, 4);
+  const GlFaults between(api());
+  {
+    SceneView view(cloud, {.memory = 800'000});
+    must(view.open(api(), large.width, large.height));
+    must(picture(view, large));
+    EXPECT_LT(view.target().width(), large.width);
+    EXPECT_GE(view.target().width(), kWidth);
+    EXPECT_EQ(view.target().width() * large.height, view.target().height() * large.width);
+    EXPECT_TRUE(view.shows_all());
+    EXPECT_LE(faults.most_used, 800'000U);
+    must(picture(view));
+    EXPECT_EQ(view.target().width(), kWidth);
+  }
+  // The driver says no: the same, and the scene as it would be drawn at that size
+  faults.memory = 800'000;
+  SceneView view(cloud, {});
+  must(view.open(api(), large.width, large.height));
+  const Image<float> shown = must(picture(view, large));
+  ASSERT_LT(shown.width, large.width);
+  faults.memory = ~0UL;
+  SceneView small(std::make_shared<SplatCloud>(
+                      in_order(*cloud, render::most_contributing(*cloud, view.splats()))),
+                  {});
+  must(small.open(api(), shown.width, shown.height));
+  EXPECT_EQ(must(picture(small, orbit_camera(shown.width, shown.height, {}, 2, 1, 4))).pixels,
+            shown.pixels);
+}
+
+TEST_P(SceneViewTest, AMemoryThatHoldsNothingIsRefused) {
   SceneView view(shared_cloud(10), {.memory = 1000});
   const auto opened = view.open(api(), kWidth, kHeight);
   ASSERT_FALSE(opened);
   EXPECT_THAT(opened.error().message(),
-              HasSubstr("a picture of 64×48 pixels with one splat takes"));
-  EXPECT_THAT(opened.error().message(), HasSubstr("1000 may be used"));
+              HasSubstr("graphics memory: 1000 bytes do not hold one pixel and one splat"));
 }
 
 TEST_P(SceneViewTest, TheLimitsOfTheDriverAreABudget) {

@@ -56,7 +56,7 @@ void load_extensions(Api& api, const ProcLoader& loader) {
   if (has.debug) {
     load_extension(api.DebugMessageCallback, loader, "glDebugMessageCallback", "KHR", has.is_es);
   }
-  if (has.reset_status) {
+  if (has.reset_notification) {
     load_extension(api.GetGraphicsResetStatus, loader, "glGetGraphicsResetStatus", "KHR",
                    has.is_es);
     if (!api.GetGraphicsResetStatus)
@@ -78,24 +78,31 @@ Expected<std::unique_ptr<Api>> load_api(const ProcLoader& loader) {
   return api;
 }
 
-void clear_errors(Api& api) {
-  // Bounded: a lost context may report errors for ever.
-  for (int i = 0; i < 64 && api.GetError() != GL_NO_ERROR; ++i) {
+GLenum clear_errors(Api& api) {
+  GLenum first = GL_NO_ERROR;
+  // Bounded: a lost context may report errors for ever
+  for (int i = 0; i < 64 && !api.lost; ++i) {
+    const GLenum error = api.GetError();
+    if (error == GL_NO_ERROR) break;
+    if (first == GL_NO_ERROR) first = error;
+    api.out_of_memory = api.out_of_memory || error == GL_OUT_OF_MEMORY;
+    api.lost = error == GL_CONTEXT_LOST_KHR;
   }
+  return api.lost ? GL_CONTEXT_LOST_KHR : first;
 }
 
 Expected<void> check_errors(Api& api, const char* where) {
-  const GLenum error = api.GetError();
+  const GLenum error = clear_errors(api);
   if (error == GL_NO_ERROR) return {};
-  clear_errors(api);
-  api.out_of_memory = api.out_of_memory || error == GL_OUT_OF_MEMORY;
-  api.lost = api.lost || error == GL_CONTEXT_LOST_KHR;
   return fail("OpenGL", where, error_name(error));
 }
 
 bool context_lost(Api& api) {
-  if (!api.lost && api.GetGraphicsResetStatus)
+  if (api.lost) return true;
+  if (api.GetGraphicsResetStatus)
     api.lost = api.GetGraphicsResetStatus() != GL_NO_ERROR;
+  else
+    clear_errors(api);
   return api.lost;
 }
 

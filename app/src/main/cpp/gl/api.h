@@ -53,7 +53,7 @@ struct Api {
   Capabilities capabilities;
   Quirks quirks;
   DebugLog debug;
-  /// check_errors() has met GL_OUT_OF_MEMORY. Stays until whoever has made room resets it.
+  /// An error was GL_OUT_OF_MEMORY. Stays until whoever has made room resets it.
   bool out_of_memory = false;
   /// The context is gone for good and its objects with it: see context_lost().
   bool lost = false;
@@ -71,15 +71,17 @@ using ProcLoader = std::function<void*(const char* name)>;
 /// is missing or the context is older than ES 3.1 (or desktop GL 4.5 with ARB_ES3_1_compatibility).
 Expected<std::unique_ptr<Api>> load_api(const ProcLoader& loader);
 
-/// Forgets earlier errors of the context.
-void clear_errors(Api& api);
+/// Takes all pending errors of the context, and notes down in `api` what they say of it. Returns
+/// the first, or GL_NO_ERROR.
+GLenum clear_errors(Api& api);
 
 /// Fails with `where` and the error's name if a GL error is pending.
 Expected<void> check_errors(Api& api, const char* where);
 
-/// Whether the context was lost: the GPU was reset, or the system took it away. Asks the driver
-/// where it can (KHR_robustness), and remembers. Then every object has to be made again in a new
-/// context; the owners of the old ones may go at any time, as nothing is deleted any more.
+/// Whether the context was lost: the GPU was reset, or the system took it away. Asks the driver,
+/// through KHR_robustness or else, taking them, its errors, and remembers. Then every object has to
+/// be made again in a new context; the owners of the old ones may go at any time, as nothing is
+/// deleted any more.
 bool context_lost(Api& api);
 
 }  // namespace fluxgs::gl

@@ -48,10 +48,16 @@ void ask_limits(Api& api, Capabilities& c) {
   c.max_viewport_height = viewport[1];
 }
 
+// Without, glGetGraphicsResetStatus returns GL_NO_ERROR for ever (KHR_robustness).
+bool notifies_of_resets(Api& api) {
+  return integer(api, GL_RESET_NOTIFICATION_STRATEGY_KHR) == GL_LOSE_CONTEXT_ON_RESET_KHR;
+}
+
 void ask_extensions(Api& api, Capabilities& c) {
   const std::set<std::string> has = extensions(api);
   if (!c.is_es) {  // All of it is core in desktop GL 4.5
-    c.half_float_targets = c.float_targets = c.timestamps = c.debug = c.reset_status = true;
+    c.half_float_targets = c.float_targets = c.timestamps = c.debug = true;
+    c.reset_notification = notifies_of_resets(api);
     return;
   }
   const bool float_buffers = has.contains("GL_EXT_color_buffer_float");
@@ -59,7 +65,8 @@ void ask_extensions(Api& api, Capabilities& c) {
   c.float_targets = float_buffers && has.contains("GL_EXT_float_blend");
   c.timestamps = has.contains("GL_EXT_disjoint_timer_query");
   c.debug = has.contains("GL_KHR_debug");
-  c.reset_status = has.contains("GL_KHR_robustness") || has.contains("GL_EXT_robustness");
+  c.reset_notification = (has.contains("GL_KHR_robustness") || has.contains("GL_EXT_robustness")) &&
+                         notifies_of_resets(api);
 }
 
 }  // namespace

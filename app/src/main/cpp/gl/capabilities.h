@@ -18,7 +18,7 @@ struct Capabilities {
   bool float_targets = false;       ///< RGBA32F can be rendered to and blended (EXT_float_blend)
   bool timestamps = false;          ///< glQueryCounter (EXT_disjoint_timer_query)
   bool debug = false;               ///< KHR_debug
-  bool reset_status = false;        ///< KHR_robustness or EXT_robustness
+  bool reset_notification = false;  ///< the context was made to say when the GPU was reset
 
   std::int64_t max_storage_block_bytes = 0;
   int max_compute_storage_blocks = 0, max_vertex_storage_blocks = 0;

@@ -4,32 +4,13 @@
 #include <string>
 
 #include "gl/steps.h"
+#include "render/scaled_camera.h"
 #include "render/view_motion.h"
 #include "sort/async_cpu_sorter.h"
 #include "sort/exact_sorter.h"
 #include "sort/gpu_radix_sorter.h"
 
 namespace fluxgs::render {
-namespace {
-
-// The same view in another number of pixels. Without the name, whose copy would take memory.
-Camera scaled_to(const Camera& camera, int width, int height) {
-  const double x = static_cast<double>(width) / camera.width;
-  const double y = static_cast<double>(height) / camera.height;
-  Camera scaled;
-  scaled.width = width;
-  scaled.height = height;
-  scaled.fx = camera.fx * x;
-  scaled.fy = camera.fy * y;
-  scaled.cx = camera.cx * x;
-  scaled.cy = camera.cy * y;
-  scaled.rotation = camera.rotation;
-  scaled.translation = camera.translation;
-  return scaled;
-}
-
-}  // namespace
-
 Expected<std::unique_ptr<Renderer>> Renderer::create(gl::Api& api,
                                                      const RendererSettings& settings) {
   if (auto ok = gl::check_limits(api.capabilities); !ok) return std::unexpected(ok.error());
@@ -101,6 +82,7 @@ Expected<void> Renderer::upload(const SplatCloud& cloud) {
   if (auto ok = check_scene(api_.capabilities, cloud); !ok) return ok;
   const PackedScene packed = pack_scene(cloud);
   scene_ = {};  // There may not be room for both
+  undrawable_ = packed.undrawable;
   sorted_.reset();
   drawn_ = false;
   auto scene = SceneBuffers::create(api_, packed);
@@ -140,7 +122,7 @@ Expected<void> Renderer::draw(const Camera& camera, const RenderOptions& options
 
 void Renderer::draw_scene(const Camera& camera, const RenderOptions& options,
                           const RenderTarget& target) {
-  const Camera view = scaled_to(camera, target.blend_width(), target.blend_height());
+  const Camera view = scaled_camera(camera, target.blend_width(), target.blend_height());
   const Shortcuts& shortcuts = settings_.shortcuts;
   const sort::DepthKeys keys = choose_keys(view, options, scene_.constants, shortcuts.key_bits);
   const FrameUniforms values =

@@ -38,8 +38,8 @@ class Renderer {
                                                     const RendererSettings& settings = {});
 
   /// Replaces the scene. A cloud that is refused (see SceneBuffers) leaves the one before; when
-  /// memory runs out the scene is empty. Splats with attributes that are not finite are kept out of
-  /// every picture.
+  /// memory runs out the scene is empty. Splats with attributes that are not finite, or beyond 1e15,
+  /// are kept out of every picture.
   Expected<void> upload(const SplatCloud& cloud);
 
   /// Enqueues a frame. Fails on a camera or options that make no picture, and where the camera's
@@ -69,6 +69,9 @@ class Renderer {
   /// The next frame is sorted, however little the camera has moved.
   void sort_anew() { sorted_.reset(); }
 
+  /// How many splats of the scene are kept out of every picture.
+  std::size_t undrawable() const { return undrawable_; }
+
   /// As they are used: texture_fetch where the driver makes it necessary, timestamps where it can.
   const RendererSettings& settings() const { return settings_; }
 
@@ -96,6 +99,7 @@ class Renderer {
   SceneBuffers scene_;
   std::array<gl::Timestamp, 5> stamps_;   // before, between and after the stages
   std::optional<sort::SortView> sorted_;  // the view that the order was last asked for
+  std::size_t undrawable_ = 0;
   bool waits_ = false;
   bool drawn_ = false;  // whether there is a frame that stats() can speak of
 };

@@ -12,8 +12,8 @@
 namespace fluxgs::render {
 namespace {
 
-// Larger numbers than this cannot be projected in float32 without overflow; larger deviations than
-// this cover any picture evenly.
+// Larger numbers than this cannot be projected in float32 without overflow. Deviations are cut at a
+// length that covers any picture evenly, unless the splat itself lies farther away than that.
 constexpr float kLargest = 1e15F;
 constexpr double kLargestScale = 1e10;
 constexpr double kNoLevel = -1e30;  // shaders/record.glsl

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "gl/steps.h"
+#include "render/scaled_camera.h"
 #include "render/splat_budget.h"
 
 namespace fluxgs::render {
@@ -12,7 +13,7 @@ Expected<void> SceneView::open(gl::Api& api, int width, int height) {
   close();
   api_ = &api;
   return gl::in_turn([&] { return gl::take(Renderer::create(api, settings_.renderer), renderer_); },
-                     [&] { return fit(width, height); }, [&] { return check_context(); });
+                     [&] { return fit({width, height}); }, [&] { return check_context(); });
 }
 
 Expected<void> SceneView::check_context() const {
@@ -22,42 +23,59 @@ Expected<void> SceneView::check_context() const {
 
 void SceneView::close() {
   target_ = {};
+  fitted_ = {};
   renderer_.reset();
   shown_ = 0;
 }
 
 Expected<void> SceneView::draw(const Camera& camera, const RenderOptions& options) {
-  if (camera.width != target_.width() || camera.height != target_.height()) {
-    if (auto fitted = fit(camera.width, camera.height); !fitted) return fitted;
-  }
-  if (auto drawn = renderer_->draw(camera, options, target_); !drawn) return drawn;
+  if (auto ok = check_view(camera, options); !ok) return ok;
+  const Size size{camera.width, camera.height};
+  if (size != fitted_)
+    if (auto fitted = fit(size); !fitted) return fitted;
+  const Camera view = scaled_camera(camera, target_.width(), target_.height());
+  if (auto drawn = renderer_->draw(view, options, target_); !drawn) return drawn;
   return check_context();
 }
 
-TargetPlan SceneView::plan(int width, int height) const {
+TargetPlan SceneView::plan(const Size& size) const {
   return {
-      .width = width,
-      .height = height,
+      .width = size.width,
+      .height = size.height,
       .format = settings_.format,
       .accumulation = settings_.accumulation.value_or(accurate_accumulation(api_->capabilities)),
       .scale = settings_.scale};
 }
 
 // By the estimate and the driver's limits; whether the driver has as much is seen when it is asked.
-Expected<std::size_t> SceneView::splats_for(int width, int height) const {
+Expected<SceneView::Size> SceneView::picture_for(Size size) const {
+  const gl::Capabilities& driver = api_->capabilities;
+  const auto possible = [&] {
+    const bool small = size.width <= std::min(driver.max_texture_size, driver.max_viewport_width) &&
+                       size.height <= std::min(driver.max_texture_size, driver.max_viewport_height);
+    const auto pixels = [&] { return estimate_memory(0, 0, {}, plan(size)).targets; };
+    return small && (!settings_.memory || (pixels() <= *settings_.memory / 2 &&
+                                           (splats_for(size) > 0 || cloud_->size() == 0)));
+  };
+  while (!possible()) {
+    if (size.width <= 1 && size.height <= 1) {
+      return fail("graphics memory", "",
+                  std::to_string(*settings_.memory) + " bytes do not hold one pixel and one splat");
+    }
+    size = {std::max(size.width / 2, 1), std::max(size.height / 2, 1)};
+  }
+  return size;
+}
+
+std::size_t SceneView::splats_for(const Size& picture) const {
   const int degree = cloud_->sh_degree;
-  const std::uint64_t most = most_splats(api_->capabilities, degree);
-  const std::size_t splats = std::min<std::size_t>(most, cloud_->size());
-  if (!settings_.memory) return splats;
-  const RendererSettings& renderer = renderer_->settings();
-  const TargetPlan picture = plan(width, height);
-  const std::uint64_t fitting = splats_that_fit(*settings_.memory, degree, renderer, picture);
-  if (fitting > 0 || splats == 0) return std::min<std::size_t>(fitting, splats);
-  const std::size_t needed = estimate_memory(1, degree, renderer, picture).total();
-  return fail("graphics memory", "",
-              "a picture of " + std::to_string(width) + "×" + std::to_string(height) +
-                  " pixels with one splat takes " + std::to_string(needed) + " bytes; " +
-                  std::to_string(*settings_.memory) + " may be used");
+  std::uint64_t most =
+      std::min<std::uint64_t>(most_splats(api_->capabilities, degree), cloud_->size());
+  if (settings_.memory) {
+    most = std::min(
+        most, splats_that_fit(*settings_.memory, degree, renderer_->settings(), plan(picture)));
+  }
+  return most;
 }
 
 Expected<void> SceneView::upload(std::size_t splats) {
@@ -70,31 +88,44 @@ Expected<void> SceneView::upload(std::size_t splats) {
   return uploaded;
 }
 
-Expected<void> SceneView::make(int width, int height, std::size_t splats) {
+Expected<void> SceneView::make(const Size& picture, std::size_t splats) {
   // What is there goes first: there may not be room for both
   target_ = {};
   if (splats != shown_) {
     shown_ = 0;
     if (auto emptied = renderer_->upload({}); !emptied) return emptied;
   }
-  const TargetPlan p = plan(width, height);
+  const TargetPlan p = plan(picture);
   return gl::in_turn(
       [&] {
         return gl::take(
-            RenderTarget::create(*api_, width, height, p.format, p.accumulation, p.scale), target_);
+            RenderTarget::create(*api_, p.width, p.height, p.format, p.accumulation, p.scale),
+            target_);
       },
-      [&] { return upload(splats); });
+      [&] { return upload(splats); },
+      // Some drivers notice late
+      [&] { return gl::check_errors(*api_, "graphics memory"); });
 }
 
-Expected<void> SceneView::fit(int width, int height) {
-  const auto allowed = splats_for(width, height);
-  if (!allowed) return std::unexpected(allowed.error());
-  for (std::size_t splats = *allowed;; splats -= (splats + 3) / 4) {
+// As many splats as there is room for beside a picture of that size.
+Expected<void> SceneView::fit_splats(const Size& picture) {
+  for (std::size_t splats = splats_for(picture);; splats -= (splats + 3) / 4) {
     api_->out_of_memory = false;
-    auto made = make(width, height, splats);
-    if (made) return made;
-    target_ = {};  // The next frame tries again
-    if (gl::context_lost(*api_) || !api_->out_of_memory || splats <= 1) return made;
+    auto made = make(picture, splats);
+    if (made || !api_->out_of_memory || splats <= 1) return made;
+  }
+}
+
+Expected<void> SceneView::fit(const Size& size) {
+  fitted_ = {};
+  auto picture = picture_for(size);
+  if (!picture) return std::unexpected(picture.error());
+  for (;;) {
+    auto made = fit_splats(*picture);
+    if (made) fitted_ = size;
+    const bool smallest = picture->width <= 1 && picture->height <= 1;
+    if (made || !api_->out_of_memory || smallest || gl::context_lost(*api_)) return made;
+    picture = Size{std::max(picture->width / 2, 1), std::max(picture->height / 2, 1)};
   }
 }
 

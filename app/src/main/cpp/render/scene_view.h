@@ -1,5 +1,6 @@
 // A scene in pictures of any size, for programs that go on whatever the driver does: where memory
-// is short it shows fewer splats, and when the context was lost all of it is made again.
+// is short it shows fewer splats, in the end in fewer pixels, and when the context was lost all of
+// it is made again.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +19,8 @@ struct SceneViewSettings {
   TargetFormat format = TargetFormat::rgba8;
   std::optional<Accumulation> accumulation = {};  ///< not given: accurate_accumulation()
   double scale = 1;  ///< of the picture that is blended, see RenderTarget
-  /// Bytes that the scene, its frames and the picture may take together (memory_estimate.h).
-  /// Not given: what the driver has.
+  /// Bytes that the scene, its frames and the picture may take together (memory_estimate.h). Not
+  /// given: what the driver has.
   std::optional<std::size_t> memory = {};
 };
 
@@ -33,30 +34,39 @@ class SceneView {
 
   /// Makes the GL objects for pictures of this size. What an earlier open() made is let go of
   /// first, so its context must be current, or lost; its Api must still be there. Fails as
-  /// Renderer::create() does, and where memory does not even hold a picture and one splat.
+  /// Renderer::create() does, and where memory does not even hold a pixel and a splat.
   Expected<void> open(gl::Api& api, int width, int height);
 
-  /// Enqueues a frame of the camera's size. Another size than the last one means a new picture and,
-  /// where memory is short, another number of splats. Fails as Renderer::draw() does, and when the
+  // Preconditions of what follows, but close(): open() was successful.
+
+  /// Enqueues a frame. Another size of the camera than the last one means a new picture and, where
+  /// memory is short, another number of splats. Fails as Renderer::draw() does, and when the
   /// context is lost.
   Expected<void> draw(const Camera& camera, const RenderOptions& options);
 
   /// Lets go of all GL objects.
   void close();
 
-  /// How many splats there are memory for: those that contribute most (splat_budget.h).
+  /// How many splats there is room for: those that contribute most (splat_budget.h).
   std::size_t splats() const { return shown_; }
   bool shows_all() const { return shown_ == cloud_->size(); }
 
-  // Preconditions: open() was successful.
   Renderer& renderer() { return *renderer_; }
+  /// The picture: of the camera's size, or half as many pixels in each direction, or a quarter, …,
+  /// where there is no room for it. The picture takes half of the memory at most.
   const RenderTarget& target() const { return target_; }
 
  private:
-  TargetPlan plan(int width, int height) const;
-  Expected<void> fit(int width, int height);
-  Expected<void> make(int width, int height, std::size_t splats);
-  Expected<std::size_t> splats_for(int width, int height) const;
+  struct Size {
+    int width = 0, height = 0;
+    bool operator==(const Size&) const = default;
+  };
+  TargetPlan plan(const Size& size) const;
+  Expected<Size> picture_for(Size size) const;
+  std::size_t splats_for(const Size& picture) const;
+  Expected<void> fit(const Size& size);
+  Expected<void> fit_splats(const Size& picture);
+  Expected<void> make(const Size& picture, std::size_t splats);
   Expected<void> upload(std::size_t splats);
   Expected<void> check_context() const;
 
@@ -64,6 +74,7 @@ class SceneView {
   SceneViewSettings settings_;
   gl::Api* api_ = nullptr;
   std::unique_ptr<Renderer> renderer_;
+  Size fitted_;  ///< the camera's size that there is a picture for
   RenderTarget target_;
   std::size_t shown_ = 0;
 };

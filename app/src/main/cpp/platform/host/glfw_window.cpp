@@ -74,9 +74,13 @@ class GlfwWindow final : public Window {
                   "no display to open it on (" + reason(glfw_) +
                       "); expected a graphical session (DISPLAY), or use fluxgs render");
     }
-    hint();
-    window_ = glfw_.CreateWindow(options.size.width, options.size.height, options.title.c_str(),
-                                 nullptr, nullptr);
+    // Not every driver tells when the GPU was reset
+    for (const bool reset_notification : {true, false}) {
+      hint(reset_notification);
+      window_ = glfw_.CreateWindow(options.size.width, options.size.height, options.title.c_str(),
+                                   nullptr, nullptr);
+      if (window_) break;
+    }
     if (!window_) {
       return fail("window", "",
                   "the display offers no OpenGL ES 3.1 through EGL (" + reason(glfw_) +
@@ -120,7 +124,9 @@ class GlfwWindow final : public Window {
   }
   void unbind() override { glfw_.MakeContextCurrent(nullptr); }
 
-  void hint() const {
+  void hint(bool reset_notification) const {
+    glfw_.WindowHint(GLFW_CONTEXT_ROBUSTNESS,
+                     reset_notification ? GLFW_LOSE_CONTEXT_ON_RESET : GLFW_NO_ROBUSTNESS);
     glfw_.WindowHint(GLFW_CLIENT_API, GLFW_OPENGL_ES_API);
     glfw_.WindowHint(GLFW_CONTEXT_CREATION_API, GLFW_EGL_CONTEXT_API);
     glfw_.WindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
