@@ -58,11 +58,11 @@ Expected<SceneView::Size> SceneView::picture_for(Size size) const {
                                            (splats_for(size) > 0 || cloud_->size() == 0)));
   };
   while (!possible()) {
-    if (size.width <= 1 && size.height <= 1) {
+    if (size.is_pixel()) {
       return fail("graphics memory", "",
                   std::to_string(*settings_.memory) + " bytes do not hold one pixel and one splat");
     }
-    size = {std::max(size.width / 2, 1), std::max(size.height / 2, 1)};
+    size = size.halved();
   }
   return size;
 }
@@ -123,9 +123,8 @@ Expected<void> SceneView::fit(const Size& size) {
   for (;;) {
     auto made = fit_splats(*picture);
     if (made) fitted_ = size;
-    const bool smallest = picture->width <= 1 && picture->height <= 1;
-    if (made || !api_->out_of_memory || smallest || gl::context_lost(*api_)) return made;
-    picture = Size{std::max(picture->width / 2, 1), std::max(picture->height / 2, 1)};
+    if (made || !api_->out_of_memory || picture->is_pixel() || gl::context_lost(*api_)) return made;
+    picture = picture->halved();
   }
 }
 

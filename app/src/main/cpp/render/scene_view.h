@@ -3,6 +3,7 @@
 // it is made again.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -60,6 +61,8 @@ class SceneView {
   struct Size {
     int width = 0, height = 0;
     bool operator==(const Size&) const = default;
+    bool is_pixel() const { return width <= 1 && height <= 1; }
+    Size halved() const { return {std::max(width / 2, 1), std::max(height / 2, 1)}; }
   };
   TargetPlan plan(const Size& size) const;
   Expected<Size> picture_for(Size size) const;
