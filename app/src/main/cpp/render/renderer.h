@@ -38,8 +38,8 @@ class Renderer {
                                                     const RendererSettings& settings = {});
 
   /// Replaces the scene. A cloud that is refused (see SceneBuffers) leaves the one before; when
-  /// memory runs out the scene is empty. Splats with attributes that are not finite, or beyond 1e15,
-  /// are kept out of every picture.
+  /// memory runs out the scene is empty. Splats with attributes that are not finite, or beyond
+  /// 1e15, are kept out of every picture.
   Expected<void> upload(const SplatCloud& cloud);
 
   /// Enqueues a frame. Fails on a camera or options that make no picture, and where the camera's
