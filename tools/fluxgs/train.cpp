@@ -2,10 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <charconv>
 #include <csignal>
 #include <filesystem>
-#include <map>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -17,6 +15,7 @@
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/console.h"
 #include "tools/fluxgs/data_options.h"
+#include "tools/fluxgs/method_options.h"
 #include "tools/fluxgs/progress.h"
 #include "trainer/base/clock.h"
 #include "trainer/train/checkpoint.h"
@@ -32,8 +31,7 @@ struct TrainSettings {
   std::string out, preset = preset_names().front(), backend = "auto", resume, report;
   DataOptions data;
   int checkpoint_every = 0;
-  std::map<std::string, double> overrides;        // by OptionField::name, those given
-  std::map<std::string, std::uint64_t> naturals;  // apart, as a double would round them
+  MethodOptions method;
 };
 
 std::atomic<bool> interrupted = false;
@@ -104,15 +102,7 @@ class Curves {
 Expected<TrainOptions> options_from(const TrainSettings& settings) {
   auto options = preset(settings.preset);
   if (!options) return options;
-  for (const OptionField& f : option_fields()) {
-    const auto given = settings.overrides.find(f.name);
-    if (given == settings.overrides.end()) continue;
-    if (f.integer) (*options).*f.integer = static_cast<int>(given->second);
-    if (f.real) (*options).*f.real = given->second;
-  }
-  for (const OptionField& f : option_fields())
-    if (const auto given = settings.naturals.find(f.name); given != settings.naturals.end())
-      (*options).*f.natural = given->second;
+  apply(settings.method, *options);
   options->render.background = settings.data.background_color();
   if (auto valid = validate(*options); !valid) return std::unexpected(valid.error());
   return options;
@@ -297,52 +287,6 @@ Expected<void> train(TrainSettings settings) {
   return {};
 }
 
-/// Adds an option for one of the method's whole numbers without a sign. CLI11 would take −1 for
-/// 2⁶⁴ − 1, and that for anything larger.
-CLI::Option* add_natural(CLI::App& command, const OptionField& f,
-                         const std::shared_ptr<TrainSettings>& settings) {
-  const std::string name = f.name;
-  return command.add_option_function<std::string>(
-      "--" + name,
-      [settings, name](const std::string& text) {
-        std::uint64_t value = 0;
-        const char* end = text.data() + text.size();
-        const auto [rest, status] = std::from_chars(text.data(), end, value);
-        if (status != std::errc() || rest != end)
-          throw CLI::ValidationError("--" + name, "expected a whole number from 0 to 2^64 - 1");
-        settings->naturals[name] = value;
-      },
-      f.help);
-}
-
-/// An option for one of the method's constants, which shows its default.
-void add_field(CLI::App& command, const OptionField& f,
-               const std::shared_ptr<TrainSettings>& settings) {
-  const std::string name = f.name;
-  const TrainOptions defaults;
-  const auto keep = [settings, name, low = f.low, high = f.high](double value) {
-    if (!(value >= low && value <= high))  // also refuses NaN
-      throw CLI::ValidationError("--" + name,
-                                 fmt::format("expected {:.10g} to {:.10g}", low, high));
-    settings->overrides[name] = value;
-  };
-  CLI::Option* option = nullptr;
-  if (f.real) {
-    option = command.add_option_function<double>("--" + name, keep, f.help);
-    option->default_str(fmt::format("{:g}", defaults.*f.real));
-  } else if (f.integer) {
-    option = command.add_option_function<std::int64_t>(
-        "--" + name, [keep](const std::int64_t& value) { keep(static_cast<double>(value)); },
-        f.help);
-    option->default_str(fmt::format("{}", defaults.*f.integer));
-  } else {
-    option = add_natural(command, f, settings);
-    option->default_str(fmt::format("{}", defaults.*f.natural));
-  }
-  const bool common = name == "iterations" || name == "max-splats" || name == "seed";
-  option->group(common ? "Options" : "Constants of the method");
-}
-
 /// A checkpoint brings every option but these.
 bool stays_free_on_resume(const std::string& name) {
   const std::string_view free[] = {"data",    "out",  "resume",           "threads",
@@ -376,7 +320,7 @@ void add_train(CLI::App& app, Action& action) {
       ->check(CLI::NonNegativeNumber);
   command->add_option("--json", settings->report,
                       "write a report of the run here (-: standard output)");
-  for (const OptionField& f : option_fields()) add_field(*command, f, settings);
+  add_method_options(*command, settings->method);
   command->callback([settings, command, &action] {
     for (const CLI::Option* option : command->get_options())
       if (!settings->resume.empty() && option->count() > 0 &&

@@ -10,6 +10,7 @@
 #include "trainer/base/parallel.h"
 #include "trainer/model/parameters.h"
 #include "trainer/raster/planar_image.h"
+#include "trainer/raster/score.h"
 #include "trainer/raster/stages.h"
 #include "trainer/simd/isa.h"
 
@@ -36,6 +37,7 @@ class Rasterizer {
   virtual void backward(const PlanarFloats& parameters, const PlanarImage& color_gradient) = 0;
   /// Rows as the parameters; meaningful where visible()[i] is 1 and up to the degree rendered.
   virtual const PlanarFloats& gradient() const = 0;
+  virtual PlanarFloats& gradient() = 0;  ///< for whoever adds to it
   /// |∂L/∂centre| per splat in normalised device coordinates, as 3DGS thresholds it.
   virtual const float* center_gradient() const = 0;
   /// 1 for splats that the last forward pass could see (and whose gradient is finite); padded to a
@@ -43,6 +45,10 @@ class Rasterizer {
   virtual const std::vector<std::uint8_t>& visible() const = 0;
   /// The larger half-extent (px) of splat i's box {α ≥ α_min}; meaningful where visible.
   virtual float screen_radius(std::size_t i) const = 0;
+
+  /// The scores of the last forward pass, rows as in raster/score.h, for two maps (planes of the
+  /// picture's size). Zero for splats that are not visible; valid until the next call.
+  virtual const PlanarFloats& score(const PlanarImage& maps, ScoreWeight weight) = 0;
 
   virtual RasterCounts counts() const = 0;
   virtual std::uint64_t rejected_gradients() const = 0;  ///< not finite, since the beginning

@@ -7,10 +7,21 @@
 
 namespace fluxgs {
 
-enum class Stage { project, sort, forward, loss, backward, gradient, optimizer, densify, count };
+enum class Stage {
+  project,
+  sort,
+  forward,
+  loss,
+  backward,
+  gradient,
+  optimizer,
+  score,
+  densify,
+  count
+};
 
-inline constexpr std::array<std::string_view, 8> kStageNames = {
-    "project", "sort", "forward", "ssim", "backward", "gradient", "adam", "densify"};
+inline constexpr std::array<std::string_view, 9> kStageNames = {
+    "project", "sort", "forward", "ssim", "backward", "gradient", "adam", "score", "densify"};
 
 /// Wall-clock seconds per stage, added up.
 struct StageTimes {

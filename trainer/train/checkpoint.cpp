@@ -1,5 +1,6 @@
 #include "trainer/train/checkpoint.h"
 
+#include <algorithm>
 #include <cstring>
 #include <sstream>
 
@@ -61,12 +62,19 @@ json header_of(const Checkpoint& c) {
           {"next_view", c.state.next_view}};
 }
 
+/// The value of a choice by its name; −1, which validate() refuses, for others.
+int choice_named(const OptionField& f, const std::string& name) {
+  const auto at = std::ranges::find(f.choice.names, name);
+  return at == f.choice.names.end() ? -1 : static_cast<int>(at - f.choice.names.begin());
+}
+
 void read_header(const json& header, Checkpoint& c) {
   for (const OptionField& f : option_fields()) {
     const json& value = header.at("options").at(f.name);
     if (f.integer) c.options.*f.integer = value.get<int>();
     if (f.real) c.options.*f.real = value.get<double>();
     if (f.natural) c.options.*f.natural = value.get<std::uint64_t>();
+    if (f.choice.set) f.choice.set(c.options, choice_named(f, value.get<std::string>()));
   }
   for (int i = 0; i < 3; ++i)
     c.options.render.background[i] =
@@ -96,6 +104,7 @@ json options_json(const TrainOptions& options) {
     if (f.integer) out[f.name] = options.*f.integer;
     if (f.real) out[f.name] = options.*f.real;
     if (f.natural) out[f.name] = options.*f.natural;
+    if (f.choice.get) out[f.name] = f.choice.names[static_cast<std::size_t>(f.choice.get(options))];
   }
   return out;
 }

@@ -8,8 +8,8 @@
 
 #include "fluxgs/error.h"
 #include "trainer/data/dataset.h"
-#include "trainer/model/options.h"
 #include "trainer/model/state.h"
+#include "trainer/options/options.h"
 
 namespace fluxgs {
 

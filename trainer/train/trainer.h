@@ -7,10 +7,11 @@
 #include "fluxgs/splat_cloud.h"
 #include "trainer/data/dataset.h"
 #include "trainer/data/initial_points.h"
-#include "trainer/densify/densify.h"
+#include "trainer/data/pyramid.h"
+#include "trainer/densify/density_control.h"
 #include "trainer/loss/photometric.h"
-#include "trainer/model/options.h"
 #include "trainer/model/state.h"
+#include "trainer/options/options.h"
 #include "trainer/raster/rasterizer.h"
 
 namespace fluxgs {
@@ -49,8 +50,14 @@ class Trainer {
  private:
   const Photo& next_photo();
   int sh_degree_in_use() const;
+  int coarse_level() const;
   LearningRates rates() const;
+  RenderOptions render_options() const;
+  bool due(int from, int until, int interval) const;
   DensifyCounts control_density();
+  DensifyCounts densify();
+  DensifyCounts late_prune();
+  SplatScores scores(const std::vector<std::uint32_t>& views);
 
   const Dataset& data_;
   TrainOptions options_;
@@ -58,6 +65,7 @@ class Trainer {
   const Threads& threads_;
   StageTimes& times_;
   double extent_;
+  PhotoPyramid photos_;
   std::unique_ptr<Rasterizer> rasterizer_;
   PhotometricLoss loss_;
   PlanarImage target_;

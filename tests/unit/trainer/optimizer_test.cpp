@@ -5,10 +5,10 @@
 
 #include "fluxgs/math/spherical_harmonics.h"
 #include "support/scenes.h"
-#include "trainer/densify/densify.h"
+#include "trainer/densify/density_control.h"
 #include "trainer/model/adam.h"
 #include "trainer/model/initialize.h"
-#include "trainer/model/options.h"
+#include "trainer/options/options.h"
 
 namespace fluxgs {
 namespace {
@@ -75,7 +75,7 @@ TEST(Densify, ClonesSmallSplitsLargeKeepsTheRest) {
   const TrainOptions options;  // gradient 2e-4; size 0.01 of the extent
   TrainState state = state_of({1e-3f, 1e-3f, 1e-5f}, {0.005f, 0.05f, 0.005f});
   const PlanarFloats before = state.parameters;
-  const DensifyCounts counts = densify_and_prune(state, options, 1.0);
+  const DensifyCounts counts = densify_and_prune(state, options, 1.0, nullptr);
   EXPECT_EQ(counts.cloned, 1u);
   EXPECT_EQ(counts.split, 1u);
   EXPECT_EQ(counts.pruned, 0u);
@@ -110,13 +110,13 @@ TEST(Densify, PrunesTransparentAndOversizedSplats) {
   state.statistics.row(statistic::radius)[3] = 21;   // > 20 px
   state.iteration = options.opacity_reset_interval;  // sizes do not count yet
   TrainState later = state, any_radius = state;
-  EXPECT_EQ(densify_and_prune(state, options, 1.0).pruned, 1u);
+  EXPECT_EQ(densify_and_prune(state, options, 1.0, nullptr).pruned, 1u);
   later.iteration = options.opacity_reset_interval + 1;
-  EXPECT_EQ(densify_and_prune(later, options, 1.0).pruned, 3u);
+  EXPECT_EQ(densify_and_prune(later, options, 1.0, nullptr).pruned, 3u);
   EXPECT_EQ(later.parameters.size(), 1u);
   any_radius.iteration = options.opacity_reset_interval + 1;
   options.prune_screen_radius = 0;
-  EXPECT_EQ(densify_and_prune(any_radius, options, 1.0).pruned, 2u);
+  EXPECT_EQ(densify_and_prune(any_radius, options, 1.0, nullptr).pruned, 2u);
 }
 
 TEST(Densify, NeverExceedsTheLimitAndPrefersLargeGradients) {
@@ -124,10 +124,10 @@ TEST(Densify, NeverExceedsTheLimitAndPrefersLargeGradients) {
   options.max_splats = 5;
   TrainState state = state_of({1e-3f, 5e-3f, 2e-3f, 3e-4f}, {0.005f, 0.005f, 0.005f, 0.005f});
   const float wanted = state.parameters.row(row::position)[1];
-  EXPECT_EQ(densify_and_prune(state, options, 1.0).cloned, 1u);
+  EXPECT_EQ(densify_and_prune(state, options, 1.0, nullptr).cloned, 1u);
   ASSERT_EQ(state.parameters.size(), 5u);
   EXPECT_EQ(state.parameters.row(row::position)[4], wanted);
-  EXPECT_EQ(densify_and_prune(state, options, 1.0).cloned, 0u);
+  EXPECT_EQ(densify_and_prune(state, options, 1.0, nullptr).cloned, 0u);
 }
 
 TEST(Densify, ResetLimitsOpacity) {

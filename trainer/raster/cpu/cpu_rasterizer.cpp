@@ -56,8 +56,23 @@ class CpuRasterizer final : public Rasterizer {
     chain_rule(parameters);
   }
 
+  const PlanarFloats& score(const PlanarImage& maps, ScoreWeight weight) override {
+    StageTimer timer(times_, Stage::score);
+    pair_scores_.resize(lists_.entries.size());
+    threads_.for_pieces(lists_.tiles(), 1, [&](std::size_t tile, std::size_t) {
+      ScoreArgs args{tile_args(tile), maps.plane(0), weight, pair_scores_.data()};
+      for (std::uint32_t e = used_[tile]; e < args.tile.count; ++e)
+        pair_scores_[args.tile.entries[e].slot] = {};
+      args.tile.count = used_[tile];
+      kernels_.score(args);
+    });
+    sum_scores();
+    return scores_;
+  }
+
   const PlanarImage& color() const override { return color_; }
   const PlanarFloats& gradient() const override { return gradient_; }
+  PlanarFloats& gradient() override { return gradient_; }
   const float* center_gradient() const override { return center_gradient_.row(0); }
   const std::vector<std::uint8_t>& visible() const override { return visible_; }
   float screen_radius(std::size_t i) const override {
@@ -145,6 +160,27 @@ class CpuRasterizer final : public Rasterizer {
     });
   }
 
+  void sum_scores() {
+    scores_ = PlanarFloats(score::count, splats_.size());
+    threads_.for_pieces(lists_.order.size(), kSplatPiece, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        PairScore total{};
+        for (std::uint32_t slot = lists_.first_slot[k]; slot < lists_.first_slot[k + 1]; ++slot) {
+          const PairScore& p = pair_scores_[slot];
+          total.first += p.first;
+          total.second += p.second;
+          total.contribution += p.contribution;
+          total.pixels += p.pixels;
+        }
+        const std::uint32_t splat = lists_.order[k];
+        scores_.row(score::first)[splat] = total.first;
+        scores_.row(score::second)[splat] = total.second;
+        scores_.row(score::contribution)[splat] = total.contribution;
+        scores_.row(score::pixels)[splat] = total.pixels;
+      }
+    });
+  }
+
   void chain_rule(const PlanarFloats& parameters) {
     if (gradient_.size() != parameters.size() || gradient_.rows() != parameters.rows()) {
       gradient_ = PlanarFloats(parameters.rows(), parameters.size());
@@ -184,6 +220,10 @@ class CpuRasterizer final : public Rasterizer {
   PlanarImage color_;
   std::vector<std::uint32_t> used_;  // per tile: entries blended
   std::uint64_t pixel_pairs_ = 0;
+
+  // Of the last score
+  std::vector<PairScore> pair_scores_;
+  PlanarFloats scores_;
 
   // Of the last backward pass
   std::vector<PairGradient> pairs_;

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "fluxgs/math/projection.h"
+#include "trainer/raster/score.h"
 #include "trainer/simd/isa.h"
 
 namespace fluxgs {
@@ -77,6 +78,18 @@ struct TileArgs {
   std::uint64_t* pairs;  ///< if not null, the number of contributing splat–pixel pairs is added
 };
 
+/// The scores of one splat–tile pair: Σ w·map of two maps, Σ α·T, and how many pixels it reached.
+struct alignas(16) PairScore {
+  float first, second, contribution, pixels;
+};
+
+struct ScoreArgs {
+  TileArgs tile;      ///< color, color_gradient and gradients are not used
+  const float* maps;  ///< 2 planes of pitch·height
+  ScoreWeight weight;
+  PairScore* scores;  ///< indexed by TileEntry::slot
+};
+
 struct GradientArgs {
   const float* parameters;
   std::size_t stride, size;
@@ -100,6 +113,8 @@ struct RasterKernels {
   std::uint32_t (*forward)(const TileArgs&);
   /// Replays the first `count` entries of a tile and writes their pairs' gradients.
   void (*backward)(const TileArgs&);
+  /// Replays the first `count` entries of a tile and writes their pairs' scores.
+  void (*score)(const ScoreArgs&);
   /// Chain rule from the summed pair gradients to the parameters, for splats [begin, end).
   /// Returns how many visible splats had a gradient that is not finite (they become invisible).
   std::uint32_t (*gradient)(const GradientArgs&, std::size_t begin, std::size_t end);

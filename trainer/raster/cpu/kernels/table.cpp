@@ -3,6 +3,6 @@
 namespace fluxgs::FLUXGS_ISA {
 
 extern const RasterKernels kRasterKernels;
-const RasterKernels kRasterKernels{project, bin, forward, backward, gradient};
+const RasterKernels kRasterKernels{project, bin, forward, backward, score, gradient};
 
 }  // namespace fluxgs::FLUXGS_ISA

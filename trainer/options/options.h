@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "fluxgs/error.h"
 #include "fluxgs/render_options.h"
+#include "trainer/options/choices.h"
 
 namespace fluxgs {
 
@@ -15,13 +17,16 @@ namespace fluxgs {
 /// rate (0.05 there in the first release), densification every 500 instead of 100 iterations, and
 /// an SH curriculum that a short run finishes too. Measured on a capture of 84 photos at 200×149,
 /// 2,000 iterations: every 500, 29.84 dB with 32 k splats; every 100, 29.92 dB with 58 k; one SH
-/// degree per 1,000 iterations costs 0.8 dB.
+/// degree per 1,000 iterations costs 0.8 dB. Presets (see preset()) change them.
+///
+/// Iterations at which something happens may be 0 for "depends on the length of the run"; see
+/// resolved(). "Paper" is the Flux-GS paper, with the section.
 struct TrainOptions {
   int iterations = 30000;
   std::uint64_t seed = 1;
 
   // Appearance
-  int sh_degree = 3;           ///< 0…3
+  int sh_degree = 3;           ///< 0…3, until the switch
   int sh_degree_interval = 0;  ///< iterations until the degree in use grows by one; 0: an eighth
                                ///< of the run, at most 1,000 (3DGS)
 
@@ -40,16 +45,37 @@ struct TrainOptions {
 
   double lambda_dssim = 0.2;  ///< weight of 1 − SSIM in the loss, 0…1
 
-  // Densification (3DGS, section 5.2)
+  // Coarse to fine: photos are first halved `coarse_levels` times, then once less, …
+  int coarse_levels = 0;  ///< 0…4
+  int coarse_until = 0;   ///< iteration of the first full size; 0: 3/10 of the run
+
+  // Densification (3DGS, section 5.2; paper, "Accurate Densification")
+  Densify densify = Densify::grad;
   int densify_from = 500;          ///< first iteration at which splats are added
   int densify_until = 0;           ///< last one; 0: half of the iterations, at most 15,000
   int densify_interval = 500;      ///< iterations
   double densify_gradient = 2e-4;  ///< mean |∂L/∂centre| in normalised device coordinates
   double densify_size = 0.01;      ///< × scene extent: smaller splats are cloned, larger ones split
-  double split_shrink = 1.6;       ///< a split splat's scale is divided by this
-  std::uint64_t max_splats = 0;    ///< 0: no limit
+  Split split = Split::random;
+  double split_shrink = 1.6;  ///< a split splat's scale is divided by this
+  double densify_growth = 0;  ///< at most this × the splats are added at once; 0: no limit
+  GrowthRank growth_rank = GrowthRank::gradient;
+  std::uint64_t max_splats = 0;     ///< 0: no limit
+  std::uint64_t target_splats = 0;  ///< splats at the end, whatever the gradients; 0: no target
+
+  // Scores over several views (paper, "Multi-view Alpha-based Densification and Pruning")
+  int score_cameras = 6;  ///< views
+  CameraSampling camera_sampling = CameraSampling::stratified;
+  int azimuth_bins = 12, elevation_bins = 6;  ///< M_θ, M_φ of stratified sampling
+  ScoreWeight score_weight = ScoreWeight::alpha;
+  ScoreLoss score_loss = ScoreLoss::l1_dssim;
+  ScoreUnit score_unit = ScoreUnit::percentile;
+  ScoreShare score_share = ScoreShare::pixel;
+  double tau_plus = 0.1, tau_minus = 0.01;           ///< τ⁺, τ⁻, in score_unit
+  double quantile_plus = 0.6, quantile_minus = 0.1;  ///< Q⁺, Q⁻, 0…1
 
   // Pruning
+  Prune prune = Prune::opacity;
   double prune_opacity = 0.005;
   /// px, applies after the first opacity reset; 0: never. Off, as it is in effect in the first
   /// release of 3DGS, which clears its radii before it compares them. 20, the value in the paper's
@@ -58,6 +84,21 @@ struct TrainOptions {
   double prune_world_size = 0.1;      ///< × scene extent; applies after the first opacity reset
   int opacity_reset_interval = 3000;  ///< iterations; 0: never
   double opacity_reset_to = 0.01;
+  double opacity_cap = 1;  ///< opacities are limited to this after each densification
+
+  // Late pruning, when no splats are added any more
+  LatePrune late_prune = LatePrune::off;
+  int late_prune_from = 0;          ///< iteration; 0: 3/5 of the run
+  int late_prune_interval = 0;      ///< iterations; 0: a tenth of the run
+  int late_prune_until = 0;         ///< last iteration; 0: 9/10 of the run
+  double late_prune_opacity = 0.1;  ///< opacity: splats below may be removed
+  double late_prune_share = 0.01;   ///< contribution: of all α·T, removed each time
+
+  // MCMC (Kheradmand et al. 2024)
+  double mcmc_growth = 0.05;          ///< × the splats there are, at each densification
+  double mcmc_noise = 5e5;            ///< × the rate of positions
+  double mcmc_opacity_weight = 0.01;  ///< of the mean opacity in the loss
+  double mcmc_scale_weight = 0.01;    ///< of the mean standard deviation in the loss
 
   // Start
   double initial_opacity = 0.1;
@@ -77,14 +118,23 @@ Expected<TrainOptions> preset(std::string_view name);
 /// Checks every option's range; the error names the option and the range.
 Expected<void> validate(const TrainOptions& options);
 
-/// One number of the options by name, for the command line, reports and checkpoints.
+/// An enumeration among the options.
+struct OptionChoice {
+  std::span<const std::string_view> names;  ///< empty: the option is a number
+  int (*get)(const TrainOptions&) = nullptr;
+  void (*set)(TrainOptions&, int) = nullptr;
+};
+
+/// One of the options by name, for the command line, reports and checkpoints.
 struct OptionField {
   const char* name;  ///< as on the command line, without the dashes
   const char* help;
-  double low, high;             ///< accepted range
-  int TrainOptions::* integer;  // exactly one of these three is set
-  double TrainOptions::* real;
-  std::uint64_t TrainOptions::* natural;
+  double low, high;  ///< accepted range of a number
+  // exactly one of these four is set
+  int TrainOptions::* integer = nullptr;
+  double TrainOptions::* real = nullptr;
+  std::uint64_t TrainOptions::* natural = nullptr;
+  OptionChoice choice = {};
 };
 
 const std::vector<OptionField>& option_fields();

@@ -1,0 +1,25 @@
+// Which views a scene is judged from.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "trainer/base/random.h"
+#include "trainer/data/dataset.h"
+#include "trainer/options/options.h"
+
+namespace fluxgs {
+
+/// Groups of photos (by index) whose cameras lie in the same bin of azimuth and elevation around
+/// the point that they look at (paper, "Stratified Camera Sampling"): the point nearest to all view
+/// directions, or where these are parallel the mean of the points at their focus distances. Empty
+/// bins are left out.
+std::vector<std::vector<std::uint32_t>> camera_bins(const std::vector<Photo>& photos, int azimuth,
+                                                    int elevation);
+
+/// Draws `score_cameras` different photos, or all of them if there are fewer. Stratified: one from
+/// each bin, the bins in random order; then a second one from each, where that does not suffice.
+std::vector<std::uint32_t> sample_cameras(const std::vector<Photo>& photos,
+                                          const TrainOptions& options, Random& random);
+
+}  // namespace fluxgs

@@ -1,0 +1,159 @@
+#include "trainer/densify/mcmc.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <glm/gtc/quaternion.hpp>
+
+namespace fluxgs {
+namespace {
+
+constexpr std::size_t kPiece = 1024;  // splats
+constexpr int kMaxCopies = 51;        // in one place; as the first release of the method does
+
+double sigmoid(double x) { return 1 / (1 + std::exp(-x)); }
+double logit(double p) { return std::log(p / (1 - p)); }
+
+double opacity_of(const PlanarFloats& p, std::size_t i) {
+  return sigmoid(static_cast<double>(p.row(row::opacity)[i]));
+}
+
+/// Draws among `from` in proportion to opacity.
+std::vector<std::uint32_t> draw(const PlanarFloats& p, const std::vector<std::uint32_t>& from,
+                                std::size_t count, Random& random) {
+  std::vector<double> sums(from.size());
+  double total = 0;
+  for (std::size_t k = 0; k < from.size(); ++k) sums[k] = total += opacity_of(p, from[k]);
+  std::vector<std::uint32_t> drawn(count);
+  for (std::uint32_t& d : drawn) {
+    const auto at = std::ranges::upper_bound(sums, uniform(random) * total);
+    d = from[static_cast<std::size_t>(std::min(at, sums.end() - 1) - sums.begin())];
+  }
+  return drawn;
+}
+
+/// Makes splat i one of `copies` in its place.
+void share(PlanarFloats& p, std::size_t i, int copies) {
+  const Shared s = shared_among(opacity_of(p, i), copies);
+  p.row(row::opacity)[i] = static_cast<float>(logit(std::clamp(s.opacity, 0.005, 1 - 1e-6)));
+  for (int c = 0; c < 3; ++c) p.row(row::log_scale + c)[i] += static_cast<float>(std::log(s.scale));
+}
+
+/// Divides every drawn splat among itself and its copies.
+void share_all(TrainState& state, const std::vector<std::uint32_t>& drawn) {
+  std::vector<int> copies(state.parameters.size(), 1);
+  for (std::uint32_t d : drawn) ++copies[d];
+  for (std::size_t i = 0; i < copies.size(); ++i) {
+    if (copies[i] == 1) continue;
+    share(state.parameters, i, std::min(copies[i], kMaxCopies));
+    for (int r = 0; r < state.parameters.rows(); ++r)
+      state.adam.first.row(r)[i] = state.adam.second.row(r)[i] = 0;
+  }
+}
+
+void copy_splat(PlanarFloats& p, std::size_t from, std::size_t to) {
+  for (int r = 0; r < p.rows(); ++r) p.row(r)[to] = p.row(r)[from];
+}
+
+std::size_t relocate(TrainState& state, const TrainOptions& options) {
+  std::vector<std::uint32_t> dead, alive;
+  for (std::uint32_t i = 0; i < state.parameters.size(); ++i)
+    (opacity_of(state.parameters, i) <= options.prune_opacity ? dead : alive).push_back(i);
+  if (alive.empty() || dead.empty()) return 0;
+  const auto drawn = draw(state.parameters, alive, dead.size(), state.random);
+  share_all(state, drawn);
+  for (std::size_t k = 0; k < dead.size(); ++k) {
+    copy_splat(state.parameters, drawn[k], dead[k]);
+    for (int r = 0; r < state.parameters.rows(); ++r)
+      state.adam.first.row(r)[dead[k]] = state.adam.second.row(r)[dead[k]] = 0;
+  }
+  return dead.size();
+}
+
+std::size_t grow(TrainState& state, const TrainOptions& options) {
+  const std::size_t size = state.parameters.size();
+  const std::uint64_t cap = options.target_splats > 0 ? options.target_splats : options.max_splats;
+  const auto wanted =
+      static_cast<std::uint64_t>((1 + options.mcmc_growth) * static_cast<double>(size));
+  const std::uint64_t count = cap > 0 ? std::min(cap, wanted) : wanted;
+  if (count <= size) return 0;
+  std::vector<std::uint32_t> all(size);
+  std::iota(all.begin(), all.end(), 0u);
+  const auto drawn = draw(state.parameters, all, count - size, state.random);
+  share_all(state, drawn);
+  std::vector<std::uint32_t> order = all, moments = all;
+  order.insert(order.end(), drawn.begin(), drawn.end());
+  moments.resize(order.size(), PlanarFloats::kNew);
+  state.parameters = state.parameters.gather(order);
+  state.adam.first = state.adam.first.gather(moments);
+  state.adam.second = state.adam.second.gather(moments);
+  return count - size;
+}
+
+}  // namespace
+
+Shared shared_among(double opacity, int copies) {
+  const double each = 1 - std::pow(1 - opacity, 1.0 / copies);
+  double denominator = 0;
+  for (int i = 1; i <= copies; ++i) {
+    double binomial = 1, power = each;  // C(i−1, k) and oᵏ⁺¹
+    for (int k = 0; k < i; ++k) {
+      denominator += binomial * (k % 2 == 0 ? power : -power) / std::sqrt(k + 1.0);
+      binomial *= static_cast<double>(i - 1 - k) / (k + 1);
+      power *= each;
+    }
+  }
+  return {each, opacity / denominator};
+}
+
+DensifyCounts relocate_and_grow(TrainState& state, const TrainOptions& options) {
+  DensifyCounts counts;
+  counts.pruned = relocate(state, options);
+  counts.cloned = grow(state, options);
+  state.statistics = PlanarFloats(statistic::count, state.parameters.size());
+  return counts;
+}
+
+void add_noise(TrainState& state, const TrainOptions& options, double rate,
+               const Threads& threads) {
+  constexpr double kSteepness = 100, kThreshold = 0.005;
+  PlanarFloats& p = state.parameters;
+  const std::uint64_t seed = state.random();
+  threads.for_pieces(p.size(), kPiece, [&](std::size_t begin, std::size_t end) {
+    Random random(seed + begin);
+    for (std::size_t i = begin; i < end; ++i) {
+      const double amount = sigmoid(kSteepness * (kThreshold - opacity_of(p, i)));
+      if (amount < 1e-6) continue;
+      glm::dvec3 noise(normal(random), normal(random), normal(random));
+      const auto q = [&](int c) { return static_cast<double>(p.row(row::rotation + c)[i]); };
+      const glm::dquat raw(q(0), q(1), q(2), q(3));
+      if (!(glm::length(raw) > 0)) continue;
+      const glm::dquat rotation = glm::normalize(raw);
+      noise = glm::conjugate(rotation) * noise;
+      for (int c = 0; c < 3; ++c)  // Σ = R·S²·Rᵀ
+        noise[c] *= std::exp(2 * static_cast<double>(p.row(row::log_scale + c)[i]));
+      noise = rotation * noise * (amount * rate * options.mcmc_noise);
+      for (int c = 0; c < 3; ++c) p.row(row::position + c)[i] += static_cast<float>(noise[c]);
+    }
+  });
+}
+
+void add_penalties(const PlanarFloats& parameters, const std::vector<std::uint8_t>& visible,
+                   const TrainOptions& options, PlanarFloats& gradient, const Threads& threads) {
+  const double n = static_cast<double>(parameters.size());
+  const auto opacity = static_cast<float>(options.mcmc_opacity_weight / n);
+  const auto scale = static_cast<float>(options.mcmc_scale_weight / (3 * n));
+  threads.for_pieces(parameters.size(), kPiece, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!visible[i]) continue;
+      const float o = 1 / (1 + std::exp(-parameters.row(row::opacity)[i]));
+      gradient.row(row::opacity)[i] += opacity * o * (1 - o);
+      for (int c = 0; c < 3; ++c)
+        gradient.row(row::log_scale + c)[i] +=
+            scale * std::exp(parameters.row(row::log_scale + c)[i]);
+    }
+  });
+}
+
+}  // namespace fluxgs
