@@ -1,11 +1,10 @@
-// Adam, density control and the first splats.
+// Adam, the first splats and the options.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "fluxgs/math/spherical_harmonics.h"
 #include "support/scenes.h"
-#include "trainer/densify/density_control.h"
 #include "trainer/model/adam.h"
 #include "trainer/model/initialize.h"
 #include "trainer/options/options.h"
@@ -47,97 +46,6 @@ TEST_P(Adam, FollowsItsDefinitionForVisibleSplatsOnly) {
       ASSERT_NEAR(p.row(r)[i], x, 2e-4 * rate + 1e-6 * std::abs(x))
           << "row " << r << ", splat " << i;
     }
-}
-
-/// A state of `n` splats with the given mean gradients and scales.
-TrainState state_of(const std::vector<float>& gradients, const std::vector<float>& scales) {
-  const std::size_t n = gradients.size();
-  TrainState state;
-  SplatCloud cloud = test::random_cloud(n, 0, 3);
-  for (std::size_t i = 0; i < n; ++i) {
-    cloud.log_scales[i] = glm::vec3(std::log(scales[i]));
-    cloud.opacity_logits[i] = 0;
-  }
-  state.parameters = to_parameters(cloud, 0);
-  state.adam = {PlanarFloats(state.parameters.rows(), n), PlanarFloats(state.parameters.rows(), n)};
-  state.statistics = PlanarFloats(statistic::count, n);
-  for (std::size_t i = 0; i < n; ++i) {
-    state.statistics.row(statistic::gradient_sum)[i] = 4 * gradients[i];
-    state.statistics.row(statistic::views)[i] = 4;
-    for (int r = 0; r < state.parameters.rows(); ++r)
-      state.adam.first.row(r)[i] = static_cast<float>(i + 1);
-  }
-  state.iteration = 600;
-  return state;
-}
-
-TEST(Densify, ClonesSmallSplitsLargeKeepsTheRest) {
-  const TrainOptions options;  // gradient 2e-4; size 0.01 of the extent
-  TrainState state = state_of({1e-3f, 1e-3f, 1e-5f}, {0.005f, 0.05f, 0.005f});
-  const PlanarFloats before = state.parameters;
-  const DensifyCounts counts = densify_and_prune(state, options, 1.0, nullptr);
-  EXPECT_EQ(counts.cloned, 1u);
-  EXPECT_EQ(counts.split, 1u);
-  EXPECT_EQ(counts.pruned, 0u);
-  // Splats 0 and 2 stay, then the clone of 0, then the halves of 1
-  ASSERT_EQ(state.parameters.size(), 5u);
-  for (int r = 0; r < before.rows(); ++r) {
-    EXPECT_EQ(state.parameters.row(r)[0], before.row(r)[0]);
-    EXPECT_EQ(state.parameters.row(r)[1], before.row(r)[2]);
-    EXPECT_EQ(state.parameters.row(r)[2], before.row(r)[0]);
-    EXPECT_EQ(state.adam.first.row(r)[0], 1);
-    EXPECT_EQ(state.adam.first.row(r)[1], 3);
-    for (std::size_t i = 2; i < 5; ++i) EXPECT_EQ(state.adam.first.row(r)[i], 0);
-  }
-  for (std::size_t half : {3u, 4u}) {
-    EXPECT_NEAR(state.parameters.row(row::log_scale)[half], std::log(0.05 / 1.6), 1e-5);
-    double distance = 0;
-    for (int c = 0; c < 3; ++c)
-      distance += std::pow(
-          state.parameters.row(row::position + c)[half] - before.row(row::position + c)[1], 2);
-    EXPECT_GT(distance, 0);
-    EXPECT_LT(std::sqrt(distance), 0.05 * 6);
-    EXPECT_EQ(state.parameters.row(row::sh_dc)[half], before.row(row::sh_dc)[1]);
-  }
-  for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(state.statistics.row(statistic::views)[i], 0);
-}
-
-TEST(Densify, PrunesTransparentAndOversizedSplats) {
-  TrainOptions options;
-  options.prune_screen_radius = 20;
-  TrainState state = state_of({0, 0, 0, 0}, {0.01f, 0.01f, 0.2f, 0.01f});
-  state.parameters.row(row::opacity)[1] = -6;        // sigmoid(−6) = 0.0025 < 0.005
-  state.statistics.row(statistic::radius)[3] = 21;   // > 20 px
-  state.iteration = options.opacity_reset_interval;  // sizes do not count yet
-  TrainState later = state, any_radius = state;
-  EXPECT_EQ(densify_and_prune(state, options, 1.0, nullptr).pruned, 1u);
-  later.iteration = options.opacity_reset_interval + 1;
-  EXPECT_EQ(densify_and_prune(later, options, 1.0, nullptr).pruned, 3u);
-  EXPECT_EQ(later.parameters.size(), 1u);
-  any_radius.iteration = options.opacity_reset_interval + 1;
-  options.prune_screen_radius = 0;
-  EXPECT_EQ(densify_and_prune(any_radius, options, 1.0, nullptr).pruned, 2u);
-}
-
-TEST(Densify, NeverExceedsTheLimitAndPrefersLargeGradients) {
-  TrainOptions options;
-  options.max_splats = 5;
-  TrainState state = state_of({1e-3f, 5e-3f, 2e-3f, 3e-4f}, {0.005f, 0.005f, 0.005f, 0.005f});
-  const float wanted = state.parameters.row(row::position)[1];
-  EXPECT_EQ(densify_and_prune(state, options, 1.0, nullptr).cloned, 1u);
-  ASSERT_EQ(state.parameters.size(), 5u);
-  EXPECT_EQ(state.parameters.row(row::position)[4], wanted);
-  EXPECT_EQ(densify_and_prune(state, options, 1.0, nullptr).cloned, 0u);
-}
-
-TEST(Densify, ResetLimitsOpacity) {
-  TrainState state = state_of({0, 0}, {1, 1});
-  state.parameters.row(row::opacity)[1] = -8;
-  reset_opacity(state, TrainOptions{});
-  EXPECT_NEAR(state.parameters.row(row::opacity)[0], std::log(0.01 / 0.99), 1e-5);
-  EXPECT_EQ(state.parameters.row(row::opacity)[1], -8);
-  EXPECT_EQ(state.adam.first.row(row::opacity)[0], 0);
-  EXPECT_EQ(state.adam.first.row(row::position)[0], 1);
 }
 
 TEST(Initialize, ScaleIsTheDistanceToTheThreeNearestNeighbours) {

@@ -1,0 +1,244 @@
+// Which splats grow, which go, and what becomes of them.
+#include "trainer/densify/density_control.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/scenes.h"
+
+namespace fluxgs {
+namespace {
+
+/// A state of `n` splats with the given mean gradients and scales.
+TrainState state_of(const std::vector<float>& gradients, const std::vector<float>& scales) {
+  const std::size_t n = gradients.size();
+  TrainState state;
+  SplatCloud cloud = test::random_cloud(n, 0, 3);
+  for (std::size_t i = 0; i < n; ++i) {
+    cloud.log_scales[i] = glm::vec3(std::log(scales[i]));
+    cloud.opacity_logits[i] = 0;
+  }
+  state.parameters = to_parameters(cloud, 0);
+  state.adam = {PlanarFloats(state.parameters.rows(), n), PlanarFloats(state.parameters.rows(), n)};
+  state.statistics = PlanarFloats(statistic::count, n);
+  for (std::size_t i = 0; i < n; ++i) {
+    state.statistics.row(statistic::gradient_sum)[i] = 4 * gradients[i];
+    state.statistics.row(statistic::views)[i] = 4;
+    for (int r = 0; r < state.parameters.rows(); ++r)
+      state.adam.first.row(r)[i] = static_cast<float>(i + 1);
+  }
+  state.iteration = 600;
+  return state;
+}
+
+TEST(Densify, ClonesSmallSplitsLargeKeepsTheRest) {
+  const TrainOptions options;  // gradient 2e-4; size 0.01 of the extent
+  TrainState state = state_of({1e-3f, 1e-3f, 1e-5f}, {0.005f, 0.05f, 0.005f});
+  const PlanarFloats before = state.parameters;
+  const DensifyCounts counts = densify_and_prune(state, options, 1.0, nullptr);
+  EXPECT_EQ(counts.cloned, 1u);
+  EXPECT_EQ(counts.split, 1u);
+  EXPECT_EQ(counts.pruned, 0u);
+  // Splats 0 and 2 stay, then the clone of 0, then the halves of 1
+  ASSERT_EQ(state.parameters.size(), 5u);
+  for (int r = 0; r < before.rows(); ++r) {
+    EXPECT_EQ(state.parameters.row(r)[0], before.row(r)[0]);
+    EXPECT_EQ(state.parameters.row(r)[1], before.row(r)[2]);
+    EXPECT_EQ(state.parameters.row(r)[2], before.row(r)[0]);
+    EXPECT_EQ(state.adam.first.row(r)[0], 1);
+    EXPECT_EQ(state.adam.first.row(r)[1], 3);
+    for (std::size_t i = 2; i < 5; ++i) EXPECT_EQ(state.adam.first.row(r)[i], 0);
+  }
+  for (std::size_t half : {3u, 4u}) {
+    EXPECT_NEAR(state.parameters.row(row::log_scale)[half], std::log(0.05 / 1.6), 1e-5);
+    double distance = 0;
+    for (int c = 0; c < 3; ++c)
+      distance += std::pow(
+          state.parameters.row(row::position + c)[half] - before.row(row::position + c)[1], 2);
+    EXPECT_GT(distance, 0);
+    EXPECT_LT(std::sqrt(distance), 0.05 * 6);
+    EXPECT_EQ(state.parameters.row(row::sh_dc)[half], before.row(row::sh_dc)[1]);
+  }
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(state.statistics.row(statistic::views)[i], 0);
+}
+
+TEST(Densify, PrunesTransparentAndOversizedSplats) {
+  TrainOptions options;
+  options.prune_screen_radius = 20;
+  TrainState state = state_of({0, 0, 0, 0}, {0.01f, 0.01f, 0.2f, 0.01f});
+  state.parameters.row(row::opacity)[1] = -6;        // sigmoid(−6) = 0.0025 < 0.005
+  state.statistics.row(statistic::radius)[3] = 21;   // > 20 px
+  state.iteration = options.opacity_reset_interval;  // sizes do not count yet
+  TrainState later = state, any_radius = state;
+  EXPECT_EQ(densify_and_prune(state, options, 1.0, nullptr).pruned, 1u);
+  later.iteration = options.opacity_reset_interval + 1;
+  EXPECT_EQ(densify_and_prune(later, options, 1.0, nullptr).pruned, 3u);
+  EXPECT_EQ(later.parameters.size(), 1u);
+  any_radius.iteration = options.opacity_reset_interval + 1;
+  options.prune_screen_radius = 0;
+  EXPECT_EQ(densify_and_prune(any_radius, options, 1.0, nullptr).pruned, 2u);
+}
+
+TEST(Densify, NeverExceedsTheLimitAndPrefersLargeGradients) {
+  TrainOptions options;
+  options.max_splats = 5;
+  TrainState state = state_of({1e-3f, 5e-3f, 2e-3f, 3e-4f}, {0.005f, 0.005f, 0.005f, 0.005f});
+  const float wanted = state.parameters.row(row::position)[1];
+  EXPECT_EQ(densify_and_prune(state, options, 1.0, nullptr).cloned, 1u);
+  ASSERT_EQ(state.parameters.size(), 5u);
+  EXPECT_EQ(state.parameters.row(row::position)[4], wanted);
+  EXPECT_EQ(densify_and_prune(state, options, 1.0, nullptr).cloned, 0u);
+}
+
+TEST(Densify, ResetLimitsOpacity) {
+  TrainState state = state_of({0, 0}, {1, 1});
+  state.parameters.row(row::opacity)[1] = -8;
+  reset_opacity(state, TrainOptions{});
+  EXPECT_NEAR(state.parameters.row(row::opacity)[0], std::log(0.01 / 0.99), 1e-5);
+  EXPECT_EQ(state.parameters.row(row::opacity)[1], -8);
+  EXPECT_EQ(state.adam.first.row(row::opacity)[0], 0);
+  EXPECT_EQ(state.adam.first.row(row::position)[0], 1);
+}
+
+/// Scores that say of every splat that it covers ten pixels.
+SplatScores scores_of(std::vector<float> plus, std::vector<float> minus,
+                      std::vector<float> contribution) {
+  const std::size_t n = plus.size();
+  return {std::move(plus), std::move(minus), std::move(contribution), std::vector<float>(n, 10.0f)};
+}
+
+TEST(Densify, GrowsOnlyWhereSeveralViewsSeeErrors) {
+  TrainOptions options;
+  options.quantile_plus = 0.5;
+  TrainState state = state_of({1e-3f, 1e-3f, 1e-3f, 1e-5f}, {0.005f, 0.005f, 0.005f, 0.005f});
+  const float wanted = state.parameters.row(row::position)[2];
+  const SplatScores scores = scores_of({0.1f, 0.2f, 0.9f, 0.8f}, {0, 0, 0, 0}, {1, 1, 1, 1});
+  const DensifyCounts counts = densify_and_prune(state, options, 1.0, &scores);
+  // The median is 0.2: 2 and 3 are above it, and of these 2 has a large gradient
+  EXPECT_EQ(counts.cloned, 1u);
+  ASSERT_EQ(state.parameters.size(), 5u);
+  EXPECT_EQ(state.parameters.row(row::position)[4], wanted);
+}
+
+TEST(Densify, UnseenSplatsDoNotCountInQuantiles) {
+  SplatScores scores = scores_of({0, 0, 0, 1, 2, 3}, {0, 0, 0, 0, 0, 0}, {0, 0, 0, 1, 1, 1});
+  for (std::size_t i = 0; i < 3; ++i) scores.pixels[i] = 0;
+  EXPECT_EQ(score_quantile(scores.plus, scores, 0.5, ScoreShare::pixel), 2);
+  EXPECT_EQ(score_quantile(scores.plus, scores, 0.5, ScoreShare::sum), 0);
+  const SplatScores none;
+  EXPECT_EQ(score_quantile(none.plus, none, 0.5, ScoreShare::pixel), -1);
+}
+
+TEST(Densify, ModeratePruningSparesWhatHasNoPartInGoodPixels) {
+  TrainOptions options;
+  options.prune = Prune::multiview;
+  options.quantile_minus = 0.5;
+  TrainState state = state_of({0, 0, 0}, {0.005f, 0.005f, 0.005f});
+  for (std::size_t i = 0; i < 2; ++i) state.parameters.row(row::opacity)[i] = -6;
+  const float kept = state.parameters.row(row::position)[0];
+  const SplatScores scores = scores_of({0, 0, 0}, {0.1f, 0.9f, 0.2f}, {1, 1, 1});
+  EXPECT_EQ(densify_and_prune(state, options, 1.0, &scores).pruned, 1u);
+  EXPECT_EQ(state.parameters.row(row::position)[0], kept);
+  options.prune = Prune::none;
+  EXPECT_EQ(densify_and_prune(state, options, 1.0, nullptr).pruned, 0u);
+}
+
+TEST(Densify, ATargetIsReachedInEqualSteps) {
+  TrainOptions options;
+  options.densify_from = 100, options.densify_interval = 100, options.densify_until = 300;
+  options.target_splats = 16;
+  TrainState state = state_of(std::vector<float>(10, 1e-9f), std::vector<float>(10, 0.005f));
+  for (std::size_t expected : {12u, 14u, 16u, 16u}) {
+    state.iteration = static_cast<int>(100 + 100 * (expected - 12) / 2);
+    densify_and_prune(state, options, 1.0, nullptr);
+    EXPECT_EQ(state.parameters.size(), expected);
+    if (expected == 16) state.iteration = 300;
+  }
+}
+
+TEST(Densify, GrowthIsLimitedAndTheRankDecides) {
+  TrainOptions options;
+  options.densify_growth = 0.25;
+  options.quantile_plus = 0;
+  options.growth_rank = GrowthRank::error;
+  TrainState state = state_of({1e-3f, 2e-3f, 3e-3f, 4e-3f}, std::vector<float>(4, 0.005f));
+  TrainState same = state;
+  const float by_error = state.parameters.row(row::position)[1],
+              by_gradient = state.parameters.row(row::position)[3];
+  const SplatScores scores = scores_of({0.1f, 0.9f, 0.2f, 0.3f}, {0, 0, 0, 0}, {1, 1, 1, 1});
+  EXPECT_EQ(densify_and_prune(state, options, 1.0, &scores).cloned, 1u);
+  EXPECT_EQ(state.parameters.row(row::position)[4], by_error);
+  options.growth_rank = GrowthRank::gradient;
+  densify_and_prune(same, options, 1.0, &scores);
+  EXPECT_EQ(same.parameters.row(row::position)[4], by_gradient);
+}
+
+TEST(Densify, LongAxisSplitsLieSideBySide) {
+  TrainOptions options;
+  options.split = Split::long_axis;
+  TrainState state = state_of({1e-3f}, {0.02f});
+  PlanarFloats& p = state.parameters;
+  p.row(row::log_scale + 1)[0] = std::log(0.2f);
+  for (int c = 0; c < 4; ++c) p.row(row::rotation + c)[0] = c == 0 ? 2.0f : 0.0f;
+  const PlanarFloats before = p;
+  EXPECT_EQ(densify_and_prune(state, options, 1.0, nullptr).split, 1u);
+  ASSERT_EQ(p.size(), 2u);
+  for (std::size_t half : {0u, 1u}) {
+    const double side = half == 0 ? 1 : -1;
+    EXPECT_NEAR(p.row(row::position + 1)[half], before.row(row::position + 1)[0] + side * 0.15,
+                1e-6);
+    EXPECT_EQ(p.row(row::position)[half], before.row(row::position)[0]);
+    EXPECT_NEAR(std::exp(p.row(row::log_scale + 1)[half]), 0.1, 1e-6);
+    EXPECT_NEAR(std::exp(p.row(row::log_scale)[half]), 0.02 * 0.85, 1e-6);
+    EXPECT_NEAR(p.row(row::opacity)[half], std::log(0.3 / 0.7), 1e-5);
+  }
+}
+
+TEST(Densify, OpacitiesAreCapped) {
+  TrainOptions options;
+  options.opacity_cap = 0.8;
+  TrainState state = state_of({0, 0}, {0.005f, 0.005f});
+  state.parameters.row(row::opacity)[0] = 5;
+  densify_and_prune(state, options, 1.0, nullptr);
+  EXPECT_NEAR(state.parameters.row(row::opacity)[0], std::log(0.8 / 0.2), 1e-5);
+  EXPECT_EQ(state.parameters.row(row::opacity)[1], 0);
+}
+
+TEST(LatePrune, RemovesFaintSplatsOfGoodPixels) {
+  TrainOptions options;
+  options.late_prune = LatePrune::opacity;
+  options.quantile_minus = 0.25;
+  TrainState state = state_of({0, 0, 0, 0}, std::vector<float>(4, 0.005f));
+  for (std::size_t i = 0; i < 3; ++i) state.parameters.row(row::opacity)[i] = -3;  // 0.047 < 0.1
+  TrainState target = state;
+  const SplatScores scores = scores_of({0, 0, 0, 0}, {0.1f, 0.9f, 0.8f, 0.7f}, {1, 1, 1, 1});
+  EXPECT_EQ(prune_late(state, options, scores).pruned, 2u);
+  options.target_splats = 3;  // never below
+  EXPECT_EQ(prune_late(target, options, scores).pruned, 1u);
+}
+
+TEST(LatePrune, RemovesTheLeastPartOfThePictures) {
+  TrainOptions options;
+  options.late_prune = LatePrune::contribution;
+  options.late_prune_share = 0.1;
+  TrainState state = state_of({0, 0, 0, 0}, std::vector<float>(4, 0.005f));
+  const float last = state.parameters.row(row::position)[3];
+  // Of 100 in all, 4 + 5 may go, the next would be too much
+  const SplatScores scores = scores_of({0, 0, 0, 0}, {0, 0, 0, 0}, {5, 4, 21, 70});
+  EXPECT_EQ(prune_late(state, options, scores).pruned, 2u);
+  ASSERT_EQ(state.parameters.size(), 2u);
+  EXPECT_EQ(state.parameters.row(row::position)[1], last);
+}
+
+TEST(LatePrune, KeepsTheLargestContributions) {
+  TrainState state = state_of({0, 0, 0}, std::vector<float>(3, 0.005f));
+  const float kept = state.parameters.row(row::position)[1];
+  EXPECT_EQ(prune_to(state, 1, scores_of({0, 0, 0}, {0, 0, 0}, {1, 3, 2})).pruned, 2u);
+  ASSERT_EQ(state.parameters.size(), 1u);
+  EXPECT_EQ(state.parameters.row(row::position)[0], kept);
+  EXPECT_EQ(prune_to(state, 5, scores_of({0}, {0}, {1})).pruned, 0u);
+}
+
+}  // namespace
+}  // namespace fluxgs
