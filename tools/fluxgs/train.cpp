@@ -4,6 +4,7 @@
 #include <atomic>
 #include <csignal>
 #include <filesystem>
+#include <limits>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -151,6 +152,28 @@ Expected<Run> resume_run(TrainSettings& settings) {
              checkpoint->photos_hash};
 }
 
+std::size_t most_initial(const TrainOptions& options) {
+  std::size_t most = std::numeric_limits<std::size_t>::max();
+  for (const std::uint64_t limit :
+       {options.max_splats, options.target_splats, options.initial_splats})
+    if (limit > 0) most = std::min<std::size_t>(most, limit);
+  return most;
+}
+
+/// Every n-th point keeps the cloud's coverage.
+void thin_out(PointCloud& points, std::size_t most) {
+  const std::size_t count = points.positions.size();
+  if (count <= most) return;
+  const double step = static_cast<double>(count) / static_cast<double>(most);
+  for (std::size_t i = 0; i < most; ++i) {
+    const auto from = static_cast<std::size_t>(static_cast<double>(i) * step);
+    points.positions[i] = points.positions[from];
+    points.colors[i] = points.colors[from];
+  }
+  points.positions.resize(most);
+  points.colors.resize(most);
+}
+
 Expected<Run> new_run(const TrainSettings& settings, const Threads& threads) {
   const auto options = options_from(settings);
   if (!options) return std::unexpected(options.error());
@@ -158,18 +181,7 @@ Expected<Run> new_run(const TrainSettings& settings, const Threads& threads) {
   if (!data) return std::unexpected(data.error());
   auto points = initial_points(*data, options->seed, show_progress("pairs"));
   if (!points) return std::unexpected(points.error());
-  if (options->max_splats > 0 && points->positions.size() > options->max_splats) {
-    // Every n-th point keeps the cloud's coverage
-    const double step =
-        static_cast<double>(points->positions.size()) / static_cast<double>(options->max_splats);
-    for (std::size_t i = 0; i < options->max_splats; ++i) {
-      const auto from = static_cast<std::size_t>(static_cast<double>(i) * step);
-      points->positions[i] = points->positions[from];
-      points->colors[i] = points->colors[from];
-    }
-    points->positions.resize(options->max_splats);
-    points->colors.resize(options->max_splats);
-  }
+  thin_out(*points, most_initial(*options));
   spdlog::info("{} initial splats ({})", points->positions.size(), points->source);
   TrainState state = initial_state(*data, *points, *options, threads);
   const std::uint64_t photos_hash = hash_photos(data->train);

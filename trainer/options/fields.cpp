@@ -141,6 +141,7 @@ const std::vector<OptionField>& option_fields() {
            0, 10),
       real("mcmc-scale-weight", "weight of the mean standard deviation in the loss",
            &O::mcmc_scale_weight, 0, 10),
+      natural("initial-splats", "so many of the points become splats (0: all)", &O::initial_splats),
       real("initial-opacity", "opacity of the first splats", &O::initial_opacity, 1e-3, 0.99),
   };
   return fields;

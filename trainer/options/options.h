@@ -101,6 +101,7 @@ struct TrainOptions {
   double mcmc_scale_weight = 0.01;    ///< of the mean standard deviation in the loss
 
   // Start
+  std::uint64_t initial_splats = 0;  ///< every n-th point, so that they are this many; 0: all
   double initial_opacity = 0.1;
 
   RenderOptions render;
