@@ -48,6 +48,12 @@ PlanarFloats PlanarFloats::gather(const std::vector<std::uint32_t>& order) const
   return out;
 }
 
+int sh_degree_of(const PlanarFloats& parameters) {
+  int degree = 0;
+  while (degree < 3 && row::count(degree) < parameters.rows()) ++degree;
+  return degree;
+}
+
 PlanarFloats to_parameters(const SplatCloud& cloud, int sh_degree) {
   PlanarFloats p(row::count(sh_degree), cloud.size());
   const int rest = sh_rest_count(cloud.sh_degree);

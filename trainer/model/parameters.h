@@ -55,6 +55,9 @@ class PlanarFloats {
   std::unique_ptr<float[], Free> data_;
 };
 
+/// The degree of the harmonics that rows of parameters hold, 0…3.
+int sh_degree_of(const PlanarFloats& parameters);
+
 /// The parameters of a cloud, at degree `sh_degree` ≥ the cloud's own (missing bands are zero).
 PlanarFloats to_parameters(const SplatCloud& cloud, int sh_degree);
 SplatCloud to_cloud(const PlanarFloats& parameters, int sh_degree);

@@ -21,12 +21,6 @@ RasterConstants constants_of(const RenderOptions& o) {
           {f(o.background.x), f(o.background.y), f(o.background.z)}};
 }
 
-int degree_of(const PlanarFloats& parameters) {
-  int degree = 0;
-  while (row::count(degree) < parameters.rows()) ++degree;
-  return degree;
-}
-
 class CpuRasterizer final : public Rasterizer {
  public:
   CpuRasterizer(const Threads& threads, StageTimes& times, const CpuRasterizerOptions& options)
@@ -39,7 +33,7 @@ class CpuRasterizer final : public Rasterizer {
                const RenderOptions& options) override {
     view_ = math::make_view<float>(camera, options);
     constants_ = constants_of(options);
-    sh_degree_ = std::min(options.sh_degree, degree_of(parameters));
+    sh_degree_ = std::min(options.sh_degree, sh_degree_of(parameters));
     project(parameters);
     {
       StageTimer timer(times_, Stage::sort);

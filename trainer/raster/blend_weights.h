@@ -1,0 +1,31 @@
+// How much of one picture each splat makes up.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "trainer/raster/rasterizer.h"
+
+namespace fluxgs {
+
+/// Σ α·T over the pixels of a view for each splat: the weight with which its colour enters the
+/// picture. Obtained through the rasteriser's backward pass, so it is right for every backend.
+class BlendWeights {
+ public:
+  /// `threads` must outlive this. Colours do not matter, but a splat whose colour is not finite is
+  /// not drawn, as in training.
+  BlendWeights(const PlanarFloats& parameters, const RenderOptions& options,
+               const Threads& threads);
+
+  /// One finite weight ≥ 0 a splat, 0 where it is not seen; valid until the next call.
+  const std::vector<float>& of(const Camera& camera);
+
+ private:
+  PlanarFloats grey_;
+  RenderOptions options_;
+  StageTimes times_;
+  std::unique_ptr<Rasterizer> rasterizer_;
+  std::vector<float> weights_;
+};
+
+}  // namespace fluxgs
