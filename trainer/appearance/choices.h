@@ -1,8 +1,9 @@
-// What can be chosen about appearance, by the names of the command line. Nothing is included, so
-// that the options of training may hold these types.
+// What can be chosen about appearance, by the names of the command line. Nothing of ours is
+// included, so that the options of training may hold these types.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <string_view>
 
 namespace fluxgs {

@@ -13,8 +13,8 @@ namespace fluxgs {
 
 /// Unit directions and weights that add up to 1: Σ wₖ·f(dₖ) stands for (1/4π)∫f dω.
 struct SphereRule {
-  std::vector<glm::dvec3> directions;
-  std::vector<double> weights;  ///< positive, one for each direction
+  std::vector<glm::dvec3> directions = {};
+  std::vector<double> weights = {};  ///< positive, one for each direction
 };
 
 inline constexpr int kMaxSphereSamples = 1 << 20;

@@ -12,7 +12,10 @@
 
 namespace fluxgs {
 
-/// How much the whole sphere counts beside the views (sh_fit.h).
+/// How much the whole sphere counts beside the views (sh_fit.h). On two captures (fox: 43 photos in
+/// an arc; snowmiku: 84 all around) the loss over photos that were not fitted to is least between
+/// 3e-4 and 3e-3 for degree 1 and 2 alike, and 1.4% (degree 1) to 35% (degree 2) above that
+/// without the prior.
 inline constexpr double kSpherePrior = 1e-3;
 
 /// The first rows of parameters, or of gradients or moments laid out like them, up to a degree that
@@ -37,10 +40,10 @@ PlanarFloats fit_to_sphere(const PlanarFloats& parameters, int degree, const Sph
 
 /// What lower degrees cannot tell apart from the views, for each splat.
 struct Unexplained {
-  std::vector<float> weights;  ///< Σ w_v: pixels
+  std::vector<float> weights = {};  ///< Σ w_v: pixels
   /// Row d, 0…3 (row 3: zeros): Σ (w_v/W)·|c(d_v) − a(d_v)|², the three channels added up, for a
   /// truncated to degree d, and fitted. 0 where no view sees the splat or colours are not finite.
-  PlanarFloats truncated, fitted;
+  PlanarFloats truncated = {}, fitted = {};
 };
 
 Unexplained unexplained_variance(const PlanarFloats& parameters, const ViewWeights& views,

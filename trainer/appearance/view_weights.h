@@ -16,9 +16,9 @@ namespace fluxgs {
 /// 4 bytes a splat and view: 40 MB for 100,000 splats and 100 views. Where that is too much, every
 /// second or third view does as well.
 struct ViewWeights {
-  std::vector<glm::dvec3> centers;  ///< of the cameras
-  PlanarFloats weights;             ///< row v: Σ α·T over the pixels of view v, for each splat
-  double pixels = 0;                ///< of all views together
+  std::vector<glm::dvec3> centers = {};  ///< of the cameras
+  PlanarFloats weights = {};             ///< row v: Σ α·T over the pixels of view v, for each splat
+  double pixels = 0;                     ///< of all views together
 };
 
 /// `parameters`: rows as in model/parameters.h. One forward and backward pass a view.
