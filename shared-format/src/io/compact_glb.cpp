@@ -13,9 +13,9 @@
 #include "cloud_memory.h"
 #include "codec/compact.h"
 #include "codec/morton.h"
+#include "fluxgs/io/gltf_frame.h"
 #include "gltf_builder.h"
 #include "gltf_compact.h"
-#include "gltf_frame.h"
 #include "gltf_json.h"
 #include "gltf_plain.h"
 
@@ -208,9 +208,12 @@ CompactSteps scaled(const CompactSteps& steps, double factor) {
   return result;
 }
 
+glm::quat canonical_rotation(const glm::quat& rotation) {
+  return io::turn_from_gltf(codec::canonical_rotation(io::turn_to_gltf(rotation)));
+}
+
 void canonicalize_rotations(SplatCloud& cloud) {
-  for (glm::quat& q : cloud.rotations)
-    q = io::turn_from_gltf(codec::canonical_rotation(io::turn_to_gltf(q)));
+  for (glm::quat& q : cloud.rotations) q = canonical_rotation(q);
 }
 
 std::vector<std::uint32_t> compact_order(const SplatCloud& cloud) {

@@ -11,8 +11,8 @@
 #include <glm/common.hpp>
 
 #include "activation.h"
+#include "fluxgs/io/gltf_frame.h"
 #include "fluxgs/math/projection.h"
-#include "gltf_frame.h"
 
 namespace fluxgs::io {
 namespace {

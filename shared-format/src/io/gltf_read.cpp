@@ -11,11 +11,11 @@
 #include "activation.h"
 #include "cloud_memory.h"
 #include "fluxgs/io/gltf.h"
+#include "fluxgs/io/gltf_frame.h"
 #include "fluxgs/math/sh_rotation.h"
 #include "glb_container.h"
 #include "gltf_compact.h"
 #include "gltf_document.h"
-#include "gltf_frame.h"
 #include "gltf_spz.h"
 
 namespace fluxgs {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <glm/common.hpp>
 
-#include "gltf_frame.h"
+#include "fluxgs/io/gltf_frame.h"
 #include "gltf_json.h"
 
 namespace fluxgs::io {

@@ -245,34 +245,45 @@ const Signature& phi_signature() {
   return signature;
 }
 
-std::array<float, kPsiColumns> psi_row(const Normalisation& n, const SplatCloud& cloud,
-                                       std::size_t i, std::span<const float> energy) {
+std::array<float, kPsiColumns> psi_row(const Normalisation& n, const glm::vec3& position,
+                                       std::span<const float> energy) {
   std::array<float, kPsiColumns> row;
   for (std::size_t k = 0; k < kEnergy; ++k) row[k] = limited(energy[k]);
-  const glm::dvec3 p = contracted(normalised_position(n, cloud.positions[i]));
+  const glm::dvec3 p = contracted(normalised_position(n, position));
   for (int axis = 0; axis < 3; ++axis)
     row[kEnergy + static_cast<std::size_t>(axis)] = limited(p[axis]);
   return row;
 }
 
-std::array<float, kPhiColumns> phi_row(const Normalisation& n, const SplatCloud& cloud,
-                                       std::size_t i, std::span<const float> sh) {
+std::array<float, kPhiColumns> phi_row(const Normalisation& n, const SplatAttributes& splat,
+                                       std::span<const float> sh) {
   std::array<float, kPhiColumns> row;
   auto next = row.begin();
   const auto add = [&](double value) { *next++ = limited(value); };
-  const glm::dvec3 p = normalised_position(n, cloud.positions[i]);
+  const glm::dvec3 p = normalised_position(n, splat.position);
   for (int axis = 0; axis < 3; ++axis) add(p[axis]);
   for (int axis = 0; axis < 3; ++axis) {
-    add((double{cloud.log_scales[i][axis]} - double{n.log_scale_mean}) /
-        double{n.log_scale_deviation});
+    add((double{splat.log_scale[axis]} - double{n.log_scale_mean}) / double{n.log_scale_deviation});
   }
-  const auto q = unit_quaternion(cloud.rotations[i]);
+  const auto q = unit_quaternion(splat.rotation);
   for (const double component : {q.w, q.x, q.y, q.z}) add(component);
-  add(1 / (1 + std::exp(-double{cloud.opacity_logits[i]})));
+  add(1 / (1 + std::exp(-double{splat.opacity_logit})));
   for (std::size_t k = 0; k < kSh; ++k) {
     add((double{sh[k]} - double{n.sh_mean[k]}) / double{n.sh_deviation[k]});
   }
   return row;
+}
+
+std::array<float, kPsiColumns> psi_row(const Normalisation& n, const SplatCloud& cloud,
+                                       std::size_t i, std::span<const float> energy) {
+  return psi_row(n, cloud.positions[i], energy);
+}
+
+std::array<float, kPhiColumns> phi_row(const Normalisation& n, const SplatCloud& cloud,
+                                       std::size_t i, std::span<const float> sh) {
+  return phi_row(
+      n, {cloud.positions[i], cloud.log_scales[i], cloud.rotations[i], cloud.opacity_logits[i]},
+      sh);
 }
 
 Expected<void> bake_appearance(SplatCloud& cloud, std::span<const float> energy,

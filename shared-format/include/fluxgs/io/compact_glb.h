@@ -50,6 +50,7 @@ inline constexpr double kUsualRateWeight = 0.115;
 /// and of the four that differ by half turns about the splat's own axes, and so have the same
 /// covariance, the one with the largest w in glTF's frame.
 void canonicalize_rotations(SplatCloud& cloud);
+glm::quat canonical_rotation(const glm::quat& rotation);  ///< of one splat
 
 /// Networks that make the colours when the scene is opened (networks/appearance.h). They know the
 /// scene in glTF's frame (turn_gltf_frame()): positions, rotations and harmonics, and the energy.

@@ -34,6 +34,7 @@
 #include <string>
 #include <vector>
 
+#include <glm/gtc/quaternion.hpp>
 #include <glm/vec3.hpp>
 
 #include "fluxgs/error.h"
@@ -65,8 +66,21 @@ Normalisation measure_normalisation(const SplatCloud& cloud);
 const Signature& psi_signature();
 const Signature& phi_signature();
 
-/// The row that a network gets for splat i; `energy` has kEnergyColumns entries, `sh` (the c′)
+/// What Φ is told of a splat besides its colour, in the units of a SplatCloud.
+struct SplatAttributes {
+  glm::vec3 position, log_scale;
+  glm::quat rotation;
+  float opacity_logit;
+};
+
+/// The row that a network gets for a splat; `energy` has kEnergyColumns entries, `sh` (the c′)
 /// kShColumns.
+std::array<float, kPsiColumns> psi_row(const Normalisation& normalisation,
+                                       const glm::vec3& position, std::span<const float> energy);
+std::array<float, kPhiColumns> phi_row(const Normalisation& normalisation,
+                                       const SplatAttributes& splat, std::span<const float> sh);
+
+/// The same for splat i of a cloud.
 std::array<float, kPsiColumns> psi_row(const Normalisation& normalisation, const SplatCloud& cloud,
                                        std::size_t i, std::span<const float> energy);
 std::array<float, kPhiColumns> phi_row(const Normalisation& normalisation, const SplatCloud& cloud,
