@@ -7,6 +7,7 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 #include <opencv2/core/version.hpp>
 
@@ -82,8 +83,23 @@ class Curves {
     loss_ = l1_ = count_ = 0;
   }
 
+  /// A measurement on the test views.
+  void add_psnr(int iteration, double psnr) { psnr_.push_back({iteration, psnr}); }
+  void add_switch(int iteration, const SwitchReport& report) {
+    switch_ = {{"iteration", iteration},
+               {"train_psnr", {report.train_psnr_before, report.train_psnr_after}},
+               {"test_psnr", {report.test_psnr_before, report.test_psnr_after}},
+               {"mse_if_truncated", report.reduction.dropped},
+               {"mse_if_fitted", report.reduction.unexplained},
+               {"splats_of_degree", report.reduction.degrees}};
+    psnr_.push_back({iteration, report.test_psnr_before});
+    psnr_.push_back({iteration, report.test_psnr_after});
+  }
+
   json to_json() const {
-    return {{"iteration", iteration_},
+    return {{"switch", switch_},
+            {"psnr", psnr_},
+            {"iteration", iteration_},
             {"loss", losses_},
             {"l1", l1s_},
             {"splats", splats_},
@@ -98,6 +114,8 @@ class Curves {
   std::vector<int> iteration_;
   std::vector<double> losses_, l1s_, rates_;
   std::vector<std::size_t> splats_;
+  std::vector<std::pair<int, double>> psnr_;
+  json switch_;
 };
 
 Expected<TrainOptions> options_from(const TrainSettings& settings) {
@@ -195,6 +213,16 @@ Expected<void> save_checkpoint(const TrainSettings& settings, const Run& run,
                            run.data.train.size(), run.photos_hash, trainer.state()});
 }
 
+void report_switch(int iteration, const SwitchReport& report, Curves& curves) {
+  curves.add_switch(iteration, report);
+  spdlog::info("harmonics reduced: {:.2f} to {:.2f} dB on training views, {:.2f} to {:.2f} on test",
+               report.train_psnr_before, report.train_psnr_after, report.test_psnr_before,
+               report.test_psnr_after);
+  const auto& degrees = report.reduction.degrees;
+  if (degrees[0] + degrees[1] + degrees[2] > 0)
+    spdlog::info("splats of degree 0 to 3: {}", fmt::join(degrees, ", "));
+}
+
 /// Trains to the end; an interruption saves a checkpoint and is an error that says how to go on.
 Expected<void> train_to_end(const TrainSettings& settings, const Run& run, Trainer& trainer,
                             Curves& curves) {
@@ -206,6 +234,9 @@ Expected<void> train_to_end(const TrainSettings& settings, const Run& run, Train
     const int i = trainer.state().iteration;
     const std::size_t splats = trainer.state().parameters.size();
     curves.add(i, step, splats);
+    if (step.switched) report_switch(i, *step.switched, curves);
+    if (i % std::max(run.options.iterations / 20, 1) == 0 && !trainer.done())
+      curves.add_psnr(i, trainer.mean_psnr(run.data.test));
     smooth_loss = smooth_loss > 0 ? 0.98 * smooth_loss + 0.02 * step.loss : step.loss;
     if (progress.due())
       progress.update(i, fmt::format("{} splats  loss {:.4f}", splats, smooth_loss));
@@ -250,6 +281,20 @@ json report_json(const TrainSettings& settings, const Run& run, const Trainer& t
            {{"fluxgs", FLUXGS_VERSION}, {"opencv", CV_VERSION}, {"compiler", __VERSION__}}}};
 }
 
+/// The degree that the finished scene has.
+int cloud_degree(const TrainOptions& options) {
+  switch (options.sh_target) {
+    case ShTarget::degree_0:
+      return 0;
+    case ShTarget::degree_1:
+      return 1;
+    case ShTarget::degree_2:
+      return std::min(options.sh_degree, 2);
+    default:
+      return options.sh_degree;
+  }
+}
+
 Expected<void> train(TrainSettings settings) {
   if (settings.backend == "cuda")
     return fail("", "--backend cuda", "this build has no CUDA backend; use --backend cpu");
@@ -267,7 +312,7 @@ Expected<void> train(TrainSettings settings) {
   const Threads threads(settings.data.threads);
   auto run = settings.resume.empty() ? new_run(settings, threads) : resume_run(settings);
   if (!run) return std::unexpected(run.error());
-  warn_of_lost_degrees(settings.out, **format, run->options.sh_degree);
+  warn_of_lost_degrees(settings.out, **format, cloud_degree(run->options));
 
   StageTimes times;
   Trainer trainer(run->data, run->options, std::move(run->state), threads, times);

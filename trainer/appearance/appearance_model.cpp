@@ -65,6 +65,11 @@ std::vector<float> to_floats(const AppearanceModel& model) {
   return out;
 }
 
+std::size_t appearance_floats(bool psi, bool phi) {
+  return kNormalisationFloats + (psi ? float_count(kPsiSizes) : 0) +
+         (phi ? float_count(kPhiSizes) : 0);
+}
+
 Expected<AppearanceModel> model_from_floats(bool psi, bool phi, std::span<const float> floats) {
   const std::size_t of_psi = psi ? float_count(kPsiSizes) : 0;
   const std::size_t of_phi = phi ? float_count(kPhiSizes) : 0;

@@ -60,6 +60,7 @@ networks::Normalisation measure_normalisation(const PlanarFloats& parameters);
 /// The model as one list of numbers for checkpoints, exact, and back. Which networks it has is not
 /// part of it. An error if the list is not of the right length or its normalisation is not finite.
 std::vector<float> to_floats(const AppearanceModel& model);
+std::size_t appearance_floats(bool psi, bool phi);  ///< how many
 Expected<AppearanceModel> model_from_floats(bool psi, bool phi, std::span<const float> floats);
 
 }  // namespace fluxgs

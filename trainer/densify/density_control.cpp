@@ -173,16 +173,13 @@ DensifyCounts carry_out(TrainState& state, const TrainOptions& options,
   order.insert(order.end(), halves.begin(), halves.end());
   moments.resize(order.size(), PlanarFloats::kNew);
 
-  state.parameters = state.parameters.gather(order);
-  state.adam.first = state.adam.first.gather(moments);
-  state.adam.second = state.adam.second.gather(moments);
+  rearrange(state, order, moments);
   for (std::size_t i = old_count + copies.size(), half = 0; i < order.size(); ++i, ++half) {
     if (options.split == Split::long_axis)
       shift_along_longest(state.parameters, i, half % 2 == 0 ? 1.0 : -1.0);
     else
       scatter(state.parameters, i, options.split_shrink, state.random);
   }
-  state.statistics = PlanarFloats(statistic::count, state.parameters.size());
   return counts;
 }
 

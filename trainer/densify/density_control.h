@@ -3,9 +3,9 @@
 #pragma once
 
 #include "trainer/densify/splat_scores.h"
-#include "trainer/model/state.h"
 #include "trainer/options/options.h"
 #include "trainer/raster/rasterizer.h"
+#include "trainer/state/train_state.h"
 
 namespace fluxgs {
 

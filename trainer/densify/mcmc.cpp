@@ -19,6 +19,12 @@ double opacity_of(const PlanarFloats& p, std::size_t i) {
   return sigmoid(static_cast<double>(p.row(row::opacity)[i]));
 }
 
+std::vector<std::uint32_t> everything(const TrainState& state) {
+  std::vector<std::uint32_t> all(state.parameters.size());
+  std::iota(all.begin(), all.end(), 0u);
+  return all;
+}
+
 /// Draws among `from` in proportion to opacity.
 std::vector<std::uint32_t> draw(const PlanarFloats& p, const std::vector<std::uint32_t>& from,
                                 std::size_t count, Random& random) {
@@ -47,15 +53,11 @@ void share_all(TrainState& state, const std::vector<std::uint32_t>& drawn) {
   for (std::size_t i = 0; i < copies.size(); ++i) {
     if (copies[i] == 1) continue;
     share(state.parameters, i, std::min(copies[i], kMaxCopies));
-    for (int r = 0; r < state.parameters.rows(); ++r)
-      state.adam.first.row(r)[i] = state.adam.second.row(r)[i] = 0;
+    clear_moments(state, i);
   }
 }
 
-void copy_splat(PlanarFloats& p, std::size_t from, std::size_t to) {
-  for (int r = 0; r < p.rows(); ++r) p.row(r)[to] = p.row(r)[from];
-}
-
+/// How many moved.
 std::size_t relocate(TrainState& state, const TrainOptions& options) {
   std::vector<std::uint32_t> dead, alive;
   for (std::uint32_t i = 0; i < state.parameters.size(); ++i)
@@ -63,14 +65,16 @@ std::size_t relocate(TrainState& state, const TrainOptions& options) {
   if (alive.empty() || dead.empty()) return 0;
   const auto drawn = draw(state.parameters, alive, dead.size(), state.random);
   share_all(state, drawn);
+  std::vector<std::uint32_t> order = everything(state), moments = order;
   for (std::size_t k = 0; k < dead.size(); ++k) {
-    copy_splat(state.parameters, drawn[k], dead[k]);
-    for (int r = 0; r < state.parameters.rows(); ++r)
-      state.adam.first.row(r)[dead[k]] = state.adam.second.row(r)[dead[k]] = 0;
+    order[dead[k]] = drawn[k];
+    moments[dead[k]] = PlanarFloats::kNew;
   }
+  rearrange(state, order, moments);
   return dead.size();
 }
 
+/// How many were added.
 std::size_t grow(TrainState& state, const TrainOptions& options) {
   const std::size_t size = state.parameters.size();
   const std::uint64_t cap = options.target_splats > 0 ? options.target_splats : options.max_splats;
@@ -78,16 +82,12 @@ std::size_t grow(TrainState& state, const TrainOptions& options) {
       static_cast<std::uint64_t>((1 + options.mcmc_growth) * static_cast<double>(size));
   const std::uint64_t count = cap > 0 ? std::min(cap, wanted) : wanted;
   if (count <= size) return 0;
-  std::vector<std::uint32_t> all(size);
-  std::iota(all.begin(), all.end(), 0u);
-  const auto drawn = draw(state.parameters, all, count - size, state.random);
+  std::vector<std::uint32_t> order = everything(state), moments = order;
+  const auto drawn = draw(state.parameters, order, count - size, state.random);
   share_all(state, drawn);
-  std::vector<std::uint32_t> order = all, moments = all;
   order.insert(order.end(), drawn.begin(), drawn.end());
   moments.resize(order.size(), PlanarFloats::kNew);
-  state.parameters = state.parameters.gather(order);
-  state.adam.first = state.adam.first.gather(moments);
-  state.adam.second = state.adam.second.gather(moments);
+  rearrange(state, order, moments);
   return count - size;
 }
 
@@ -111,7 +111,6 @@ DensifyCounts relocate_and_grow(TrainState& state, const TrainOptions& options) 
   DensifyCounts counts;
   counts.pruned = relocate(state, options);
   counts.cloned = grow(state, options);
-  state.statistics = PlanarFloats(statistic::count, state.parameters.size());
   return counts;
 }
 

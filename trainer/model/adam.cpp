@@ -19,12 +19,12 @@ double rate_of(const LearningRates& rates, int r) {
 
 void adam_step(PlanarFloats& parameters, AdamState& state, const PlanarFloats& gradient,
                const std::vector<std::uint8_t>& visible, const LearningRates& rates,
-               const AdamConstants& constants, int step, int sh_degree, const Threads& threads,
-               const AdamKernels& kernels) {
+               const AdamConstants& constants, int step, int first_row, int end_row,
+               const Threads& threads, const AdamKernels& kernels) {
   const double correction1 = 1 / (1 - std::pow(constants.beta1, step));
   const double correction2 = 1 / (1 - std::pow(constants.beta2, step));
   threads.for_pieces(parameters.size(), kPiece, [&](std::size_t begin, std::size_t end) {
-    for (int r = 0; r < row::count(sh_degree); ++r) {
+    for (int r = first_row; r < end_row; ++r) {
       const AdamArgs args{parameters.row(r),
                           state.first.row(r),
                           state.second.row(r),

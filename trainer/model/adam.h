@@ -21,11 +21,11 @@ struct AdamState {
   PlanarFloats first, second;
 };
 
-/// One step (counted from 1) on the rows up to `sh_degree`, for the splats marked in `visible`
+/// One step (counted from 1) on the rows [first_row, end_row), for the splats marked in `visible`
 /// (padded to a multiple of 16). The bias correction counts steps of the whole run, as in 3DGS.
 void adam_step(PlanarFloats& parameters, AdamState& state, const PlanarFloats& gradient,
                const std::vector<std::uint8_t>& visible, const LearningRates& rates,
-               const AdamConstants& constants, int step, int sh_degree, const Threads& threads,
-               const AdamKernels& kernels);
+               const AdamConstants& constants, int step, int first_row, int end_row,
+               const Threads& threads, const AdamKernels& kernels);
 
 }  // namespace fluxgs

@@ -5,6 +5,7 @@
 #include <array>
 #include <string_view>
 
+#include "trainer/appearance/choices.h"
 #include "trainer/raster/score.h"
 
 namespace fluxgs {
@@ -63,6 +64,9 @@ inline constexpr std::array<std::string_view, 2> kScoreWeightNames = {"alpha", "
 /// How the views that scores are taken from are chosen.
 enum class CameraSampling { stratified, random };
 inline constexpr std::array<std::string_view, 2> kCameraSamplingNames = {"stratified", "random"};
+
+enum class Switch { off, on };
+inline constexpr std::array<std::string_view, 2> kSwitchNames = {"off", "on"};
 
 /// Which splats go once no more are added.
 enum class LatePrune {

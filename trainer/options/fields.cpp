@@ -1,5 +1,7 @@
 #include "trainer/options/options.h"
 
+#include "trainer/appearance/quadrature.h"
+
 #include <type_traits>
 
 #include <fmt/format.h>
@@ -52,6 +54,21 @@ const std::vector<OptionField>& option_fields() {
       whole("sh-degree-interval",
             "steps until the degree in use grows by one (0: an eighth of the steps, at most 1000)",
             &O::sh_degree_interval, 0, kMany),
+      choice<&O::sh_target, kShTargetNames>(
+          "sh-target", "degree of the finished scene; adaptive: each splat its own"),
+      choice<&O::sh_reduce, kShReductionNames>("sh-reduce", "how harmonics lose their degrees"),
+      whole("switch-iter", "step of the reduction (0: a tenth of the steps, at most 3000)",
+            &O::switch_iteration, 0, kMany),
+      choice<&O::residual, kResidualNames>("residual", "which bands the energy moments are of"),
+      choice<&O::quadrature, kQuadratureNames>("quadrature", "how moments are integrated"),
+      whole("samples", "directions of the quadrature", &O::samples, 1, kMaxSphereSamples),
+      choice<&O::psi, kSwitchNames>("psi", "energy moments become colours by a network"),
+      choice<&O::phi, kSwitchNames>("phi", "a network adds offsets to the colours"),
+      whole("psi-fit-steps", "steps in which psi learns known colours first", &O::psi_fit_steps, 0,
+            1e6),
+      real("psi-rate", "learning rate of psi", &O::psi_rate, 0, 1),
+      real("phi-rate", "learning rate of phi", &O::phi_rate, 0, 1),
+      real("sh-loss", "dB that adaptive degrees may cost, at most", &O::sh_loss, 0, 10),
       real("position-rate", "learning rate of positions, x scene extent", &O::position_rate, 0, 1),
       real("position-rate-final", "the same after --position-decay steps", &O::position_rate_final,
            1e-12, 1),

@@ -30,6 +30,20 @@ struct TrainOptions {
   int sh_degree_interval = 0;  ///< iterations until the degree in use grows by one; 0: an eighth
                                ///< of the run, at most 1,000 (3DGS)
 
+  /// Harmonics of the finished scene (paper, "Training Curriculum"). Until the switch sh_degree.
+  ShTarget sh_target = ShTarget::degree_3;
+  ShReduction sh_reduce = ShReduction::view_ls;
+  int switch_iteration = 0;  ///< 0: a tenth of the run, at most 3,000 (paper); adaptive: 7/10
+  Residual residual = Residual::from_1;           ///< of the energy moments
+  Quadrature quadrature = Quadrature::fibonacci;  ///< of the energy moments
+  int samples = 128;                              ///< K, directions of the quadrature
+  Switch psi = Switch::on;   ///< energy: a network makes c′; off: their projection is added
+  Switch phi = Switch::off;  ///< a network adds offsets (paper, "Gaussian Attribute Awareness")
+  int psi_fit_steps = 500;   ///< in which Ψ learns known colours before training goes on
+  double psi_rate = 0.01;    ///< learning rate of Ψ, see NetworkRates
+  double phi_rate = 1e-3;    ///< of Φ
+  double sh_loss = 0.1;      ///< adaptive: dB that the reduction may cost, at most
+
   // Learning rates, per step
   double position_rate = 1.6e-4;        ///< × scene extent, at the start
   double position_rate_final = 1.6e-6;  ///< × scene extent, after position_decay steps; log-linear

@@ -27,6 +27,12 @@ class Rasterizer {
  public:
   virtual ~Rasterizer() = default;
 
+  /// Which splats a camera can see, without rendering: visible() as forward() would leave it, but
+  /// for colours that are not finite.
+  virtual const std::vector<std::uint8_t>& find_visible(const PlanarFloats& parameters,
+                                                        const Camera& camera,
+                                                        const RenderOptions& options) = 0;
+
   /// Renders the parameters (rows as in model/parameters.h). The picture, gradients and visibility
   /// stay valid until the next call. Results are the same bytes for any number of threads.
   virtual void forward(const PlanarFloats& parameters, const Camera& camera,

@@ -8,6 +8,7 @@
 namespace fluxgs {
 
 enum class Stage {
+  networks,
   project,
   sort,
   forward,
@@ -20,8 +21,9 @@ enum class Stage {
   count
 };
 
-inline constexpr std::array<std::string_view, 9> kStageNames = {
-    "project", "sort", "forward", "ssim", "backward", "gradient", "adam", "score", "densify"};
+inline constexpr std::array<std::string_view, 10> kStageNames = {
+    "networks", "project",  "sort", "forward", "ssim",
+    "backward", "gradient", "adam", "score",   "densify"};
 
 /// Wall-clock seconds per stage, added up.
 struct StageTimes {

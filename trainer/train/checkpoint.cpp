@@ -16,7 +16,7 @@ using nlohmann::json;
 
 constexpr char kMagic[] = "FLUXGSCK";
 constexpr std::size_t kMagicSize = 8;
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 constexpr std::size_t kPrefix = kMagicSize + 2 * sizeof(std::uint32_t);
 
 /// FNV-1a, continued from `h`.
@@ -56,6 +56,11 @@ json header_of(const Checkpoint& c) {
           {"train_photos", c.train_photos},
           {"photos_hash", c.photos_hash},
           {"splats", c.state.parameters.size()},
+          {"sh_degree", sh_degree_of(c.state.parameters)},
+          {"own_degrees", !c.state.degrees.empty()},
+          {"psi", c.state.networks && c.state.networks->model.psi},
+          {"phi", c.state.networks && c.state.networks->model.phi},
+          {"switched_at", c.state.switched_at},
           {"iteration", c.state.iteration},
           {"random", random.str()},
           {"view_order", c.state.view_order},
@@ -87,13 +92,79 @@ void read_header(const json& header, Checkpoint& c) {
   std::istringstream(header.at("random").get<std::string>()) >> c.state.random;
   c.state.view_order = header.at("view_order").get<std::vector<std::uint32_t>>();
   c.state.next_view = header.at("next_view").get<std::uint32_t>();
+  c.state.switched_at = header.at("switched_at").get<int>();
 }
 
-/// Bytes of the float rows for a number of splats, or 0 where that cannot be (too many).
-std::uint64_t rows_size(std::uint64_t splats, int sh_degree) {
-  if (splats > (std::uint64_t{1} << 40)) return 0;
-  const int rows = 3 * row::count(sh_degree) + statistic::count;
-  return splats * static_cast<std::uint64_t>(rows) * sizeof(float);
+/// What follows the header, by the header's word.
+struct Layout {
+  std::uint64_t splats = 0;
+  int sh_degree = 0;
+  bool own_degrees = false, psi = false, phi = false;
+
+  bool networks() const { return psi || phi; }
+  std::size_t model_floats() const { return networks() ? appearance_floats(psi, phi) : 0; }
+  /// Bytes, or 0 where that cannot be (too many splats).
+  std::uint64_t size() const {
+    if (splats > (std::uint64_t{1} << 40)) return 0;
+    const int rows =
+        3 * row::count(sh_degree) + statistic::count + (networks() ? 3 * networks::kShColumns : 0);
+    return splats * (static_cast<std::uint64_t>(rows) * sizeof(float) + (own_degrees ? 1 : 0)) +
+           model_floats() * sizeof(float);
+  }
+};
+
+Layout layout_of(const TrainState& state) {
+  const auto& n = state.networks;
+  return {state.parameters.size(), sh_degree_of(state.parameters), !state.degrees.empty(),
+          n && n->model.psi, n && n->model.phi};
+}
+
+Layout read_layout(const json& header) {
+  const Layout layout{header.at("splats").get<std::uint64_t>(), header.at("sh_degree").get<int>(),
+                      header.at("own_degrees").get<bool>(), header.at("psi").get<bool>(),
+                      header.at("phi").get<bool>()};
+  return layout.sh_degree >= 0 && layout.sh_degree <= 3 ? layout : Layout{~std::uint64_t{0}};
+}
+
+void append_state(std::vector<std::byte>& out, const TrainState& state) {
+  append_rows(out, state.parameters);
+  append_rows(out, state.adam.first);
+  append_rows(out, state.adam.second);
+  append_rows(out, state.statistics);
+  for (std::uint8_t degree : state.degrees) out.push_back(static_cast<std::byte>(degree));
+  if (!state.networks) return;
+  append_rows(out, state.networks->latents);
+  append_rows(out, state.networks->adam.first);
+  append_rows(out, state.networks->adam.second);
+  for (float value : to_floats(state.networks->model)) append(out, value);
+}
+
+/// `in` has layout.size() bytes.
+Expected<void> take_state(const std::byte* in, const Layout& layout, TrainState& state) {
+  const auto take = [&](int rows, std::initializer_list<PlanarFloats*> all) {
+    for (PlanarFloats* planes : all) {
+      *planes = PlanarFloats(rows, layout.splats);
+      in = take_rows(in, *planes);
+    }
+  };
+  take(row::count(layout.sh_degree), {&state.parameters, &state.adam.first, &state.adam.second});
+  take(statistic::count, {&state.statistics});
+  if (layout.own_degrees) {
+    state.degrees.resize(layout.splats);
+    for (std::uint8_t& degree : state.degrees)
+      degree = std::min<std::uint8_t>(std::to_integer<std::uint8_t>(*in++),
+                                      static_cast<std::uint8_t>(layout.sh_degree));
+  }
+  if (!layout.networks()) return {};
+  NetworkState networks;
+  take(networks::kShColumns, {&networks.latents, &networks.adam.first, &networks.adam.second});
+  std::vector<float> floats(layout.model_floats());
+  std::memcpy(floats.data(), in, floats.size() * sizeof(float));
+  auto model = model_from_floats(layout.psi, layout.phi, floats);
+  if (!model) return std::unexpected(model.error());
+  networks.model = std::move(*model);
+  state.networks = std::move(networks);
+  return {};
 }
 
 }  // namespace
@@ -127,16 +198,12 @@ std::uint64_t hash_photos(const std::vector<Photo>& photos) {
 Expected<void> write_checkpoint(const std::filesystem::path& path, const Checkpoint& c) {
   const std::string header = header_of(c).dump();
   std::vector<std::byte> out;
-  out.reserve(kPrefix + header.size() + rows_size(c.state.parameters.size(), c.options.sh_degree) +
-              sizeof(std::uint64_t));
+  out.reserve(kPrefix + header.size() + layout_of(c.state).size() + sizeof(std::uint64_t));
   for (std::size_t i = 0; i < kMagicSize; ++i) out.push_back(static_cast<std::byte>(kMagic[i]));
   append(out, kVersion);
   append(out, static_cast<std::uint32_t>(header.size()));
   for (char ch : header) out.push_back(static_cast<std::byte>(ch));
-  append_rows(out, c.state.parameters);
-  append_rows(out, c.state.adam.first);
-  append_rows(out, c.state.adam.second);
-  append_rows(out, c.state.statistics);
+  append_state(out, c.state);
   append(out, hash(out));
   return write_file_atomic(path, out);
 }
@@ -162,28 +229,20 @@ Expected<Checkpoint> read_checkpoint(const std::filesystem::path& path) {
     return bad("checksum", "does not match: the file is truncated or damaged");
 
   Checkpoint c;
-  std::uint64_t splats;
+  Layout layout;
   try {
     const char* text = reinterpret_cast<const char*>(bytes->data() + kPrefix);
     const json header = json::parse(text, text + header_size);
     read_header(header, c);
-    splats = header.at("splats").get<std::uint64_t>();
+    layout = read_layout(header);
   } catch (const json::exception& e) {
     return bad("header", fmt::format("is not the expected JSON ({})", e.what()));
   }
   if (auto valid = validate(c.options); !valid) return std::unexpected(valid.error());
-  if (c.state.view_order.size() != c.train_photos ||
-      rows_size(splats, c.options.sh_degree) != body - header_size)
+  if (c.state.view_order.size() != c.train_photos || layout.size() != body - header_size)
     return bad("header", "counts disagree with the size of the file");
-
-  const int rows = row::count(c.options.sh_degree);
-  const std::byte* at = bytes->data() + kPrefix + header_size;
-  for (PlanarFloats* planes : {&c.state.parameters, &c.state.adam.first, &c.state.adam.second}) {
-    *planes = PlanarFloats(rows, splats);
-    at = take_rows(at, *planes);
-  }
-  c.state.statistics = PlanarFloats(statistic::count, splats);
-  take_rows(at, c.state.statistics);
+  if (auto taken = take_state(bytes->data() + kPrefix + header_size, layout, c.state); !taken)
+    return bad("networks", taken.error().what);
   for (std::uint32_t view : c.state.view_order)
     if (view >= c.train_photos) return bad("view_order", "names a photo that is not there");
   return c;

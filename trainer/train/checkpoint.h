@@ -8,8 +8,8 @@
 
 #include "fluxgs/error.h"
 #include "trainer/data/dataset.h"
-#include "trainer/model/state.h"
 #include "trainer/options/options.h"
+#include "trainer/state/train_state.h"
 
 namespace fluxgs {
 

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <numeric>
 
+#include "trainer/appearance/latent_adam.h"
 #include "trainer/densify/camera_sampling.h"
 #include "trainer/densify/mcmc.h"
 #include "trainer/model/initialize.h"
+#include "trainer/train/evaluate.h"
 
 namespace fluxgs {
 namespace {
@@ -32,7 +34,7 @@ TrainState initial_state(const Dataset& data, const PointCloud& points, const Tr
                          const Threads& threads) {
   TrainState state;
   const SplatCloud cloud = splats_from_points(points, options.initial_opacity, threads);
-  state.parameters = to_parameters(cloud, options.sh_degree);
+  state.parameters = to_parameters(cloud, degree_before_switch(options));
   state.adam.first = PlanarFloats(state.parameters.rows(), cloud.size());
   state.adam.second = PlanarFloats(state.parameters.rows(), cloud.size());
   state.statistics = PlanarFloats(statistic::count, cloud.size());
@@ -53,7 +55,8 @@ Trainer::Trainer(const Dataset& data, const TrainOptions& options, TrainState st
       extent_(scene_extent(data.train)),
       photos_(data.train, options_.coarse_levels),
       rasterizer_(make_cpu_rasterizer(threads, times)),
-      loss_(threads) {}
+      loss_(threads),
+      networks_(threads) {}
 
 const Photo& Trainer::next_photo() {
   if (state_.next_view >= state_.view_order.size()) {
@@ -78,7 +81,8 @@ RenderOptions Trainer::render_options() const {
 }
 
 int Trainer::sh_degree_in_use() const {
-  return std::min(options_.sh_degree, state_.iteration / options_.sh_degree_interval);
+  if (state_.switched_at > 0) return sh_degree_of(state_.parameters);
+  return std::min(degree_before_switch(options_), state_.iteration / options_.sh_degree_interval);
 }
 
 LearningRates Trainer::rates() const {
@@ -126,12 +130,91 @@ DensifyCounts Trainer::control_density() {
   return counts;
 }
 
+/// Lets the networks make the colours of the splats that a camera can see.
+void Trainer::shade(const Camera& camera, const RenderOptions& render) {
+  if (!state_.networks) return;
+  StageTimer timer(times_, Stage::networks);
+  std::vector<std::uint32_t> seen;
+  const std::vector<std::uint8_t>& visible =
+      rasterizer_->find_visible(state_.parameters, camera, render);
+  for (std::uint32_t i = 0; i < state_.parameters.size(); ++i)
+    if (visible[i]) seen.push_back(i);
+  networks_.shade(state_.networks->model, state_.parameters, state_.networks->latents, seen,
+                  state_.parameters);
+}
+
+void Trainer::optimize() {
+  StageTimer timer(times_, Stage::optimizer);
+  const AdamConstants constants{options_.beta1, options_.beta2, options_.epsilon};
+  const std::vector<std::uint8_t>& visible = rasterizer_->visible();
+  if (options_.densify == Densify::mcmc)
+    add_penalties(state_.parameters, visible, options_, rasterizer_->gradient(), threads_);
+  const auto rows = [&](int first, int end, const std::vector<std::uint8_t>& of) {
+    adam_step(state_.parameters, state_.adam, rasterizer_->gradient(), of, rates(), constants,
+              state_.iteration, first, end, threads_, adam_kernels(best_isa()));
+  };
+  const int end = row::count(sh_degree_in_use());
+  if (state_.networks) {
+    rows(0, row::sh_dc, visible);
+    optimize_networks(constants);
+  } else if (state_.degrees.empty()) {
+    rows(0, end, visible);
+  } else {
+    rows(0, row::sh_rest, visible);
+    for (int degree = 1; row::count(degree) <= end; ++degree)
+      rows(row::count(degree - 1), row::count(degree), visible_of_degree(degree));
+  }
+}
+
+void Trainer::optimize_networks(const AdamConstants& constants) {
+  NetworkState& n = *state_.networks;
+  if (latent_gradient_.size() != n.latents.size())
+    latent_gradient_ = PlanarFloats(n.latents.rows(), n.latents.size());
+  networks_.backpropagate(n.model, rasterizer_->gradient(), rasterizer_->visible(),
+                          latent_gradient_);
+  networks_.step(n.model, {.psi = options_.psi_rate, .phi = options_.phi_rate}, constants);
+  latent_adam_step(n.latents, n.adam, latent_gradient_, rasterizer_->visible(),
+                   {.constant = options_.sh_dc_rate, .directional = options_.sh_rest_rate},
+                   constants, state_.iteration, threads_, adam_kernels(best_isa()));
+}
+
+/// Visible splats that have harmonics of a degree.
+std::vector<std::uint8_t> Trainer::visible_of_degree(int degree) const {
+  std::vector<std::uint8_t> out = rasterizer_->visible();
+  for (std::size_t i = 0; i < state_.degrees.size(); ++i)
+    if (state_.degrees[i] < degree) out[i] = 0;
+  return out;
+}
+
+double Trainer::mean_psnr(const std::vector<Photo>& photos) const {
+  if (photos.empty()) return 0;
+  const auto score =
+      evaluate(photos, cpu_view_renderer(cloud(), options_.render, threads_), threads_);
+  return score ? score->psnr : 0;
+}
+
+SwitchReport Trainer::switch_appearance() {
+  SwitchReport report;
+  report.train_psnr_before = mean_psnr(data_.train);
+  report.test_psnr_before = mean_psnr(data_.test);
+  std::vector<Camera> cameras;
+  for (const Photo& photo : data_.train) cameras.push_back(photo.camera);
+  const ViewWeights views = view_weights(state_.parameters, cameras, render_options(), threads_);
+  report.reduction = reduce_appearance(state_, options_, views,
+                                       std::pow(10, -report.train_psnr_before / 10), threads_);
+  state_.switched_at = state_.iteration;
+  report.train_psnr_after = mean_psnr(data_.train);
+  report.test_psnr_after = mean_psnr(data_.test);
+  return report;
+}
+
 StepReport Trainer::step() {
   const Photo& photo = next_photo();
   const RenderOptions render = render_options();
   ++state_.iteration;
 
   StepReport report;
+  shade(photo.camera, render);
   rasterizer_->forward(state_.parameters, photo.camera, render);
   report.raster = rasterizer_->counts();
   {
@@ -141,24 +224,25 @@ StepReport Trainer::step() {
     report.loss = report.sums.loss(options_.lambda_dssim);
   }
   rasterizer_->backward(state_.parameters, loss_.gradient());
-  {
-    StageTimer timer(times_, Stage::optimizer);
-    if (options_.densify == Densify::mcmc)
-      add_penalties(state_.parameters, rasterizer_->visible(), options_, rasterizer_->gradient(),
-                    threads_);
-    adam_step(state_.parameters, state_.adam, rasterizer_->gradient(), rasterizer_->visible(),
-              rates(), {options_.beta1, options_.beta2, options_.epsilon}, state_.iteration,
-              render.sh_degree, threads_, adam_kernels(best_isa()));
-  }
+  optimize();
+
   StageTimer timer(times_, Stage::densify);
   if (options_.densify == Densify::mcmc)
     add_noise(state_, options_, rates().position, threads_);
   else if (state_.iteration <= options_.densify_until)
     gather_statistics(state_, *rasterizer_);
+  // Before splats are added, which shakes the picture for a moment
+  if (state_.iteration == options_.switch_iteration && reduces_appearance(options_))
+    report.switched = switch_appearance();
   report.densified = control_density();
   return report;
 }
 
-SplatCloud Trainer::cloud() const { return to_cloud(state_.parameters, options_.sh_degree); }
+SplatCloud Trainer::cloud() const {
+  if (!state_.networks) return to_cloud(state_.parameters, sh_degree_of(state_.parameters));
+  PlanarFloats colors = state_.parameters;
+  bake(state_.networks->model, state_.parameters, state_.networks->latents, threads_, colors);
+  return to_cloud(colors, 1);
+}
 
 }  // namespace fluxgs

@@ -2,26 +2,37 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "fluxgs/error.h"
 #include "fluxgs/splat_cloud.h"
+#include "trainer/appearance/appearance_pass.h"
 #include "trainer/data/dataset.h"
 #include "trainer/data/initial_points.h"
 #include "trainer/data/pyramid.h"
 #include "trainer/densify/density_control.h"
 #include "trainer/loss/photometric.h"
-#include "trainer/model/state.h"
 #include "trainer/options/options.h"
 #include "trainer/raster/rasterizer.h"
+#include "trainer/state/train_state.h"
+#include "trainer/train/reduce_appearance.h"
 
 namespace fluxgs {
+
+/// What the reduction of the harmonics did to the pictures.
+struct SwitchReport {
+  ReductionReport reduction;
+  double train_psnr_before = 0, train_psnr_after = 0;  ///< dB, means over the views
+  double test_psnr_before = 0, test_psnr_after = 0;    ///< 0 without test views
+};
 
 /// What one step did.
 struct StepReport {
   double loss = 0;
   PhotometricSums sums;
   RasterCounts raster;
-  DensifyCounts densified;  ///< zero at most steps
+  DensifyCounts densified;               ///< zero at most steps
+  std::optional<SwitchReport> switched;  ///< at the step after which harmonics were reduced
 };
 
 /// The scene's size: 1.1 × the largest distance of a camera from their mean (3DGS).
@@ -44,12 +55,21 @@ class Trainer {
   const TrainState& state() const { return state_; }
   const TrainOptions& options() const { return options_; }
   SplatCloud cloud() const;
+  /// dB, the mean over photos; 0 without any.
+  double mean_psnr(const std::vector<Photo>& photos) const;
   /// Gradients that were not finite and were therefore skipped.
-  std::uint64_t rejected_gradients() const { return rasterizer_->rejected_gradients(); }
+  std::uint64_t rejected_gradients() const {
+    return rasterizer_->rejected_gradients() + networks_.rejected_gradients();
+  }
 
  private:
   const Photo& next_photo();
   int sh_degree_in_use() const;
+  void shade(const Camera& camera, const RenderOptions& render);
+  void optimize();
+  void optimize_networks(const AdamConstants& constants);
+  std::vector<std::uint8_t> visible_of_degree(int degree) const;
+  SwitchReport switch_appearance();
   int coarse_level() const;
   LearningRates rates() const;
   RenderOptions render_options() const;
@@ -69,6 +89,8 @@ class Trainer {
   std::unique_ptr<Rasterizer> rasterizer_;
   PhotometricLoss loss_;
   PlanarImage target_;
+  AppearancePass networks_;
+  PlanarFloats latent_gradient_;
 };
 
 }  // namespace fluxgs

@@ -29,11 +29,18 @@ class CpuRasterizer final : public Rasterizer {
         kernels_(raster_kernels(options.isa)),
         count_pairs_(options.count_pixel_pairs) {}
 
+  const std::vector<std::uint8_t>& find_visible(const PlanarFloats& parameters,
+                                                const Camera& camera,
+                                                const RenderOptions& options) override {
+    start(parameters, camera, options);
+    sh_degree_ = 0;
+    project(parameters);
+    return visible_;
+  }
+
   void forward(const PlanarFloats& parameters, const Camera& camera,
                const RenderOptions& options) override {
-    view_ = math::make_view<float>(camera, options);
-    constants_ = constants_of(options);
-    sh_degree_ = std::min(options.sh_degree, sh_degree_of(parameters));
+    start(parameters, camera, options);
     project(parameters);
     {
       StageTimer timer(times_, Stage::sort);
@@ -78,6 +85,12 @@ class CpuRasterizer final : public Rasterizer {
   std::uint64_t rejected_gradients() const override { return rejected_; }
 
  private:
+  void start(const PlanarFloats& parameters, const Camera& camera, const RenderOptions& options) {
+    view_ = math::make_view<float>(camera, options);
+    constants_ = constants_of(options);
+    sh_degree_ = std::min(options.sh_degree, sh_degree_of(parameters));
+  }
+
   void project(const PlanarFloats& parameters) {
     StageTimer timer(times_, Stage::project);
     splats_.resize(parameters.size());
