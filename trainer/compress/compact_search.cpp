@@ -41,7 +41,10 @@ constexpr Part kParts[] = {
     {"sh_dc", [](CompactSteps& s, double f) { s.sh_dc *= static_cast<float>(f); },
      [](SplatCloud& to, const SplatCloud& from) { to.sh_dc = from.sh_dc; }},
     {"sh_rest", [](CompactSteps& s, double f) { s.sh_rest *= static_cast<float>(f); },
-     [](SplatCloud& to, const SplatCloud& from) { to.sh_rest = from.sh_rest; }},
+     [](SplatCloud& to, const SplatCloud& from) {
+       to.sh_degree = from.sh_degree;  // a file does without bands that no splat has
+       to.sh_rest = from.sh_rest;
+     }},
 };
 constexpr std::size_t kPartCount = std::size(kParts);
 
@@ -74,7 +77,7 @@ CompactSearch::CompactSearch(const SplatCloud& cloud, const SceneError& error,
                              CompactOptions options,
                              std::function<void(const CompactTrial&)> on_trial)
     : cloud_(cloud),
-      ordered_(in_order(cloud, compact_order(cloud))),
+      ordered_(in_order(cloud, compact_order(cloud, options.networks.has_value()))),
       error_(error),
       options_(std::move(options)),
       on_trial_(std::move(on_trial)),

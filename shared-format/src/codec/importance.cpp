@@ -36,15 +36,17 @@ void set_opacities(std::span<Extent> extents, std::span<const float> opacity_log
     extents[i].w = std::log(std::max(io::sigmoid(opacity_logits[i]), kLeastOpacity));
 }
 
+double mean_importance(const Importance& importance, std::span<const Extent> extents) {
+  double sum = 0;
+  for (const Extent& extent : extents) sum += double{glm::dot(importance, extent)};
+  return sum / static_cast<double>(extents.size());
+}
+
 std::vector<float> coarseness_of(const Importance& importance, std::span<const Extent> extents) {
   std::vector<float> result;
   result.reserve(extents.size());
-  double sum = 0;
-  for (const Extent& extent : extents) {
-    result.push_back(glm::dot(importance, extent));
-    sum += double{result.back()};
-  }
-  const auto mean = static_cast<float>(sum / static_cast<double>(extents.size()));
+  for (const Extent& extent : extents) result.push_back(glm::dot(importance, extent));
+  const auto mean = static_cast<float>(mean_importance(importance, extents));
   for (float& x : result) x = std::exp(std::clamp(mean - x, -kFinest, kCoarsest));
   return result;
 }

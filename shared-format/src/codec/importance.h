@@ -29,6 +29,9 @@ inline constexpr Importance kOpacityImportance{0.15f, 0.15f, 0, 0};
 inline constexpr Importance kRotationImportance{0.8f, 0.15f, -0.2f, 0.2f};
 inline constexpr Importance kColorImportance{0.4f, 0.3f, 0, 0.3f};
 
+/// The mean over the splats of the logarithm of 1/step.
+double mean_importance(const Importance& importance, std::span<const Extent> extents);
+
 /// Coarseness (channels.h) of each splat: 1 at the geometric mean of the splats' steps, e^−6 to e²
 /// at most.
 std::vector<float> coarseness_of(const Importance& importance, std::span<const Extent> extents);

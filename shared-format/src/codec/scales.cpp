@@ -10,17 +10,17 @@ constexpr double kMostSteps = 0x1p26, kLeastSteps = 0x1p-4;
 constexpr double kLongest = 50;  // logarithms beyond would set the mean
 constexpr double kLongestOverMean = 18;
 
-double mean_of(std::span<const glm::vec3> log_scales) {
+}  // namespace
+
+double mean_log_scale(std::span<const glm::vec3> log_scales) {
   double sum = 0;
   for (const glm::vec3& s : log_scales)
     for (int c = 0; c < 3; ++c) sum += std::clamp(double{s[c]}, -kLongest, kLongest);
   return sum / (3 * static_cast<double>(log_scales.size()));
 }
 
-}  // namespace
-
 Stepped roots_of(std::span<const glm::vec3> log_scales, float log_step) {
-  const double mean = mean_of(log_scales);
+  const double mean = mean_log_scale(log_scales);
   const double step = std::clamp(0.5 * double{log_step} * std::exp(mean / 2), 1e-30, 1e30);
   const double most = std::min(std::exp((mean + kLongestOverMean) / 2), kMostSteps * step);
   Stepped roots{.values = {}, .step = static_cast<float>(step)};

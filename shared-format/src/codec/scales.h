@@ -15,6 +15,9 @@ struct Stepped {
   float step = 1;
 };
 
+/// The mean of the logarithms, each counted as −50 to 50.
+double mean_log_scale(std::span<const glm::vec3> log_scales);
+
 /// Three roots a splat; their step is one of `log_step` for a splat of the mean logarithm. Those of
 /// e^18 times the mean standard deviation, or of more than 2²⁶ steps, fill any picture and are cut.
 Stepped roots_of(std::span<const glm::vec3> log_scales, float log_step);

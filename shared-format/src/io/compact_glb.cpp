@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <utility>
 
@@ -13,6 +15,8 @@
 #include "cloud_memory.h"
 #include "codec/compact.h"
 #include "codec/morton.h"
+#include "codec/step_means.h"
+#include "degree_buckets.h"
 #include "fluxgs/io/gltf_frame.h"
 #include "gltf_builder.h"
 #include "gltf_compact.h"
@@ -64,6 +68,17 @@ json add_described_attributes(const SplatCloud& cloud, io::GltfBuilder& builder)
   return named;
 }
 
+/// Z-order in glTF's frame.
+std::vector<std::uint32_t> order_within(const io::DegreeBucket& bucket, const SplatCloud& cloud) {
+  std::vector<glm::vec3> turned;
+  turned.reserve(bucket.splats.size());
+  for (const std::uint32_t i : bucket.splats)
+    turned.push_back(io::turn_position(cloud.positions[i]));
+  std::vector<std::uint32_t> order = codec::morton_order(turned);
+  for (std::uint32_t& k : order) k = bucket.splats[k];
+  return order;
+}
+
 /// The entries, `columns` a splat, of finite splats.
 std::vector<float> of_finite(const std::vector<float>& values, std::size_t columns,
                              const SplatCloud& cloud) {
@@ -102,7 +117,7 @@ Expected<void> check_options(const CompactOptions& options, const SplatCloud& cl
   return options.networks ? check_networks(*options.networks, cloud, name) : Expected<void>();
 }
 
-/// What a file holds, beside the description of it.
+/// What a primitive holds, beside the description of it.
 struct Payload {
   std::vector<std::byte> stream;
   const CompactNetworks* networks = nullptr;
@@ -110,7 +125,7 @@ struct Payload {
   int sh_degree = 0;
 };
 
-/// What comes out of the file.
+/// What comes out of it.
 Expected<SplatCloud> decode(const Payload& payload, const std::string& name) {
   io::GltfSplats splats;
   splats.count = payload.splats;
@@ -149,32 +164,94 @@ class BinWriter {
     if (!bytes.empty()) std::memcpy(at_, bytes.data(), bytes.size());
     at_ += (bytes.size() + 3) / 4 * 4;
   }
-  std::byte* rest() const { return at_; }
+  void put_plain_attributes(const SplatCloud& splats) {
+    at_ = io::put_plain_attributes(splats, at_);
+  }
 
  private:
   std::byte* at_;
 };
 
-Expected<std::vector<std::byte>> make_file(const Payload& payload, const SplatCloud& decoded,
-                                           bool plain_attributes, const std::string& name) {
-  io::GltfBuilder builder;
+/// A primitive as it is stored and as it is read.
+struct Part {
+  Payload payload;
+  SplatCloud decoded;
+};
+
+Expected<Part> make_part(const SplatCloud& splats, const CompactOptions& options,
+                         const std::string& name) {
+  const CompactNetworks* networks = options.networks ? &*options.networks : nullptr;
+  const std::span<const float> energy =
+      networks != nullptr ? std::span<const float>(networks->energy) : std::span<const float>();
+  auto stream = codec::encode_compact(splats, options, energy);
+  if (!stream) return fail(name, stream.error().field, stream.error().what);
+  Part part{.payload = {std::move(*stream), networks, splats.size(), splats.sh_degree},
+            .decoded = {}};
+  auto decoded = decode(part.payload, name);
+  if (!decoded) return std::unexpected(decoded.error());
+  part.decoded = std::move(*decoded);
+  return part;
+}
+
+/// Networks know scenes of degree 1 and make what is in their bands.
+Expected<std::vector<Part>> whole_scene(const SplatCloud& splats, const CompactOptions& options,
+                                        const std::string& name) {
+  auto part = make_part(splats, options, name);
+  if (!part) return std::unexpected(part.error());
+  std::vector<Part> parts;
+  parts.push_back(std::move(*part));
+  return parts;
+}
+
+/// A part for each degree that there is, all with the same rounding.
+Expected<std::vector<Part>> parts_by_degree(const SplatCloud& splats, const CompactOptions& options,
+                                            const std::string& name) {
+  const codec::StepMeans means = codec::step_means(splats);
+  std::vector<Part> parts;
+  for (const io::DegreeBucket& bucket : io::degree_buckets(splats)) {
+    const SplatCloud own_splats = io::cloud_of(bucket, splats);
+    CompactOptions own = options;
+    own.steps = codec::steps_within(options.steps, codec::step_means(own_splats), means);
+    own.weights.clear();
+    if (!options.weights.empty())
+      for (const std::uint32_t i : bucket.splats) own.weights.push_back(options.weights[i]);
+    auto part = make_part(own_splats, own, name);
+    if (!part) return std::unexpected(part.error());
+    parts.push_back(std::move(*part));
+  }
+  return parts;
+}
+
+io::GltfPrimitive describe(const Part& part, bool plain_attributes, io::GltfBuilder& builder) {
+  const Payload& payload = part.payload;
   json extension = {{"version", io::kCompactVersion},
                     {"bufferView", builder.add_view(payload.stream.size(), false)}};
   if (payload.networks != nullptr)
     extension["networks"] = networks_json(*payload.networks, builder);
-  json attributes = plain_attributes ? io::add_plain_attributes(decoded, builder)
-                                     : add_described_attributes(decoded, builder);
-  const json nested = {{io::kCompactExtension, std::move(extension)}};
-  auto file = io::allocate_glb(builder.document(std::move(attributes), nested, !plain_attributes),
-                               builder.bin_bytes(), name);
+  json attributes = plain_attributes ? io::add_plain_attributes(part.decoded, builder)
+                                     : add_described_attributes(part.decoded, builder);
+  return {std::move(attributes), {{io::kCompactExtension, std::move(extension)}}};
+}
+
+void put_part(const Part& part, bool plain_attributes, BinWriter& bin) {
+  bin.put(part.payload.stream);
+  if (part.payload.networks != nullptr) {
+    bin.put(part.payload.networks->models.psi);
+    bin.put(part.payload.networks->models.phi);
+  }
+  if (plain_attributes) bin.put_plain_attributes(part.decoded);
+}
+
+Expected<std::vector<std::byte>> make_file(const std::vector<Part>& parts, bool plain_attributes,
+                                           const std::string& name) {
+  io::GltfBuilder builder;
+  std::vector<io::GltfPrimitive> primitives;
+  for (const Part& part : parts) primitives.push_back(describe(part, plain_attributes, builder));
+  auto file =
+      io::allocate_glb(builder.document(primitives, !plain_attributes), builder.bin_bytes(), name);
   if (!file) return std::unexpected(file.error());
   BinWriter bin(file->bytes.data() + file->bin);
-  bin.put(payload.stream);
-  if (payload.networks != nullptr) {
-    bin.put(payload.networks->models.psi);
-    bin.put(payload.networks->models.phi);
-  }
-  if (plain_attributes) io::put_plain_attributes(decoded, bin.rest());
+  for (const Part& part : parts) put_part(part, plain_attributes, bin);
   return std::move(file->bytes);
 }
 
@@ -216,11 +293,16 @@ void canonicalize_rotations(SplatCloud& cloud) {
   for (glm::quat& q : cloud.rotations) q = canonical_rotation(q);
 }
 
-std::vector<std::uint32_t> compact_order(const SplatCloud& cloud) {
-  std::vector<glm::vec3> turned;
-  turned.reserve(cloud.size());
-  for (const glm::vec3& p : cloud.positions) turned.push_back(io::turn_position(p));
-  return codec::morton_order(turned);
+std::vector<std::uint32_t> compact_order(const SplatCloud& cloud, bool has_networks) {
+  if (has_networks) {
+    io::DegreeBucket all{cloud.sh_degree, std::vector<std::uint32_t>(cloud.size())};
+    std::iota(all.splats.begin(), all.splats.end(), 0U);
+    return order_within(all, cloud);
+  }
+  std::vector<std::uint32_t> order;
+  for (const io::DegreeBucket& bucket : io::degree_buckets(cloud))
+    std::ranges::copy(order_within(bucket, cloud), std::back_inserter(order));
+  return order;
 }
 
 Expected<std::vector<std::byte>> encode_compact_glb(const SplatCloud& cloud,
@@ -241,15 +323,10 @@ Expected<std::vector<std::byte>> encode_compact_glb(const SplatCloud& cloud,
     return std::move(file->bytes);
   }
   io::turn_cloud(splats);
-  const CompactNetworks* networks = own.networks ? &*own.networks : nullptr;
-  const std::span<const float> energy =
-      networks != nullptr ? std::span<const float>(networks->energy) : std::span<const float>();
-  auto stream = codec::encode_compact(splats, own, energy);
-  if (!stream) return fail(name, stream.error().field, stream.error().what);
-  const Payload payload{std::move(*stream), networks, splats.size(), splats.sh_degree};
-  const auto decoded = decode(payload, name);
-  if (!decoded) return std::unexpected(decoded.error());
-  return make_file(payload, *decoded, options.plain_attributes, name);
+  const auto parts =
+      own.networks ? whole_scene(splats, own, name) : parts_by_degree(splats, own, name);
+  if (!parts) return std::unexpected(parts.error());
+  return make_file(*parts, options.plain_attributes, name);
 }
 
 }  // namespace fluxgs

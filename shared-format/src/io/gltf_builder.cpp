@@ -20,6 +20,17 @@ constexpr int kPoints = 0;
 
 json asset() { return {{"version", "2.0"}, {"generator", "Flux-GS"}}; }
 
+json json_of(const GltfPrimitive& primitive) {
+  json extension = {{"kernel", "ellipse"},
+                    {"colorSpace", "srgb_rec709_display"},
+                    {"sortingMethod", "cameraDistance"},
+                    {"projection", "perspective"}};
+  if (!primitive.nested.is_null()) extension["extensions"] = primitive.nested;
+  return {{"attributes", primitive.attributes},
+          {"mode", kPoints},
+          {"extensions", {{kSplatExtension, std::move(extension)}}}};
+}
+
 constexpr std::size_t padded(std::size_t bytes) { return (bytes + 3) / 4 * 4; }
 
 }  // namespace
@@ -36,25 +47,18 @@ std::size_t GltfBuilder::add_accessor(json accessor) {
   return accessors_.size() - 1;
 }
 
-json GltfBuilder::document(json attributes, json nested, bool required) const {
-  json used = json::array({kSplatExtension});
-  json extension = {{"kernel", "ellipse"},
-                    {"colorSpace", "srgb_rec709_display"},
-                    {"sortingMethod", "cameraDistance"},
-                    {"projection", "perspective"}};
-  for (const auto& entry : nested.items()) used.push_back(entry.key());
+json GltfBuilder::document(const std::vector<GltfPrimitive>& primitives, bool required) const {
+  json used = json::array({kSplatExtension}), list = json::array();
+  for (const GltfPrimitive& primitive : primitives) list.push_back(json_of(primitive));
+  for (const auto& entry : primitives.at(0).nested.items()) used.push_back(entry.key());
   json root = {{"asset", asset()}, {"extensionsUsed", used}, {"scene", 0}};
   if (required) root["extensionsRequired"] = used;
-  if (!nested.is_null()) extension["extensions"] = std::move(nested);
   root["scenes"] = json::array({{{"nodes", json::array({0})}}});
   root["nodes"] = json::array({{{"mesh", 0}}});
   root["buffers"] = json::array({{{"byteLength", bin_bytes_}}});
   root["bufferViews"] = views_;
   root["accessors"] = accessors_;
-  const json primitive = {{"attributes", std::move(attributes)},
-                          {"mode", kPoints},
-                          {"extensions", {{kSplatExtension, std::move(extension)}}}};
-  root["meshes"] = json::array({{{"primitives", json::array({primitive})}}});
+  root["meshes"] = json::array({{{"primitives", std::move(list)}}});
   return root;
 }
 

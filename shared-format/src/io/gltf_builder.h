@@ -14,7 +14,14 @@ namespace fluxgs::io {
 /// glTF 2.0, sections 5.1 and 5.11.
 inline constexpr int kGltfFloat = 5126, kGltfUnsignedByte = 5121, kGltfArrayBuffer = 34962;
 
-/// The lists of a document with one primitive of splats, as far as they are known.
+/// A POINTS primitive of splats: semantic → accessor, and what is nested in KHR_gaussian_splatting
+/// (null: nothing).
+struct GltfPrimitive {
+  nlohmann::json attributes;
+  nlohmann::json nested = {};
+};
+
+/// The lists of a document with one mesh of splats, as far as they are known.
 class GltfBuilder {
  public:
   /// Announces a part of the BIN chunk, which begins at bin_bytes(), a multiple of 4. Returns its
@@ -25,10 +32,9 @@ class GltfBuilder {
 
   std::size_t bin_bytes() const { return bin_bytes_; }
 
-  /// The whole document: one scene, one node, one POINTS primitive with these attributes (semantic
-  /// → accessor) and, nested in KHR_gaussian_splatting, `nested` (null: nothing). An extension that
-  /// is nested is listed as used and, if `required`, as required.
-  nlohmann::json document(nlohmann::json attributes, nlohmann::json nested, bool required) const;
+  /// The whole document: one scene, one node, one mesh of these primitives, which have the same
+  /// extensions nested. Those are listed as used and, if `required`, as required.
+  nlohmann::json document(const std::vector<GltfPrimitive>& primitives, bool required) const;
 
  private:
   nlohmann::json accessors_ = nlohmann::json::array(), views_ = nlohmann::json::array();

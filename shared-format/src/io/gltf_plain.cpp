@@ -98,7 +98,7 @@ json add_plain_attributes(const SplatCloud& cloud, GltfBuilder& builder) {
   return named;
 }
 
-void put_plain_attributes(const SplatCloud& cloud, std::byte* at) {
+std::byte* put_plain_attributes(const SplatCloud& cloud, std::byte* at) {
   Output out{at};
   for (const glm::vec3& position : cloud.positions) out.put_vec3(turn_position(position));
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -120,6 +120,7 @@ void put_plain_attributes(const SplatCloud& cloud, std::byte* at) {
       out.put_vec3(cloud.sh_rest[i * rest + k] * turn_sign(k));
     }
   }
+  return out.at;  // all of them take multiples of 4
 }
 
 }  // namespace fluxgs::io

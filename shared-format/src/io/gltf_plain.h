@@ -24,7 +24,7 @@ std::array<nlohmann::json, 2> gltf_bounds(const SplatCloud& cloud);
 /// that do not know the extension. Returns semantic → accessor.
 nlohmann::json add_plain_attributes(const SplatCloud& cloud, GltfBuilder& builder);
 
-/// Writes them, from where the BIN chunk ended before they were announced.
-void put_plain_attributes(const SplatCloud& cloud, std::byte* at);
+/// Writes them, from where the BIN chunk ended before they were announced. Returns their end.
+std::byte* put_plain_attributes(const SplatCloud& cloud, std::byte* at);
 
 }  // namespace fluxgs::io

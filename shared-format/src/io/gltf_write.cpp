@@ -13,7 +13,7 @@ Expected<std::vector<std::byte>> encode_glb(const SplatCloud& cloud, const std::
   io::GltfBuilder builder;
   nlohmann::json document = io::empty_gltf_document();
   if (splats.size() > 0)
-    document = builder.document(io::add_plain_attributes(splats, builder), nullptr, false);
+    document = builder.document({{io::add_plain_attributes(splats, builder)}}, false);
   auto file = io::allocate_glb(document, builder.bin_bytes(), name);
   if (!file) return std::unexpected(file.error());
   if (splats.size() > 0) io::put_plain_attributes(splats, file->bytes.data() + file->bin);

@@ -39,8 +39,8 @@ double finest_position_step(const SplatCloud& cloud);
 CompactSteps scaled(const CompactSteps& steps, double factor);
 
 /// Which splat of a cloud of finite splats is where in its compact file: order[k] is the index in
-/// the cloud of splat k of the file.
-std::vector<std::uint32_t> compact_order(const SplatCloud& cloud);
+/// the cloud of splat k of the file. With networks: CompactOptions::networks.
+std::vector<std::uint32_t> compact_order(const SplatCloud& cloud, bool has_networks = false);
 
 /// How many squared steps of error a bit is worth when values are rounded. At fine steps, where a
 /// bit more quarters the mean square error of step²/12, it is 2·ln 2/12.
@@ -73,12 +73,16 @@ struct CompactOptions {
   std::optional<CompactNetworks> networks = {};
 };
 
-/// Write one node with one POINTS primitive in the Morton order of the positions. Without plain
-/// attributes the file is smallest, and the extension is listed as required; with them it is larger
-/// than encode_glb's, and opens in every viewer of KHR_gaussian_splatting. Splats with a NaN or
-/// infinity are left out. Scales of e^18 times the mean or more are cut to that. A scene without
-/// splats is written without a mesh. An error names an attribute whose values are beyond its step's
-/// reach, or weights that are not one for each splat.
+/// Write one node with a POINTS primitive for each degree that splats need (sh_degree_of()), lowest
+/// first, each in the Morton order of its positions; the file's degree is the highest of them. A
+/// degree that fewer than 256 splats need is not worth a primitive: they go into the next one,
+/// where the bands that they lack are zeros, rounded as others are. With networks all splats are in
+/// one primitive of degree 1. Without plain attributes the file is smallest, and the extension is
+/// listed as required; with them it is larger than encode_glb's, and opens in every viewer of
+/// KHR_gaussian_splatting. Splats with a NaN or infinity are left out. Scales of e^18 times the
+/// mean or more are cut to that. A scene without splats is written without a mesh. An error names
+/// an attribute whose values are beyond its step's reach, or weights that are not one for each
+/// splat.
 Expected<std::vector<std::byte>> encode_compact_glb(const SplatCloud& cloud,
                                                     const CompactOptions& options,
                                                     const std::string& name);

@@ -1,0 +1,20 @@
+// The degree of spherical harmonics that single splats of a cloud need.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "fluxgs/splat_cloud.h"
+
+namespace fluxgs {
+
+/// The degree that splat i needs, at most the cloud's: the highest of which it has a coefficient
+/// that is not exactly zero (NaN is not zero). In a cloud of adaptive degree the bands that a splat
+/// does without are zeros; compact files and the renderer leave them out.
+int sh_degree_of(const SplatCloud& cloud, std::size_t i);
+
+/// How many splats need each degree, 0…3.
+using DegreeCounts = std::array<std::size_t, 4>;
+DegreeCounts count_degrees(const SplatCloud& cloud);
+
+}  // namespace fluxgs

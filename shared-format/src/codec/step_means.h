@@ -1,0 +1,24 @@
+// What the steps of a scene are relative to, so that a part of it can be encoded by itself and yet
+// as exactly as within the whole.
+#pragma once
+
+#include "fluxgs/io/compact_glb.h"
+#include "fluxgs/splat_cloud.h"
+
+namespace fluxgs::codec {
+
+/// Means over the splats of a cloud, natural logarithms: the step of scales grows with the mean
+/// scale (scales.h), and that of the others is the one given for a splat of mean importance
+/// (importance.h).
+struct StepMeans {
+  double log_scale = 0, opacity = 0, rotation = 0, color = 0;
+};
+
+/// Of a finite cloud with at least one splat.
+StepMeans step_means(const SplatCloud& cloud);
+
+/// The steps for a part of a scene with which its splats get the same rounding as they would within
+/// the whole with `steps`.
+CompactSteps steps_within(const CompactSteps& steps, const StepMeans& part, const StepMeans& whole);
+
+}  // namespace fluxgs::codec
