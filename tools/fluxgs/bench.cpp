@@ -188,7 +188,7 @@ Expected<void> bench_scene(const BenchSettings& s) {
   const bench::FrameTraffic traffic =
       bench::model_traffic(*counts, stage->renderer->settings(), plan_of(stage->target));
   const render::MemoryEstimate memory = render::estimate_memory(
-      cloud.size(), cloud.sh_degree, stage->renderer->settings(), plan_of(stage->target));
+      count_degrees(cloud), stage->renderer->settings(), plan_of(stage->target));
 
   const json report = {{"gl_renderer", stage->context->renderer_string()},
                        {"size", {s.size.width, s.size.height}},

@@ -4,6 +4,7 @@
 #include "gl_faults.h"
 #include "gl_fixture.h"
 #include "render/memory_estimate.h"
+#include "render/scene_buffers.h"
 #include "scenes.h"
 
 namespace fluxgs::test {
@@ -20,12 +21,16 @@ class MemoryTest : public GlTest {
   // What a renderer with a cloud and a target hold.
   void expect_as_estimated(const std::string& label, std::size_t count, int degree,
                            const RendererSettings& settings, const render::TargetPlan& plan) {
+    expect_as_estimated(label, random_cloud(count, degree, 1), settings, plan);
+  }
+  void expect_as_estimated(const std::string& label, const SplatCloud& cloud,
+                           const RendererSettings& settings, const render::TargetPlan& plan) {
     const GlFaults between(api());
     const auto made = must(render::Renderer::create(api(), settings));
     const auto target = must(RenderTarget::create(api(), plan.width, plan.height, plan.format,
                                                   plan.accumulation, plan.scale));
-    must(made->upload(random_cloud(count, degree, 1)));
-    const auto estimate = render::estimate_memory(count, degree, made->settings(), plan);
+    must(made->upload(cloud));
+    const auto estimate = render::estimate_memory(count_degrees(cloud), made->settings(), plan);
     EXPECT_EQ(faults.used, estimate.total()) << label;
   }
 };
@@ -36,6 +41,11 @@ TEST_P(MemoryTest, IsAsEstimated) {
     for (const int degree : {0, 1, 3})
       expect_as_estimated(std::to_string(count) + " of degree " + std::to_string(degree), count,
                           degree, {}, plain);
+  SplatCloud mixed = mixed_cloud(3000, 2);
+  expect_as_estimated("mixed degrees", mixed, {}, plain);
+  mixed.positions[5].x = std::nanf("");  // not drawn, but it keeps its place
+  mixed.sh_rest[100].x = std::nanf("");
+  expect_as_estimated("undrawable ones", mixed, {}, plain);
   expect_as_estimated("CPU", 3000, 1, {.sorter = SorterKind::cpu_async}, plain);
   expect_as_estimated("exact", 3000, 1, {.sorter = SorterKind::exact}, plain);
   expect_as_estimated("half", 3000, 1, {.record = render::RecordPrecision::half}, plain);
@@ -54,12 +64,48 @@ TEST_P(MemoryTest, IsAsEstimated) {
 TEST_P(MemoryTest, ABudgetIsFilledButNotExceeded) {
   const render::TargetPlan plan{.width = 1280, .height = 720};
   for (const std::size_t budget : {0UL, 1'000'000UL, 10'000'000UL, 500'000'000UL}) {
-    const std::uint64_t count = render::splats_that_fit(budget, 1, {}, plan);
+    const auto fit = [&](const DegreeCounts& scene) {
+      return render::splats_that_fit(budget, scene, {}, plan);
+    };
+    const auto estimate = [&](const DegreeCounts& splats) {
+      return render::estimate_memory(splats, {}, plan).total();
+    };
+    const std::uint64_t count = fit({0, 100'000'000, 0, 0});
     if (count > 0) {
-      EXPECT_LE(render::estimate_memory(count, 1, {}, plan).total(), budget);
+      EXPECT_LE(estimate({0, count, 0, 0}), budget);
     }
-    EXPECT_GT(render::estimate_memory(count + 1, 1, {}, plan).total(), budget);
+    EXPECT_GT(estimate({0, count + 1, 0, 0}), budget);
+    EXPECT_GE(fit({50'000'000, 50'000'000, 0, 0}), count);
+    EXPECT_LE(fit({0, 100'000'000 - count, 0, count}), count);
   }
+  EXPECT_EQ(render::splats_that_fit(500'000'000, {1, 2, 3, 4}, {}, plan), 10U);
+}
+
+// Whichever splats stay when some must go, they take no more than was reckoned with.
+TEST(LargestOf, TakesHighDegreesFirst) {
+  const DegreeCounts scene{10, 20, 30, 40};
+  EXPECT_EQ(render::largest_of(scene, 0), (DegreeCounts{}));
+  EXPECT_EQ(render::largest_of(scene, 40), (DegreeCounts{0, 0, 0, 40}));
+  EXPECT_EQ(render::largest_of(scene, 75), (DegreeCounts{0, 5, 30, 40}));
+  EXPECT_EQ(render::largest_of(scene, 1000), scene);
+  EXPECT_EQ(render::harmonics_bytes(scene), 20U * 48 + 30 * 96 + 40 * 192);
+}
+
+TEST(MostSplats, FitIntoTheDriversBlocks) {
+  gl::Capabilities driver;
+  driver.max_work_groups_x = 65535;
+  const auto most = [&](std::int64_t block, const DegreeCounts& scene) {
+    driver.max_storage_block_bytes = block;
+    return render::most_splats(driver, scene);
+  };
+  EXPECT_EQ(most(1 << 20, {10, 20, 30, 40}), 100U);
+  EXPECT_EQ(most(6400, {1000, 0, 0, 0}), 100U);   // 64 bytes of geometry
+  EXPECT_EQ(most(6400, {0, 1000, 0, 0}), 100U);   // 48 of harmonics
+  EXPECT_EQ(most(9600, {0, 0, 1000, 0}), 100U);   // 96
+  EXPECT_EQ(most(19200, {0, 0, 0, 1000}), 100U);  // 192
+  EXPECT_EQ(most(192 * 40 + 96 * 3 + 95, {1000, 0, 30, 40}), 43U);
+  EXPECT_EQ(most(192 * 40 + 96 * 30, {1000, 0, 30, 40}), 165U);  // of all 10,560 bytes
+  EXPECT_EQ(most(std::int64_t{1} << 40, {100'000'000, 0, 0, 0}), 65535U * 128 - 1);
 }
 
 FLUXGS_GL_TEST_SUITE(MemoryTest);

@@ -113,6 +113,13 @@ TEST_P(ProjectionTest, EveryDegreeOfHarmonics) {
   }
 }
 
+TEST_P(ProjectionTest, MixedDegreesOfHarmonics) {
+  for (int wanted = 0; wanted <= 3; ++wanted)
+    expect_small("degree " + std::to_string(wanted) + " of mixed",
+                 errors(mixed_cloud(2000, 5), orbit_camera(640, 360, {}, 2.5, wanted, 4),
+                        {.sh_degree = wanted}));
+}
+
 TEST_P(ProjectionTest, CameraInsideTheCloud) {
   expect_small("inside", errors(random_cloud(3000, 1, 5), orbit_camera(301, 203, {}, 0.3, 1, 3)));
 }

@@ -45,7 +45,7 @@ TEST_P(ResizeTest, TwoHundredFramesLeaveNothingBehind) {
       const std::size_t textures = shown.needs_resolve() ? 2 : 1;
       ASSERT_EQ(faults.textures.size(), textures) << "frame " << i;
       ASSERT_EQ(faults.framebuffers, static_cast<long>(textures)) << "frame " << i;
-      ASSERT_EQ(faults.used, render::estimate_memory(0, 0, {}, p).targets) << "frame " << i;
+      ASSERT_EQ(faults.used, render::estimate_memory({}, {}, p).targets) << "frame " << i;
     }
     last = must(renderer().read(shown));
     shown = {};

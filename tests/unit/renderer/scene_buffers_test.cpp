@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
+
 #include "scenes.h"
 
 namespace fluxgs::test {
@@ -36,6 +38,26 @@ TEST(PackScene, PutsEveryAttributeInItsPlace) {
   near(3, {0.5F, 1, 0, 0});
   const std::vector<std::array<float, 4>> wanted = {{1, 2, 3, 4}, {5, 6, 7, 8}, {9, 0, 0, 0}};
   EXPECT_EQ(scene.harmonics, wanted);
+}
+
+TEST(PackScene, EachSplatHasTheCoefficientsOfItsDegree) {
+  SplatCloud cloud = mixed_cloud(5, 1);  // of degrees 3, 0, 2, 1, 3
+  cloud.positions[2].x = std::nanf("");
+  const render::PackedScene scene = render::pack_scene(cloud);
+  const auto word = [&](std::size_t i) {
+    return std::bit_cast<std::uint32_t>(scene.geometry[4 * i + 3][3]);
+  };
+  EXPECT_EQ(word(0), 4U * 0 + 3);
+  EXPECT_EQ(word(1), 4U * 12 + 0);
+  EXPECT_EQ(word(2), 4U * 12 + 2);  // undrawable: its place stays empty
+  EXPECT_EQ(word(3), 4U * 18 + 1);
+  EXPECT_EQ(word(4), 4U * 21 + 3);
+  ASSERT_EQ(scene.harmonics.size(), 33U);
+  EXPECT_EQ(render::harmonics_bytes(count_degrees(cloud)), 33U * 16);
+  EXPECT_EQ(scene.harmonics[18][1], cloud.sh_rest[45].y);
+  EXPECT_EQ(scene.harmonics[20][0], cloud.sh_rest[47].z);
+  EXPECT_EQ(scene.harmonics[20][1], 0.0F);
+  EXPECT_EQ(scene.harmonics[32][0], cloud.sh_rest[74].z);
 }
 
 TEST(PackScene, OriginIgnoresStraysAndKeepsBits) {

@@ -299,6 +299,24 @@ TEST_P(SceneViewTest, TheLimitsOfTheDriverAreABudget) {
   EXPECT_EQ(view.splats(), 1000U);
 }
 
+// Where degrees are mixed a budget holds more splats than if all had the highest, and is kept.
+TEST_P(SceneViewTest, SplatsOfLowDegreesTakeLessOfABudget) {
+  const auto mixed = std::make_shared<SplatCloud>(mixed_cloud(5000, 3));
+  const GlFaults between(api());
+  const std::size_t budget = 800'000;
+  SceneView some(mixed, {.memory = budget});
+  must(some.open(api(), kWidth, kHeight));
+  must(picture(some));
+  EXPECT_LE(faults.most_used, budget);
+  EXPECT_GT(faults.used, budget / 2);
+  const std::size_t splats = some.splats();
+  EXPECT_FALSE(some.shows_all());
+  some.close();
+  SceneView full(std::make_shared<SplatCloud>(random_cloud(5000, 3, 3)), {.memory = budget});
+  must(full.open(api(), kWidth, kHeight));
+  EXPECT_GT(splats, full.splats());
+}
+
 TEST_P(SceneViewTest, AnEmptySceneIsShown) {
   SceneView view(std::make_shared<SplatCloud>(), {});
   must(view.open(api(), kWidth, kHeight));

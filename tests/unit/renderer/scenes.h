@@ -69,6 +69,18 @@ inline SplatCloud random_cloud(std::size_t count, int sh_degree, std::uint32_t s
   return cloud;
 }
 
+/// random_cloud() of degree 3 in which splats do without the bands above degrees 3, 0, 2, 1, 3, …
+inline SplatCloud mixed_cloud(std::size_t count, std::uint32_t seed) {
+  constexpr int kDegrees[] = {3, 0, 2, 1};
+  SplatCloud cloud = random_cloud(count, 3, seed);
+  const auto rest = static_cast<std::ptrdiff_t>(sh_rest_count(3));
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto first = cloud.sh_rest.begin() + rest * static_cast<std::ptrdiff_t>(i);
+    std::fill(first + sh_rest_count(kDegrees[i % 4]), first + rest, glm::vec3(0));
+  }
+  return cloud;
+}
+
 /// At (0, 0, −distance), looking along +z with a vertical field of view of about 53°.
 inline Camera front_camera(int width, int height, double distance) {
   Camera camera;

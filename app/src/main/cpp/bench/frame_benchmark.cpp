@@ -193,7 +193,6 @@ Expected<FrameCounts> count_frame(const Renderer& renderer, const SplatCloud& cl
   const auto count = static_cast<std::uint32_t>(cloud.size());
   FrameCounts counts;
   counts.splats = count;
-  counts.sh_degree = std::min(options.sh_degree, cloud.sh_degree);
   if (count == 0) return counts;
   counts.key_bits =
       render::choose_keys(camera, options, renderer.scene(), settings.shortcuts.key_bits).bits;
@@ -214,6 +213,8 @@ Expected<FrameCounts> count_frame(const Renderer& renderer, const SplatCloud& cl
     if ((*keys)[i] == sort::kDropped || static_cast<double>((*records)[i].level) < level_min)
       continue;
     ++counts.drawn;
+    ++counts
+          .evaluated[static_cast<std::size_t>(std::min(options.sh_degree, sh_degree_of(cloud, i)))];
     counts.fragments += area_inside(quad_of((*records)[i], level_min, radius_max), width, height);
   }
   return counts;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "fluxgs/splat_cloud.h"
+#include "render/scene_buffers.h"
 
 namespace fluxgs::bench {
 namespace {
@@ -17,11 +17,10 @@ using render::TargetPlan;
 constexpr double kWord = 4, kVec4 = 16;
 
 double project_bytes(const FrameCounts& c, const RendererSettings& s) {
-  const int triples = sh_rest_count(c.sh_degree);
-  const double harmonics = 3 * kVec4 * ((triples + 3) / 4);  // groups of four (scene_buffers.h)
   const auto splats = static_cast<double>(c.splats), in_front = static_cast<double>(c.in_front);
   const auto drawn = static_cast<double>(c.drawn);
-  const double read = splats * kVec4 + in_front * 2 * kVec4 + drawn * (kVec4 + harmonics);
+  const double read = splats * kVec4 + in_front * 3 * kVec4 +
+                      static_cast<double>(render::harmonics_bytes(c.evaluated));
   const double marks = (splats - drawn) * kWord;  // of those that are hidden
   return read + splats * kWord + marks + drawn * static_cast<double>(record_bytes(s.record));
 }

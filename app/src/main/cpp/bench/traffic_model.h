@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "fluxgs/splat_degree.h"
 #include "render/memory_estimate.h"
 #include "render/scene_constants.h"
 
@@ -12,12 +13,12 @@ namespace fluxgs::bench {
 
 /// What happened in a frame.
 struct FrameCounts {
-  std::uint64_t splats = 0;    ///< of the scene
-  std::uint64_t in_front = 0;  ///< not behind the near plane, nor too faint
-  std::uint64_t drawn = 0;     ///< not culled
-  double fragments = 0;        ///< that the fragment shader ran for
-  int key_bits = 0;            ///< of the frame's depth keys
-  int sh_degree = 0;           ///< that was evaluated
+  std::uint64_t splats = 0;     ///< of the scene
+  std::uint64_t in_front = 0;   ///< not behind the near plane, nor too faint
+  std::uint64_t drawn = 0;      ///< not culled
+  double fragments = 0;         ///< that the fragment shader ran for
+  int key_bits = 0;             ///< of the frame's depth keys
+  DegreeCounts evaluated = {};  ///< the drawn ones by the degree that was evaluated
 };
 
 struct FrameTraffic {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "render/frame_uniforms.h"
 #include "render/scene_buffers.h"
@@ -14,9 +15,12 @@ constexpr std::size_t kWord = sizeof(std::uint32_t), kVec4 = 16;
 
 std::size_t at_least_a_word(std::size_t bytes) { return std::max(bytes, kWord); }  // gl/buffer.cpp
 
-std::size_t scene_bytes(std::uint64_t count, int sh_degree) {
-  return at_least_a_word(4 * kVec4 * count) +
-         at_least_a_word(kVec4 * harmonics_stride(sh_degree) * count);
+std::uint64_t sum(const DegreeCounts& splats) {
+  return std::accumulate(splats.begin(), splats.end(), std::uint64_t{0});
+}
+
+std::size_t scene_bytes(const DegreeCounts& splats) {
+  return at_least_a_word(4 * kVec4 * sum(splats)) + at_least_a_word(harmonics_bytes(splats));
 }
 
 std::size_t gpu_sorter_bytes(std::uint64_t count, int digit_bits) {
@@ -69,19 +73,21 @@ std::size_t blend_pixel_bytes(const TargetPlan& t) {
   return t.accumulation == Accumulation::half_float ? 8 : pixel_bytes(t.format);
 }
 
-MemoryEstimate estimate_memory(std::uint64_t count, int sh_degree, const RendererSettings& settings,
+MemoryEstimate estimate_memory(const DegreeCounts& splats, const RendererSettings& settings,
                                const TargetPlan& target) {
-  return {.scene = scene_bytes(count, sh_degree),
-          .frame = frame_bytes(count, settings),
+  return {.scene = scene_bytes(splats),
+          .frame = frame_bytes(sum(splats), settings),
           .targets = target_bytes(target)};
 }
 
-std::uint64_t splats_that_fit(std::size_t bytes, int sh_degree, const RendererSettings& settings,
-                              const TargetPlan& target) {
+std::uint64_t splats_that_fit(std::size_t bytes, const DegreeCounts& scene,
+                              const RendererSettings& settings, const TargetPlan& target) {
   const auto fits = [&](std::uint64_t count) {
-    return estimate_memory(count, sh_degree, settings, target).total() <= bytes;
+    return estimate_memory(largest_of(scene, count), settings, target).total() <= bytes;
   };
-  std::uint64_t low = 0, high = bytes / (4 * kVec4) + 1;  // high never fits
+  const std::uint64_t all = sum(scene);
+  if (fits(all)) return all;
+  std::uint64_t low = 0, high = all;  // high never fits
   while (high - low > 1) {
     const std::uint64_t middle = low + (high - low) / 2;
     (fits(middle) ? low : high) = middle;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "fluxgs/splat_degree.h"
 #include "render/render_target.h"
 #include "render/settings.h"
 
@@ -30,12 +31,12 @@ std::size_t blend_pixel_bytes(const TargetPlan& target);
 
 /// The sum of the sizes that Renderer and RenderTarget ask the driver for; drivers round each up.
 /// `settings` as the renderer uses them: texture_fetch where the driver makes it necessary.
-MemoryEstimate estimate_memory(std::uint64_t count, int sh_degree, const RendererSettings& settings,
+MemoryEstimate estimate_memory(const DegreeCounts& splats, const RendererSettings& settings,
                                const TargetPlan& target);
 
-/// The largest number of splats of that degree whose estimate is at most `bytes`; 0 where not even
-/// the targets fit.
-std::uint64_t splats_that_fit(std::size_t bytes, int sh_degree, const RendererSettings& settings,
-                              const TargetPlan& target);
+/// The largest number of splats of a scene whose estimate is at most `bytes`, whichever they are
+/// (largest_of()); 0 where not even the targets fit.
+std::uint64_t splats_that_fit(std::size_t bytes, const DegreeCounts& scene,
+                              const RendererSettings& settings, const TargetPlan& target);
 
 }  // namespace fluxgs::render

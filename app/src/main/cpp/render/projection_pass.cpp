@@ -11,7 +11,6 @@ namespace fluxgs::render {
 namespace {
 
 constexpr std::uint32_t kThreads = 128;  // shaders/project.comp
-constexpr GLint kHarmonicsStride = 0;
 
 }  // namespace
 
@@ -38,7 +37,6 @@ void ProjectionPass::run(gl::Api& api, const SceneBuffers& scene) const {
   records_.bind_base(GL_SHADER_STORAGE_BUFFER, 2);
   keys_.bind_base(GL_SHADER_STORAGE_BUFFER, 3);
   program_.use();
-  api.Uniform1ui(kHarmonicsStride, scene.harmonics_stride);
   api.DispatchCompute(scene.constants.count / kThreads + 1, 1, 1);
   api.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }

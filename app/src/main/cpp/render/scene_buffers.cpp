@@ -1,6 +1,7 @@
 #include "render/scene_buffers.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -17,6 +18,8 @@ namespace {
 constexpr float kLargest = 1e15F;
 constexpr double kLargestScale = 1e10;
 constexpr double kNoLevel = -1e30;  // shaders/record.glsl
+constexpr std::uint64_t kVec4 = 16;
+constexpr std::uint64_t kMostHarmonics = kVec4 << 30;  // what harmonics_word() can point into
 
 bool usable(float v) { return std::fabs(v) <= kLargest; }  // false for NaN and infinities
 bool usable(const glm::vec3& v) { return usable(v.x) && usable(v.y) && usable(v.z); }
@@ -54,6 +57,13 @@ float deviation(float log_scale) {
   return static_cast<float>(std::min(std::exp(static_cast<double>(log_scale)), kLargestScale));
 }
 
+/// Where a splat's coefficients lie, as shaders/project.comp reads it.
+float harmonics_word(std::size_t first, int degree) {
+  return std::bit_cast<float>(static_cast<std::uint32_t>(4 * first) |
+                              static_cast<std::uint32_t>(degree));
+}
+
+/// All but the word of the harmonics.
 void pack_geometry(const SplatCloud& cloud, std::size_t i, const glm::dvec3& origin,
                    std::array<float, 4>* out) {
   const glm::vec3 p(glm::dvec3(cloud.positions[i]) - origin);
@@ -67,30 +77,17 @@ void pack_geometry(const SplatCloud& cloud, std::size_t i, const glm::dvec3& ori
   out[1] = {deviation(s.x), deviation(s.y), deviation(s.z), static_cast<float>(color.r)};
   out[2] = {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z),
             static_cast<float>(q.w)};
-  out[3] = {static_cast<float>(color.g), static_cast<float>(color.b), 0.0F, 0.0F};
+  out[3] = {static_cast<float>(color.g), static_cast<float>(color.b), 0.0F, out[3][3]};
 }
 
-void pack_harmonics(const SplatCloud& cloud, std::size_t i, std::array<float, 4>* out) {
+void pack_harmonics(const SplatCloud& cloud, std::size_t i, int degree, std::array<float, 4>* out) {
   const auto rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
-  for (std::size_t k = 0; k < rest; ++k)
+  const auto own = static_cast<std::size_t>(sh_rest_count(degree));
+  for (std::size_t k = 0; k < own; ++k)
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t at = 3 * k + c;
       out[at / 4][at % 4] = cloud.sh_rest[i * rest + k][static_cast<int>(c)];
     }
-}
-
-Expected<void> check_cloud(const SplatCloud& cloud) {
-  if (cloud.sh_degree < 0 || cloud.sh_degree > 3) {
-    return fail("scene", "sh_degree",
-                std::to_string(cloud.sh_degree) + "; 0, 1, 2 or 3 was expected");
-  }
-  const std::size_t n = cloud.size();
-  const bool complete =
-      cloud.log_scales.size() == n && cloud.rotations.size() == n &&
-      cloud.opacity_logits.size() == n && cloud.sh_dc.size() == n &&
-      cloud.sh_rest.size() == n * static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
-  if (complete) return {};
-  return fail("scene", "attributes", "every splat must have all of them");
 }
 
 void find_box(PackedScene& scene, const std::vector<std::size_t>& splats) {
@@ -107,8 +104,22 @@ void find_box(PackedScene& scene, const std::vector<std::size_t>& splats) {
   scene.constants.highest = highest;
 }
 
+/// How many of largest_of() have all their coefficients in that many bytes.
+std::uint64_t with_harmonics_in(std::uint64_t bytes, const DegreeCounts& scene) {
+  std::uint64_t count = 0;
+  for (int degree = 3; degree >= 0; --degree) {
+    const std::uint64_t all = scene[static_cast<std::size_t>(degree)];
+    const std::uint64_t each = kVec4 * harmonics_stride(degree);
+    const std::uint64_t fit = each > 0 ? std::min(all, bytes / each) : all;
+    count += fit;
+    bytes -= fit * each;
+    if (fit < all) break;
+  }
+  return count;
+}
+
 Expected<void> check_size(const gl::Capabilities& driver, const SplatCloud& cloud) {
-  const std::uint64_t most = most_splats(driver, cloud.sh_degree);
+  const std::uint64_t most = most_splats(driver, count_degrees(cloud));
   if (cloud.size() <= most) return {};
   return fail("scene", "size",
               std::to_string(cloud.size()) + " splats of degree " +
@@ -117,6 +128,20 @@ Expected<void> check_size(const gl::Capabilities& driver, const SplatCloud& clou
 }
 
 }  // namespace
+
+Expected<void> check_cloud(const SplatCloud& cloud) {
+  if (cloud.sh_degree < 0 || cloud.sh_degree > 3) {
+    return fail("scene", "sh_degree",
+                std::to_string(cloud.sh_degree) + "; 0, 1, 2 or 3 was expected");
+  }
+  const std::size_t n = cloud.size();
+  const bool complete =
+      cloud.log_scales.size() == n && cloud.rotations.size() == n &&
+      cloud.opacity_logits.size() == n && cloud.sh_dc.size() == n &&
+      cloud.sh_rest.size() == n * static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
+  if (complete) return {};
+  return fail("scene", "attributes", "every splat must have all of them");
+}
 
 PackedScene pack_scene(const SplatCloud& cloud) {
   std::vector<std::size_t> splats;
@@ -127,13 +152,19 @@ PackedScene pack_scene(const SplatCloud& cloud) {
   scene.constants.count = static_cast<std::uint32_t>(cloud.size());
   scene.constants.sh_degree = cloud.sh_degree;
   scene.constants.origin = median_position(cloud, splats);
-  scene.harmonics_stride = harmonics_stride(cloud.sh_degree);
   scene.geometry.assign(4 * cloud.size(), {0, 0, 0, static_cast<float>(kNoLevel)});
-  scene.harmonics.resize(scene.harmonics_stride * cloud.size());
+  scene.harmonics.reserve(harmonics_bytes(count_degrees(cloud)) / sizeof(scene.harmonics[0]));
   scene.undrawable = cloud.size() - splats.size();
-  for (const std::size_t i : splats) {
+  auto drawn = splats.begin();
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const int degree = sh_degree_of(cloud, i);
+    const std::size_t first = scene.harmonics.size();
+    scene.harmonics.resize(first + harmonics_stride(degree));
+    scene.geometry[4 * i + 3][3] = harmonics_word(first, degree);
+    if (drawn == splats.end() || *drawn != i) continue;  // keeps its place all the same
+    ++drawn;
     pack_geometry(cloud, i, scene.constants.origin, &scene.geometry[4 * i]);
-    pack_harmonics(cloud, i, scene.harmonics.data() + scene.harmonics_stride * i);
+    pack_harmonics(cloud, i, degree, scene.harmonics.data() + first);
   }
   find_box(scene, splats);
   return scene;
@@ -149,12 +180,27 @@ std::vector<glm::vec3> positions_of(const PackedScene& scene) {
   return positions;
 }
 
-std::uint64_t most_splats(const gl::Capabilities& driver, int sh_degree) {
-  const std::size_t per_splat =
-      sizeof(float) * 4 * std::max<std::size_t>(4, harmonics_stride(sh_degree));
-  const auto by_bytes = static_cast<std::uint64_t>(driver.max_storage_block_bytes) / per_splat;
+std::uint64_t harmonics_bytes(const DegreeCounts& splats) {
+  std::uint64_t vectors = 0;
+  for (int degree = 0; degree < 4; ++degree)
+    vectors += harmonics_stride(degree) * std::uint64_t{splats[static_cast<std::size_t>(degree)]};
+  return kVec4 * vectors;
+}
+
+DegreeCounts largest_of(const DegreeCounts& scene, std::uint64_t count) {
+  DegreeCounts largest{};
+  for (std::size_t degree = 4; degree-- > 0;) {
+    largest[degree] = static_cast<std::size_t>(std::min<std::uint64_t>(scene[degree], count));
+    count -= largest[degree];
+  }
+  return largest;
+}
+
+std::uint64_t most_splats(const gl::Capabilities& driver, const DegreeCounts& scene) {
+  const auto block = static_cast<std::uint64_t>(driver.max_storage_block_bytes);
   const auto by_groups = static_cast<std::uint64_t>(driver.max_work_groups_x) * 128 - 1;
-  return std::min({by_bytes, by_groups, std::uint64_t{0xFFFF0000}});
+  return std::min({block / (4 * kVec4), by_groups, std::uint64_t{0xFFFF0000},
+                   with_harmonics_in(std::min(block, kMostHarmonics), scene)});
 }
 
 Expected<void> check_scene(const gl::Capabilities& driver, const SplatCloud& cloud) {
@@ -164,7 +210,6 @@ Expected<void> check_scene(const gl::Capabilities& driver, const SplatCloud& clo
 Expected<SceneBuffers> SceneBuffers::create(gl::Api& api, const PackedScene& scene) {
   SceneBuffers buffers;
   buffers.constants = scene.constants;
-  buffers.harmonics_stride = scene.harmonics_stride;
   const auto upload = [&](const auto& values, gl::Buffer& into) {
     const std::size_t bytes = values.size() * sizeof(values[0]);
     return into.remake(api, bytes, values.data(), GL_STATIC_DRAW);

@@ -5,6 +5,7 @@
 
 #include "gl/steps.h"
 #include "render/scaled_camera.h"
+#include "render/scene_buffers.h"
 #include "render/splat_budget.h"
 
 namespace fluxgs::render {
@@ -12,6 +13,8 @@ namespace fluxgs::render {
 Expected<void> SceneView::open(gl::Api& api, int width, int height) {
   close();
   api_ = &api;
+  if (auto sound = check_cloud(*cloud_); !sound) return sound;
+  degrees_ = count_degrees(*cloud_);
   return gl::in_turn([&] { return gl::take(Renderer::create(api, settings_.renderer), renderer_); },
                      [&] { return fit({width, height}); }, [&] { return check_context(); });
 }
@@ -53,7 +56,7 @@ Expected<SceneView::Size> SceneView::picture_for(Size size) const {
   const auto possible = [&] {
     const bool small = size.width <= std::min(driver.max_texture_size, driver.max_viewport_width) &&
                        size.height <= std::min(driver.max_texture_size, driver.max_viewport_height);
-    const auto pixels = [&] { return estimate_memory(0, 0, {}, plan(size)).targets; };
+    const auto pixels = [&] { return estimate_memory({}, {}, plan(size)).targets; };
     return small && (!settings_.memory || (pixels() <= *settings_.memory / 2 &&
                                            (splats_for(size) > 0 || cloud_->size() == 0)));
   };
@@ -68,12 +71,10 @@ Expected<SceneView::Size> SceneView::picture_for(Size size) const {
 }
 
 std::size_t SceneView::splats_for(const Size& picture) const {
-  const int degree = cloud_->sh_degree;
-  std::uint64_t most =
-      std::min<std::uint64_t>(most_splats(api_->capabilities, degree), cloud_->size());
+  std::uint64_t most = most_splats(api_->capabilities, degrees_);
   if (settings_.memory) {
     most = std::min(
-        most, splats_that_fit(*settings_.memory, degree, renderer_->settings(), plan(picture)));
+        most, splats_that_fit(*settings_.memory, degrees_, renderer_->settings(), plan(picture)));
   }
   return most;
 }

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "fluxgs/splat_cloud.h"
+#include "fluxgs/splat_degree.h"
 #include "render/memory_estimate.h"
 #include "render/render_target.h"
 #include "render/renderer.h"
@@ -75,6 +76,7 @@ class SceneView {
 
   std::shared_ptr<const SplatCloud> cloud_;
   SceneViewSettings settings_;
+  DegreeCounts degrees_{};  ///< of the cloud
   gl::Api* api_ = nullptr;
   std::unique_ptr<Renderer> renderer_;
   Size fitted_;  ///< the camera's size that there is a picture for

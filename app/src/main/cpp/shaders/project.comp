@@ -10,14 +10,13 @@ precision highp int;
 layout(local_size_x = 128) in;
 
 // Per splat: (position relative to the scene's origin, log2 of the opacity), (scale, red),
-// (rotation xyzw), (green, blue, 0, 0). Red, green and blue are the constant term of the colour.
-layout(std430, binding = 0) readonly buffer Geometry { vec4 geometry[]; };
+// (rotation xyzw), (green, blue, 0, harmonics). Red, green and blue are the constant term of the
+// colour. All are floats but the last: 4·(the first vec4 of its `coefficients`) + its degree, which
+// as a float would be a denormal that drivers may take for zero.
+layout(std430, binding = 0) readonly buffer Geometry { uvec4 geometry[]; };
 layout(std430, binding = 1) readonly buffer Harmonics { vec4 coefficients[]; };
 layout(std430, binding = 2) writeonly buffer Records { uvec4 records[]; };
 layout(std430, binding = 3) writeonly buffer Keys { uint keys[]; };
-
-// The vec4s of `coefficients` per splat.
-layout(location = 0) uniform uint harmonics_stride;
 
 #include "projection.glsl"
 #include "spherical_harmonics.glsl"
@@ -45,17 +44,19 @@ void hide(uint splat) {
 #endif
 }
 
-vec3 color_of(uint splat, float red, vec3 ray) {
-  vec3 color = vec3(red, geometry[4u * splat + 3u].xy);
+// Each splat's degree is its own. Where neighbours have the same, so do the threads of a group, and
+// none waits for another; files keep the splats of a degree together.
+vec3 color_of(uvec4 words, float red, vec3 ray) {
+  vec3 color = vec3(red, uintBitsToFloat(words.xy));
   float distance2 = dot(ray, ray);
   vec3 direction = ray * (distance2 > 0.0 ? inversesqrt(distance2) : 0.0);
-  color += sh_rest(splat * harmonics_stride, frame.sh_degree, direction);
+  color += sh_rest(words.w >> 2, min(words.w & 3u, frame.sh_degree), direction);
   return clamp(color, 0.0, MAX_COLOR);
 }
 
 // Returns the key.
 uint project(uint splat) {
-  vec4 centre_level = geometry[4u * splat];
+  vec4 centre_level = uintBitsToFloat(geometry[4u * splat]);
   float level = centre_level.w;
   vec3 ray = centre_level.xyz - frame.camera_centre.xyz;
   vec3 p = vec3(dot(frame.rotation_row0.xyz, ray), dot(frame.rotation_row1.xyz, ray),
@@ -64,9 +65,12 @@ uint project(uint splat) {
     hide(splat);
     return CULLED;
   }
-  vec4 scale_red = geometry[4u * splat + 1u];
+  // Early, for the coefficients wait for it
+  uvec4 green_blue_harmonics = geometry[4u * splat + 3u];
+  vec4 scale_red = uintBitsToFloat(geometry[4u * splat + 1u]);
   vec3 axes_x, axes_y;
-  screen_axes(p, geometry[4u * splat + 2u], scale_red.xyz, axes_x, axes_y);
+  vec4 rotation = uintBitsToFloat(geometry[4u * splat + 2u]);
+  screen_axes(p, rotation, scale_red.xyz, axes_x, axes_y);
   Footprint shape = footprint(axes_x, axes_y);
   vec2 centre = frame.focal_centre.xy * (p.xy / p.z) + frame.focal_centre.zw;
   // Where α falls below the cut-off, not at a fixed number of deviations.
@@ -79,7 +83,7 @@ uint project(uint splat) {
     return near_by ? depth_key(p.z) : CULLED;
   }
   uvec4 words[RECORD_SIZE];
-  pack_record(Record(centre, shape.factor * TO_LEVELS, level, color_of(splat, scale_red.w, ray)),
+  pack_record(Record(centre, shape.factor * TO_LEVELS, level, color_of(green_blue_harmonics, scale_red.w, ray)),
               words);
   for (uint k = 0u; k < RECORD_SIZE; ++k) records[RECORD_SIZE * splat + k] = words[k];
   return depth_key(p.z);
