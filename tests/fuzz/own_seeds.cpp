@@ -231,6 +231,10 @@ void add_glb(Seeds& seeds) {
           *encode_compact_glb(cloud, options, "x");
     }
   }
+  glb["compact_of_several_degrees"] =
+      test::joined_glb({glb["compact_degree0"], glb["compact_degree1"], glb["compact_degree3"]});
+  glb["plain_compact_and_spz"] = test::joined_glb(
+      {plain, glb["compact_degree2_and_plain"], glb["spz3_degree1"], glb["compact_degree0"]});
   glb["compact_with_networks"] = glb_with_networks(glb["compact_degree1"]);
   for (const auto& [name, bytes] : glb) {
     seeds["stability"]["glb_" + name] = bytes;

@@ -6,6 +6,7 @@
 #include <glm/common.hpp>
 
 #include "fluxgs/io/scene.h"
+#include "fluxgs/splat_degree.h"
 #include "tools/fluxgs/command.h"
 
 namespace fluxgs::cli {
@@ -26,6 +27,7 @@ json describe(const SceneFile& scene) {
           {"splats", scene.cloud.size()},
           {"dropped", scene.dropped},
           {"sh_degree", scene.cloud.sh_degree},
+          {"splats_by_degree", count_degrees(scene.cloud)},
           {"bytes", scene.bytes},
           {"bits_per_splat", 8.0 * static_cast<double>(scene.bytes) / splats},
           {"attributes", scene.attribute_bits},
@@ -33,11 +35,18 @@ json describe(const SceneFile& scene) {
           {"extensions", scene.extensions}};
 }
 
+/// How many splats need each degree, where they differ.
+std::string mixture(const json& splats_by_degree) {
+  const auto counts = splats_by_degree.get<DegreeCounts>();
+  if (std::ranges::count_if(counts, [](std::size_t n) { return n > 0; }) < 2) return "";
+  return fmt::format(" (splats of degree 0, 1, 2, 3: {})", fmt::join(counts, ", "));
+}
+
 void print_lines(const std::string& path, const json& d) {
   fmt::print("{}: {}\n", path, d["format"].get<std::string>());
   fmt::print("  splats      {} ({} left out for NaN or infinity)\n", d["splats"].get<std::size_t>(),
              d["dropped"].get<std::size_t>());
-  fmt::print("  SH degree   {}\n", d["sh_degree"].get<int>());
+  fmt::print("  SH degree   {}{}\n", d["sh_degree"].get<int>(), mixture(d["splats_by_degree"]));
   fmt::print("  size        {} bytes, {:.1f} bits a splat\n", d["bytes"].get<std::size_t>(),
              d["bits_per_splat"].get<double>());
   for (const auto& [name, bits] : d["attributes"].items())

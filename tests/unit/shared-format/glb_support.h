@@ -1,9 +1,12 @@
 // Hand-made and damaged .glb files for the tests.
 #pragma once
 
+#include <algorithm>
 #include <map>
+#include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "fluxgs/io/gltf.h"
 #include "support.h"
@@ -50,6 +53,46 @@ inline Bytes edited(const Bytes& glb, const std::string& from, const std::string
   EXPECT_NE(at, std::string::npos) << "no " << from << " in " << json;
   if (at != std::string::npos) json.replace(at, from.size(), to);
   return make_glb(json, bin_of(glb));
+}
+
+/// The primitives of all files, made by our writers, in the first one's mesh.
+inline Bytes joined_glb(const std::vector<Bytes>& files) {
+  using nlohmann::json;
+  json root;
+  Bytes bin;
+  for (const Bytes& file : files) {
+    json next = json::parse(json_of(file));
+    if (root.is_null()) {
+      root = next;
+      for (const char* list : {"accessors", "bufferViews"}) root[list] = json::array();
+      root["meshes"][0]["primitives"] = root["extensionsUsed"] = json::array();
+    }
+    const std::size_t accessors = root["accessors"].size(), views = root["bufferViews"].size();
+    const auto shift = [](json& index, std::size_t by) { index = index.get<std::size_t>() + by; };
+    for (json view : next["bufferViews"]) {
+      view["byteOffset"] = view.value("byteOffset", std::size_t{0}) + bin.size();
+      root["bufferViews"].push_back(view);
+    }
+    for (json accessor : next["accessors"]) {
+      if (accessor.contains("bufferView")) shift(accessor["bufferView"], views);
+      root["accessors"].push_back(accessor);
+    }
+    for (json primitive : next["meshes"][0]["primitives"]) {
+      for (auto& index : primitive["attributes"]) shift(index, accessors);
+      json& splats = primitive["extensions"]["KHR_gaussian_splatting"];
+      if (splats.contains("extensions"))
+        for (auto& nested : splats["extensions"]) shift(nested["bufferView"], views);
+      root["meshes"][0]["primitives"].push_back(primitive);
+    }
+    for (const json& used : next["extensionsUsed"])
+      if (std::ranges::find(root["extensionsUsed"], used) == root["extensionsUsed"].end())
+        root["extensionsUsed"].push_back(used);
+    const Bytes own = bin_of(file);
+    bin.insert(bin.end(), own.begin(), own.end());
+  }
+  root.erase("extensionsRequired");
+  root["buffers"][0]["byteLength"] = bin.size();
+  return make_glb(root.dump(), bin);
 }
 
 inline Bytes small_glb(std::size_t count = 2, int degree = 1) {

@@ -75,7 +75,7 @@ struct CompactOptions {
 
 /// Write one node with a POINTS primitive for each degree that splats need (sh_degree_of()), lowest
 /// first, each in the Morton order of its positions; the file's degree is the highest of them. A
-/// degree that fewer than 256 splats need is not worth a primitive: they go into the next one,
+/// degree that fewer than 512 splats need is not worth a primitive: they go into the next one,
 /// where the bands that they lack are zeros, rounded as others are. With networks all splats are in
 /// one primitive of degree 1. Without plain attributes the file is smallest, and the extension is
 /// listed as required; with them it is larger than encode_glb's, and opens in every viewer of
