@@ -100,6 +100,12 @@ float step_of(Attribute attribute, const CompactSteps& steps) {
   return by_attribute[attribute];
 }
 
+double factor_of(Attribute attribute, const RateFactors& rates) {
+  if (attribute == kScale) return rates.scale;
+  if (attribute == kOpacity) return rates.opacity;
+  return attribute == kRotation ? rates.rotation : rates.color;
+}
+
 /// The attributes that are three numbers, or a multiple of them, as they are.
 std::vector<glm::vec3>& vectors_of(Attribute attribute, SplatCloud& cloud) {
   return attribute == kScale ? cloud.log_scales : attribute == kDc ? cloud.sh_dc : cloud.sh_rest;
@@ -232,7 +238,7 @@ float opacity_scale(float logit) {
 }
 
 Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactOptions& options,
-                               std::span<const float> energy) {
+                               std::span<const float> energy, const RateFactors& rates) {
   Bytes out, section;
   if (cloud.size() == 0) return out;
   const auto order = morton_order(cloud.positions);
@@ -250,8 +256,8 @@ Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactOptions& op
                          coarseness};
     const auto weights = rounding_weights(options.weights, order, coarseness);
     section.clear();
-    if (auto ok = encode_channels(input, numbers.step, {options.rate_weight, weights}, section);
-        !ok)
+    const Rounding rounding{options.rate_weight * factor_of(attribute, rates), weights};
+    if (auto ok = encode_channels(input, numbers.step, rounding, section); !ok)
       return in_attribute(attribute, ok.error());
     put_section(out, section);
     if (attribute != kScale && attribute != kOpacity) continue;  // nothing rests on it

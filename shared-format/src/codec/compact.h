@@ -10,6 +10,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "codec/bytes.h"
+#include "codec/step_means.h"
 #include "fluxgs/error.h"
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/splat_cloud.h"
@@ -36,9 +37,9 @@ float opacity_scale(float logit);
 /// none. An error names the attribute.
 ///
 /// With `energy` (kEnergyChannels a splat) its steps and weights are used, its networks are not,
-/// and colours are not stored.
+/// and colours are not stored. `rates` are for the part of a scene (step_means.h).
 Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactOptions& options,
-                               std::span<const float> energy = {});
+                               std::span<const float> energy = {}, const RateFactors& rates = {});
 
 /// Decodes `count` splats, most_splats(bytes.size()) at most. Holds at most the bytes, the cloud,
 /// and 64 bytes a splat (with energy 128; of degree 2 and 3: 12 for each coefficient). Errors

@@ -16,6 +16,24 @@ float times(float step, double logarithm) {
   return static_cast<float>(double{step} * std::exp(std::clamp(logarithm, -kMost, kMost)));
 }
 
+constexpr double kLeastPart = 0.05, kMostPart = 20;  // as single splats in compact.cpp
+
+/// The mean of weight·step² over the whole, over that of the part.
+double whole_over_part(std::span<const float> coarseness, std::span<const float> weights,
+                       std::span<const std::uint32_t> part) {
+  const auto weighted = [&](std::size_t i) {
+    const double c = coarseness.empty() ? 1.0 : double{coarseness[i]};
+    return double{weights[i]} * c * c;
+  };
+  double whole_sum = 0, part_sum = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i) whole_sum += weighted(i);
+  for (const std::uint32_t i : part) part_sum += weighted(i);
+  if (!(whole_sum > 0)) return 1;
+  const double share =
+      part_sum / whole_sum * static_cast<double>(weights.size()) / static_cast<double>(part.size());
+  return 1 / std::clamp(share, kLeastPart, kMostPart);
+}
+
 }  // namespace
 
 StepMeans step_means(const SplatCloud& cloud) {
@@ -38,6 +56,21 @@ CompactSteps steps_within(const CompactSteps& steps, const StepMeans& part,
   result.sh_dc = times(steps.sh_dc, whole.color - part.color);
   result.sh_rest = times(steps.sh_rest, whole.color - part.color);
   return result;
+}
+
+RateFactors rate_factors(const SplatCloud& whole, std::span<const float> weights,
+                         std::span<const std::uint32_t> part) {
+  if (weights.empty()) return {};
+  RateFactors factors{.scale = whole_over_part({}, weights, part)};
+  std::vector<Extent> extents = extents_of(whole.log_scales);
+  const auto factor = [&](const Importance& importance) {
+    return whole_over_part(coarseness_of(importance, extents), weights, part);
+  };
+  factors.opacity = factor(kOpacityImportance);
+  set_opacities(extents, whole.opacity_logits);
+  factors.rotation = factor(kRotationImportance);
+  factors.color = factor(kColorImportance);
+  return factors;
 }
 
 }  // namespace fluxgs::codec

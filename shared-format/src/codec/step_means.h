@@ -1,6 +1,9 @@
-// What the steps of a scene are relative to, so that a part of it can be encoded by itself and yet
-// as exactly as within the whole.
+// What the steps and the weights of a scene are relative to, so that a part of it can be encoded by
+// itself and yet as exactly as within the whole.
 #pragma once
+
+#include <cstdint>
+#include <span>
 
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/splat_cloud.h"
@@ -20,5 +23,16 @@ StepMeans step_means(const SplatCloud& cloud);
 /// The steps for a part of a scene with which its splats get the same rounding as they would within
 /// the whole with `steps`.
 CompactSteps steps_within(const CompactSteps& steps, const StepMeans& part, const StepMeans& whole);
+
+/// Multiples of CompactOptions::rate_weight for each attribute.
+struct RateFactors {
+  double scale = 1, opacity = 1, rotation = 1, color = 1;
+};
+
+/// For the splats `part` of a scene, whose weights are to count as within the whole although those
+/// of each stream are 1 on the average: how much less than the mean they count. Weights are one for
+/// each splat of the whole or none.
+RateFactors rate_factors(const SplatCloud& whole, std::span<const float> weights,
+                         std::span<const std::uint32_t> part);
 
 }  // namespace fluxgs::codec

@@ -179,11 +179,11 @@ struct Part {
 };
 
 Expected<Part> make_part(const SplatCloud& splats, const CompactOptions& options,
-                         const std::string& name) {
+                         const codec::RateFactors& rates, const std::string& name) {
   const CompactNetworks* networks = options.networks ? &*options.networks : nullptr;
   const std::span<const float> energy =
       networks != nullptr ? std::span<const float>(networks->energy) : std::span<const float>();
-  auto stream = codec::encode_compact(splats, options, energy);
+  auto stream = codec::encode_compact(splats, options, energy, rates);
   if (!stream) return fail(name, stream.error().field, stream.error().what);
   Part part{.payload = {std::move(*stream), networks, splats.size(), splats.sh_degree},
             .decoded = {}};
@@ -196,7 +196,7 @@ Expected<Part> make_part(const SplatCloud& splats, const CompactOptions& options
 /// Networks know scenes of degree 1 and make what is in their bands.
 Expected<std::vector<Part>> whole_scene(const SplatCloud& splats, const CompactOptions& options,
                                         const std::string& name) {
-  auto part = make_part(splats, options, name);
+  auto part = make_part(splats, options, {}, name);
   if (!part) return std::unexpected(part.error());
   std::vector<Part> parts;
   parts.push_back(std::move(*part));
@@ -215,7 +215,8 @@ Expected<std::vector<Part>> parts_by_degree(const SplatCloud& splats, const Comp
     own.weights.clear();
     if (!options.weights.empty())
       for (const std::uint32_t i : bucket.splats) own.weights.push_back(options.weights[i]);
-    auto part = make_part(own_splats, own, name);
+    auto part = make_part(own_splats, own,
+                          codec::rate_factors(splats, options.weights, bucket.splats), name);
     if (!part) return std::unexpected(part.error());
     parts.push_back(std::move(*part));
   }
