@@ -130,6 +130,23 @@ TEST(CompactSearch, BalancingMakesABadStartBetter) {
   EXPECT_GT(after->psnr(), before->psnr() + 1);
 }
 
+// Of degrees 0 and 1 in a cloud of degree 3, whose files have degree 1.
+TEST(CompactSearch, SplatsOfSeveralDegrees) {
+  const Fixture f;
+  SplatCloud cloud = test::random_cloud(1400, 3, 5);
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    for (std::size_t k = i % 2 == 0 ? 0 : 3; k < 15; ++k) cloud.sh_rest[15 * i + k] = glm::vec3(0);
+  const SceneError error(cloud, some_cameras(), {}, f.threads);
+  const CompactOptions options{.steps = usual_compact_steps(cloud)};
+  const auto found = CompactSearch(cloud, error, options).within_loss(40);
+  ASSERT_TRUE(found) << found.error().message();
+  EXPECT_GE(found->psnr(), 40);
+  const auto scene = read_glb(found->file, "x");
+  ASSERT_TRUE(scene);
+  EXPECT_EQ(scene->cloud.sh_degree, 1);
+  EXPECT_EQ(*error.mse(scene->cloud), found->mse);
+}
+
 TEST(CompactSearch, PlentyOfBytesAreNoError) {
   const Fixture f;
   const auto found = CompactSearch(f.cloud, f.error, f.options).within_bytes(100'000'000);

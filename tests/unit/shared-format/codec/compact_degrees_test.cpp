@@ -135,6 +135,30 @@ TEST(CompactDegrees, AreRoundedAlike) {
   for (std::size_t e = 0; e < 6; ++e) EXPECT_NEAR(apart[e] / together[e], 1, 0.06) << e;
 }
 
+// Streams take weights as 1 on the average; a bit must cost as much in all of them.
+TEST(CompactDegrees, WeightsCountAsWithinTheWhole) {
+  SplatCloud cloud;
+  cloud.resize(4);
+  const std::vector<float> weights{1, 1, 3, 3};
+  const std::vector<std::uint32_t> light{0, 1}, heavy{2, 3}, all{0, 1, 2, 3};
+  const auto low = codec::rate_factors(cloud, weights, light);
+  const auto high = codec::rate_factors(cloud, weights, heavy);
+  for (const auto member : {&codec::RateFactors::scale, &codec::RateFactors::opacity,
+                            &codec::RateFactors::rotation, &codec::RateFactors::color}) {
+    EXPECT_DOUBLE_EQ(low.*member, 2);
+    EXPECT_DOUBLE_EQ(high.*member, 2.0 / 3);
+    EXPECT_EQ(codec::rate_factors(cloud, weights, all).*member, 1);
+    EXPECT_EQ(codec::rate_factors(cloud, {}, light).*member, 1);
+    EXPECT_EQ(codec::rate_factors(cloud, std::vector<float>(4), light).*member, 1);
+  }
+  // Twice the size, and so 2^0.7 times finer steps of colours: in such steps errors weigh less
+  for (const std::uint32_t i : heavy) cloud.log_scales[i] = glm::vec3(std::log(2.0f));
+  const auto large = codec::rate_factors(cloud, weights, heavy);
+  const double in_steps = 3 / std::exp2(1.4);
+  EXPECT_DOUBLE_EQ(large.scale, 2.0 / 3);
+  EXPECT_NEAR(large.color, (1 + in_steps) / 2 / in_steps, 1e-5);
+}
+
 TEST(CompactDegrees, OneDegreeIsOnePrimitiveAndTheStreamOfTheWholeCloud) {
   for (int degree = 0; degree <= 3; ++degree) {
     SplatCloud cloud = random_cloud(700, degree);
