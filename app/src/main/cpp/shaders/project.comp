@@ -83,8 +83,8 @@ uint project(uint splat) {
     return near_by ? depth_key(p.z) : CULLED;
   }
   uvec4 words[RECORD_SIZE];
-  pack_record(Record(centre, shape.factor * TO_LEVELS, level, color_of(green_blue_harmonics, scale_red.w, ray)),
-              words);
+  vec3 color = color_of(green_blue_harmonics, scale_red.w, ray);
+  pack_record(Record(centre, shape.factor * TO_LEVELS, level, color), words);
   for (uint k = 0u; k < RECORD_SIZE; ++k) records[RECORD_SIZE * splat + k] = words[k];
   return depth_key(p.z);
 }
