@@ -12,6 +12,7 @@
 #pragma once
 
 #include "trainer/appearance/choices.h"
+#include "trainer/appearance/kernels.h"
 #include "trainer/appearance/quadrature.h"
 #include "trainer/base/parallel.h"
 #include "trainer/model/parameters.h"
@@ -22,6 +23,7 @@ namespace fluxgs {
 /// (r, g, b), along y, along z; units of colour. Bands that `parameters` do not have are zero.
 /// Always finite: 0 where the coefficients are not, or are too large for their sums.
 PlanarFloats energy_moments(const PlanarFloats& parameters, Residual residual,
-                            const SphereRule& rule, const Threads& threads);
+                            const SphereRule& rule, const Threads& threads,
+                            const EnergyKernels& kernels = energy_kernels(best_isa()));
 
 }  // namespace fluxgs
