@@ -13,8 +13,8 @@
 
 namespace fluxgs {
 
-/// 4 bytes a splat and view: 40 MB for 100,000 splats and 100 views. Where that is too much, every
-/// second or third view does as well.
+/// 4 bytes a splat and view: 40 MB for 100,000 splats and 100 views. Where that is too much, only a
+/// part of the views may be given.
 struct ViewWeights {
   std::vector<glm::dvec3> centers = {};  ///< of the cameras
   PlanarFloats weights = {};             ///< row v: Σ α·T over the pixels of view v, for each splat
