@@ -84,6 +84,4 @@ void put_phi_row(const networks::Normalisation& n, const PlanarFloats& p, const 
   put_finite(networks::phi_row(n, splat, sh), row);
 }
 
-bool moves(float entry) { return std::abs(entry) < networks::kInputLimit; }
-
 }  // namespace fluxgs

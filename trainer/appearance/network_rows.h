@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 #include "fluxgs/networks/appearance.h"
@@ -28,6 +29,6 @@ void put_phi_row(const networks::Normalisation& normalisation, const PlanarFloat
                  const ShRow& sh, std::size_t i, float* row);
 
 /// Whether an entry of a row is inside of the limits; at them its derivative is 0.
-bool moves(float entry);
+inline bool moves(float entry) { return std::abs(entry) < networks::kInputLimit; }
 
 }  // namespace fluxgs

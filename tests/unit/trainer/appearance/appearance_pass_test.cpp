@@ -137,6 +137,38 @@ TEST_P(Appearance, GradientsAreThoseOfCentralDifferences) {
   check(scene.model.phi, stepped.phi);
 }
 
+// Many splats are worked on in groups, whose sums are added
+TEST(Appearance, WeightGradientsAreSumsOverTheSplats) {
+  const AppearanceScene scene(3500, true, true);
+  const Threads threads(2);
+  const auto first_moments = [&](std::span<const std::uint32_t> splats) {
+    AppearanceModel model = scene.model;
+    AppearancePass pass(threads);
+    PlanarFloats colors(row::count(1), 3500), back(kSh, 3500);
+    pass.shade(model, scene.parameters, scene.latents, scene.every(2), colors);  // leaves its sums
+    pass.backpropagate(model, scene.gradient, scene.visible, back);
+    pass.shade(model, scene.parameters, scene.latents, splats, colors);
+    pass.backpropagate(model, scene.gradient, scene.visible, back);
+    pass.step(model, {}, kAdam);
+    return std::pair(std::move(model.psi->first), std::move(model.phi->first));
+  };
+  const std::vector<std::uint32_t> all = scene.every(1);
+  const auto whole = first_moments(all);
+  const auto head = first_moments(std::span(all).first(700)),
+             middle = first_moments(std::span(all).subspan(700, 900)),
+             tail = first_moments(std::span(all).subspan(1600));
+  const auto compare = [](const MlpMatrices& sum, const MlpMatrices& a, const MlpMatrices& b,
+                          const MlpMatrices& c) {
+    for (std::size_t l = 0; l < sum.size(); ++l)
+      for (int r = 0; r < sum[l].rows(); ++r)
+        for (std::size_t k = 0; k < sum[l].size(); ++k)
+          ASSERT_NEAR(sum[l].row(r)[k], a[l].row(r)[k] + b[l].row(r)[k] + c[l].row(r)[k], 2e-3);
+  };
+  compare(whole.first, head.first, middle.first, tail.first);
+  compare(whole.second, head.second, middle.second, tail.second);
+  EXPECT_GT(std::abs(whole.second[3].row(32)[0]), 0.1f);
+}
+
 /// Some steps of training towards colours; what comes out.
 struct Trained {
   std::vector<float> model;

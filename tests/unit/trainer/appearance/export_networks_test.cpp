@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "fluxgs/io/gltf.h"
 #include "fluxgs/networks/onnx_runtime.h"
 #include "support.h"
@@ -58,7 +60,7 @@ TEST(ExportNetworks, OnnxruntimeMakesTheSameColours) {
     for (std::size_t i = 0; i < cloud.size(); ++i)
       worst = std::max(worst, difference(cloud, i, colors, i));
     RecordProperty(std::string("worst") + (psi ? "_psi" : "") + (phi ? "_phi" : ""),
-                   std::to_string(worst));
+                   fmt::format("{:.2g}", worst));
     EXPECT_LT(worst, 1e-5);
   }
 }
