@@ -12,8 +12,11 @@ struct PsiFitOptions {
   int steps = 500;
   std::size_t batch = 8192;  ///< splats of a step, drawn anew for each
   double rate = 0.01;        ///< of Adam; falls to 0 along a quarter of a cosine
-  double latent_rate = 0;    ///< the same for E: 0 keeps it as it is. E knows nothing of the
-                             ///< constant coefficient, which Ψ can only guess from the position
+  /// The same for E; 0 keeps it as it is. E knows nothing of the constant coefficient, which Ψ can
+  /// then only guess from the position: on two scans of 91 k and 153 k splats, whose coefficients
+  /// deviate by 0.58 and 0.54, an error of 0.47 and 0.53 is left after 500 steps. With E moved too
+  /// it is 0.017 and 0.033, after 2,000 steps 0.0007 and 0.0026.
+  double latent_rate = 0.02;
   AdamConstants adam = {0.9, 0.999, 1e-15};
   std::uint64_t seed = 1;
 };
@@ -23,7 +26,7 @@ struct PsiFitReport {
   double rms_before = 0, rms_after = 0;
 };
 
-/// Minimises |Ψ(E, f(μ̂)) − c′|² over Ψ's weights and, on demand, E. `target` holds c′ in
+/// Minimises |Ψ(E, f(μ̂)) − c′|² over Ψ's weights and E. `target` holds c′ in
 /// networks::kShColumns rows, in the frame of the parameters; splats whose c′, E or position is not
 /// finite are left out. Adam's state of Ψ begins anew afterwards. Without Ψ nothing happens.
 PsiFitReport fit_psi(AppearanceModel& model, const PlanarFloats& parameters, PlanarFloats& latents,

@@ -30,7 +30,7 @@ TEST(FitPsi, LearnsWhatFollowsFromItsInputs) {
   const PlanarFloats target = learnable(scene), latents = scene.latents;
   const std::vector<float> phi = to_floats(*scene.model.phi);
   const PsiFitReport report = fit_psi(scene.model, scene.parameters, scene.latents, target,
-                                      {.steps = 400, .batch = 1000}, Threads(2));
+                                      {.steps = 400, .batch = 1000, .latent_rate = 0}, Threads(2));
   RecordProperty("rms", std::to_string(report.rms_after));
   EXPECT_GT(report.rms_before, 0.3);
   EXPECT_LT(report.rms_after, 0.02);
@@ -53,13 +53,13 @@ TEST(FitPsi, LearnsWhatFollowsFromItsInputs) {
 }
 
 // Colours that have nothing to do with the inputs can only be stored in E
-TEST(FitPsi, MovesTheLatentsOnDemand) {
+TEST(FitPsi, MovesTheLatentsToo) {
   AppearanceScene fixed(2000, true, false);
   AppearanceScene free = fixed;
   PlanarFloats target(kSh, 2000);
   for (int k = 0; k < kSh; ++k)
     std::copy_n(fixed.gradient.row(row::sh_dc + k), 2000, target.row(k));
-  PsiFitOptions options{.steps = 300, .batch = 2000};
+  PsiFitOptions options{.steps = 300, .batch = 2000, .latent_rate = 0};
   const double without =
       fit_psi(fixed.model, fixed.parameters, fixed.latents, target, options, Threads(2)).rms_after;
   options.latent_rate = 0.02;
