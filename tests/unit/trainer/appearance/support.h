@@ -56,7 +56,7 @@ inline std::array<double, kSh> exact_colors(const AppearanceScene& scene, std::s
   std::vector<double> base;
   std::vector<float> latents;
   for (int k = 0; k < kSh; ++k) {
-    const double sign = (scene.model.psi ? kEnergySigns : kShSigns)[k / 3];
+    const double sign = scene.model.psi ? kEnergySigns[k / 3] : kShSigns[k / 3];
     base.push_back(sign * double{scene.latents.row(k)[i]});
     latents.push_back(static_cast<float>(base.back()));
   }
