@@ -7,7 +7,8 @@ namespace fluxgs {
 std::vector<float> splat_contributions(const SplatCloud& cloud, const std::vector<Camera>& cameras,
                                        const RenderOptions& options, const Threads& threads,
                                        const ProgressReport& progress) {
-  BlendWeights weights(to_parameters(cloud, cloud.sh_degree), options, threads);
+  const PlanarFloats parameters = to_parameters(cloud, cloud.sh_degree);
+  BlendWeights weights(parameters, options, threads);
   std::vector<double> sums(cloud.size());
   ProgressCounter counter(progress, cameras.size());
   for (const Camera& camera : cameras) {

@@ -9,11 +9,11 @@
 namespace fluxgs {
 
 /// Σ α·T over the pixels of a view for each splat: the weight with which its colour enters the
-/// picture. Obtained through the rasteriser's backward pass, so it is right for every backend.
+/// picture.
 class BlendWeights {
  public:
-  /// `threads` must outlive this. Colours do not matter, but a splat whose colour is not finite is
-  /// not drawn, as in training.
+  /// `parameters` and `threads` must outlive this. Colours do not matter, but a splat whose colour
+  /// is not finite is not drawn, as in training.
   BlendWeights(const PlanarFloats& parameters, const RenderOptions& options,
                const Threads& threads);
 
@@ -21,7 +21,7 @@ class BlendWeights {
   const std::vector<float>& of(const Camera& camera);
 
  private:
-  PlanarFloats grey_;
+  const PlanarFloats& parameters_;
   RenderOptions options_;
   StageTimes times_;
   std::unique_ptr<Rasterizer> rasterizer_;
