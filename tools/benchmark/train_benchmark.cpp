@@ -1,5 +1,6 @@
 // How long the stages of a training iteration take, beside what they work on.
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -7,13 +8,14 @@
 
 #include "trainer/base/clock.h"
 #include "trainer/data/initial_points.h"
+#include "trainer/train/checkpoint.h"
 #include "trainer/train/trainer.h"
 
 namespace fluxgs {
 namespace {
 
 struct Settings {
-  std::string data;
+  std::string data, checkpoint;
   int downscale = 2, warmup = 20, iterations = 200, threads = 0;
 };
 
@@ -37,40 +39,56 @@ double pairs_per_pixel(const Dataset& data, const TrainState& state, const Train
   return pairs / pixels;
 }
 
+/// Where a checkpoint was, or the start of a run.
+Expected<TrainState> starting_state(const Settings& settings, const Dataset& data,
+                                    const TrainOptions& options, const Threads& threads) {
+  if (!settings.checkpoint.empty()) {
+    auto checkpoint = read_checkpoint(settings.checkpoint);
+    if (!checkpoint) return std::unexpected(checkpoint.error());
+    return std::move(checkpoint->state);
+  }
+  const auto points = initial_points(data, 1);
+  if (!points) return std::unexpected(points.error());
+  return initial_state(data, *points, options, threads);
+}
+
 Expected<void> run(const Settings& settings) {
   LoadOptions load;
   load.downscale = settings.downscale;
   const auto data = load_dataset(settings.data, load);
   if (!data) return std::unexpected(data.error());
-  const auto points = initial_points(*data, 1);
-  if (!points) return std::unexpected(points.error());
 
   const Threads threads(settings.threads);
   TrainOptions options;
-  options.densify_from = settings.warmup + settings.iterations;  // the same splats throughout
+  options.densify_from = 1 << 30;  // the same splats throughout
+  options.opacity_reset_interval = 0;
+  options.sh_degree_interval = 1;  // every coefficient in use, as for most of a run
   StageTimes times;
-  TrainState state = initial_state(*data, *points, options, threads);
-  const double density = pairs_per_pixel(*data, state, options, threads);
-  Trainer trainer(*data, options, std::move(state), threads, times);
+  auto state = starting_state(settings, *data, options, threads);
+  if (!state) return std::unexpected(state.error());
+  const double density = pairs_per_pixel(*data, *state, options, threads);
+  Trainer trainer(*data, options, std::move(*state), threads, times);
   for (int i = 0; i < settings.warmup; ++i) trainer.step();
 
-  times = {};
   std::vector<double> wall_ms, cpu_ms;
+  std::array<std::vector<double>, kStageNames.size()> stage_ms;
   for (int i = 0; i < settings.iterations; ++i) {
+    times = {};
     const double wall = wall_seconds(), cpu = cpu_seconds();
     trainer.step();
     wall_ms.push_back(1e3 * (wall_seconds() - wall));
     cpu_ms.push_back(1e3 * (cpu_seconds() - cpu));
+    for (std::size_t s = 0; s < stage_ms.size(); ++s) stage_ms[s].push_back(1e3 * times.seconds[s]);
   }
 
   const Camera& camera = data->train.front().camera;
   const double pairs = density * camera.width * camera.height;
-  fmt::print("{}x{}, {} splats from {}, {:.1f} contributing pairs a pixel, {}, {} threads\n",
-             camera.width, camera.height, trainer.state().parameters.size(), points->source,
-             density, name_of(best_isa()), threads.count());
-  fmt::print("{:<10} {:>12}\n", "stage", "ms (wall)");
+  fmt::print("{}x{}, {} splats, {:.1f} contributing pairs a pixel, {}, {} threads\n", camera.width,
+             camera.height, trainer.state().parameters.size(), density, name_of(best_isa()),
+             threads.count());
+  fmt::print("{:<10} {:>18}\n", "stage", "median ms (wall)");
   for (std::size_t s = 0; s < kStageNames.size(); ++s)
-    fmt::print("{:<10} {:>12.3f}\n", kStageNames[s], 1e3 * times.seconds[s] / settings.iterations);
+    fmt::print("{:<10} {:>18.3f}\n", kStageNames[s], median(stage_ms[s]));
   fmt::print(
       "iteration: median {:.2f} ms wall, {:.2f} ms CPU ({:.2f} ns CPU per contributing pair); "
       "cores used: {:.0f}%\n",
@@ -85,9 +103,11 @@ Expected<void> run(const Settings& settings) {
 int main(int argc, char** argv) {
   fluxgs::Settings settings;
   CLI::App app(
-      "Times the stages of a training iteration on a data set's initial splats.\n"
+      "Times the stages of a training iteration on a data set's initial splats or a\n"
+      "checkpoint's, with all spherical harmonics in use.\n"
       "Example: train_benchmark captures/garden --downscale 4");
   app.add_option("data", settings.data, "data set, as for fluxgs train")->required();
+  app.add_option("--checkpoint", settings.checkpoint, "start from a file that fluxgs train left");
   app.add_option("--downscale", settings.downscale, "reduce the photos by this factor")
       ->capture_default_str();
   app.add_option("--warmup", settings.warmup, "iterations before the clock starts")
