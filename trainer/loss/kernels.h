@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "trainer/simd/isa.h"
 
@@ -10,7 +11,8 @@ namespace fluxgs {
 
 inline constexpr int kSsimRadius = 5;
 
-/// One channel of a picture x against its target y. Planes as in PlanarImage.
+/// One channel of a picture x against its target y. Planes as in PlanarImage: rows are aligned and
+/// padded with zeros up to the pitch.
 struct SsimArgs {
   const float* x;
   const float* y;
@@ -24,12 +26,14 @@ struct SsimArgs {
 };
 
 struct SsimKernels {
-  /// Floats of scratch memory for a strip of `rows` rows.
-  std::size_t (*scratch_size)(std::size_t pitch, int rows);
+  /// Floats of scratch memory for the two functions below.
+  std::size_t (*scratch_size)(std::size_t pitch);
   /// Fills partials, row_ssim and row_l1 for rows [begin, end).
   void (*partials)(const SsimArgs&, int begin, int end, float* scratch);
   /// Fills gradient for rows [begin, end), once the partials of the rows within kSsimRadius exist.
   void (*gradient)(const SsimArgs&, int begin, int end, float* scratch);
+  /// `count` interleaved pixels of 8-bit RGB to three rows of 0…1.
+  void (*unpack_rgb)(const std::uint8_t* rgb, std::size_t count, float* r, float* g, float* b);
 };
 
 const SsimKernels& ssim_kernels(Isa isa);

@@ -10,7 +10,7 @@
 namespace fluxgs {
 namespace {
 
-constexpr int kStripRows = 32;  // rows per piece of work; each blurs 10 rows of halo once more
+constexpr int kStripRows = 32;  // rows per piece of work
 
 template <class Work>
 void for_strips(const Threads& threads, int height, const Work& work) {
@@ -26,10 +26,16 @@ void for_strips(const Threads& threads, int height, const Work& work) {
 void to_planar(const Image<std::uint8_t>& rgb, const Threads& threads, PlanarImage& out) {
   if (out.width() != rgb.width || out.height() != rgb.height)
     out = PlanarImage(rgb.width, rgb.height, 3);
+  const auto unpack = ssim_kernels(best_isa()).unpack_rgb;
   threads.for_pieces(
       static_cast<std::size_t>(rgb.height), 32, [&](std::size_t begin, std::size_t end) {
         for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
           const std::uint8_t* in = rgb.at(0, y);
+          if (rgb.channels == 3) {
+            unpack(in, static_cast<std::size_t>(rgb.width), out.row(0, y), out.row(1, y),
+                   out.row(2, y));
+            continue;
+          }
           for (int c = 0; c < 3; ++c) {
             float* row = out.row(c, y);
             for (int x = 0; x < rgb.width; ++x)
@@ -67,7 +73,7 @@ PhotometricSums PhotometricLoss::run(const PlanarImage& color, const PlanarImage
         row_ssim_.data() + rows,
         row_l1_.data() + rows};
   };
-  const std::size_t scratch_size = kernels_.scratch_size(color.pitch(), kStripRows);
+  const std::size_t scratch_size = kernels_.scratch_size(color.pitch());
   const auto scratch = [&] {  // one aligned buffer per thread, kept from call to call
     thread_local PlanarFloats buffer;
     if (buffer.size() < scratch_size) buffer = PlanarFloats(1, scratch_size);

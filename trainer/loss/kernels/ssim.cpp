@@ -9,64 +9,79 @@ constexpr float kWindow[kSsimRadius + 1] = {0.26601171f, 0.21300553f, 0.10936069
                                             0.03600077f, 0.00759876f, 0.00102838f};
 constexpr float kC1 = 0.01f * 0.01f, kC2 = 0.03f * 0.03f;
 
-constexpr int kStep = kLanes;
+constexpr std::size_t kStep = static_cast<std::size_t>(kLanes);
+constexpr std::size_t kGuard = 16;  // zeros at both ends of a blurred row: the window reads there
 
-/// Rows of a strip and its halo that lie inside the picture.
-struct Strip {
-  int first, last;  // [first, last)
-  Strip(int begin, int end, int height)
-      : first(begin > kSsimRadius ? begin - kSsimRadius : 0),
-        last(end + kSsimRadius < height ? end + kSsimRadius : height) {}
-};
-
-/// Scratch memory: `maps` blurred rows for every row of a strip.
-struct Rows {
+/// Scratch memory: a row of zeros, which stands for the rows outside the picture, and rows that are
+/// blurred over their columns and not yet along themselves. The columns come first because they
+/// need no neighbouring row's results: nothing is computed twice where strips meet, and what is
+/// kept stays in the first-level cache.
+struct Scratch {
+  static constexpr std::size_t kMaps = 4;
   float* data;
   std::size_t pitch;
-  int maps, first;
-  float* at(int map, int y) const {
-    return data + (static_cast<std::size_t>(y - first) * static_cast<std::size_t>(maps) +
-                   static_cast<std::size_t>(map)) *
-                      pitch;
+
+  Scratch(float* memory, std::size_t row_pitch) : data(memory), pitch(row_pitch) {
+    for (std::size_t i = 0; i < pitch; ++i) data[i] = 0.0f;
+    for (std::size_t map = 0; map < kMaps; ++map)
+      for (std::size_t i = 0; i < kGuard; ++i) row(map)[i - kGuard] = row(map)[pitch + i] = 0.0f;
   }
+  const float* zeros() const { return data; }
+  float* row(std::size_t map) const { return data + pitch + kGuard + map * (pitch + 2 * kGuard); }
 };
 
 std::size_t offset(const SsimArgs& a, int y) { return static_cast<std::size_t>(y) * a.pitch; }
 
-/// The window over x, y, x², y², xy along a row.
-void blur_moments(const float* x, const float* y, int width, const Rows& out, int row) {
-  for (int i = 0; i < width; i += kStep) {
-    const Lanes x0 = Lanes::load_unaligned(x + i), y0 = Lanes::load_unaligned(y + i);
-    const Lanes w0(kWindow[0]);
+/// The rows of a plane that the window around row y meets.
+struct WindowRows {
+  const float* at[2 * kSsimRadius + 1];
+  WindowRows(const SsimArgs& a, const float* plane, int y, const float* zeros) {
+    for (int k = -kSsimRadius; k <= kSsimRadius; ++k)
+      at[k + kSsimRadius] = y + k >= 0 && y + k < a.height ? plane + offset(a, y + k) : zeros;
+  }
+  Lanes above(int k, std::size_t i) const { return Lanes::load(at[kSsimRadius - k] + i); }
+  Lanes below(int k, std::size_t i) const { return Lanes::load(at[kSsimRadius + k] + i); }
+};
+
+/// The window's columns over x, y, x² + y² and xy.
+void blur_moments(const WindowRows& xs, const WindowRows& ys, const Scratch& out) {
+  for (std::size_t i = 0; i < out.pitch; i += kStep) {
+    const Lanes x0 = xs.above(0, i), y0 = ys.above(0, i), w0(kWindow[0]);
     Lanes mx = w0 * x0, my = w0 * y0;
-    Lanes xx = mx * x0, yy = my * y0, xy = mx * y0;
+    Lanes squares = fma(mx, x0, my * y0), xy = mx * y0;
     for (int k = 1; k <= kSsimRadius; ++k) {
-      const Lanes xl = Lanes::load_unaligned(x + i - k), xr = Lanes::load_unaligned(x + i + k);
-      const Lanes yl = Lanes::load_unaligned(y + i - k), yr = Lanes::load_unaligned(y + i + k);
+      const Lanes xa = xs.above(k, i), xb = xs.below(k, i);
+      const Lanes ya = ys.above(k, i), yb = ys.below(k, i);
       const Lanes w(kWindow[k]);
-      mx = fma(w, xl + xr, mx);
-      my = fma(w, yl + yr, my);
-      xx = fma(w, fma(xl, xl, xr * xr), xx);
-      yy = fma(w, fma(yl, yl, yr * yr), yy);
-      xy = fma(w, fma(xl, yl, xr * yr), xy);
+      mx = fma(w, xa + xb, mx);
+      my = fma(w, ya + yb, my);
+      squares = fma(w, fma(xa, xa, xb * xb) + fma(ya, ya, yb * yb), squares);
+      xy = fma(w, fma(xa, ya, xb * yb), xy);
     }
-    mx.store(out.at(0, row) + i);
-    my.store(out.at(1, row) + i);
-    xx.store(out.at(2, row) + i);
-    yy.store(out.at(3, row) + i);
-    xy.store(out.at(4, row) + i);
+    mx.store(out.row(0) + i);
+    my.store(out.row(1) + i);
+    squares.store(out.row(2) + i);
+    xy.store(out.row(3) + i);
   }
 }
 
-/// The window over one map's column, at lanes i of row y; rows outside the strip are zero.
-Lanes blur_column(const Rows& rows, const Strip& strip, int map, int y, int i) {
-  Lanes total = Lanes(kWindow[0]) * Lanes::load(rows.at(map, y) + i);
-  for (int k = 1; k <= kSsimRadius; ++k) {
-    Lanes pair(0.0f);
-    if (y - k >= strip.first) pair += Lanes::load(rows.at(map, y - k) + i);
-    if (y + k < strip.last) pair += Lanes::load(rows.at(map, y + k) + i);
-    total = fma(Lanes(kWindow[k]), pair, total);
+/// The window's columns over one plane.
+void blur_columns(const WindowRows& rows, std::size_t pitch, float* out) {
+  for (std::size_t i = 0; i < pitch; i += kStep) {
+    Lanes total = Lanes(kWindow[0]) * rows.above(0, i);
+    for (int k = 1; k <= kSsimRadius; ++k)
+      total = fma(Lanes(kWindow[k]), rows.above(k, i) + rows.below(k, i), total);
+    total.store(out + i);
   }
+}
+
+/// The window along a row, at lanes i.
+Lanes blur_along(const float* row, std::size_t i) {
+  const float* at = row + i;
+  Lanes total = Lanes(kWindow[0]) * Lanes::load(at);
+  for (int k = 1; k <= kSsimRadius; ++k)
+    total = fma(Lanes(kWindow[k]), Lanes::load_unaligned(at - k) + Lanes::load_unaligned(at + k),
+                total);
   return total;
 }
 
@@ -74,12 +89,13 @@ struct Ssim {
   Lanes value, d_mean, d_xx, d_xy;
 };
 
-/// SSIM of one window from its moments, and its derivatives.
-Ssim ssim(Lanes mx, Lanes my, Lanes xx, Lanes yy, Lanes xy) {
+/// SSIM of one window from its moments, and its derivatives. Of E[x²] and E[y²] only the sum
+/// matters.
+Ssim ssim(Lanes mx, Lanes my, Lanes squares, Lanes xy) {
   const Lanes two(2.0f), c1(kC1), c2(kC2);
-  const Lanes mxy = mx * my, mxx = mx * mx, myy = my * my;
+  const Lanes mxy = mx * my, mean_squares = fma(mx, mx, my * my);
   const Lanes a1 = fma(two, mxy, c1), a2 = fma(two, xy - mxy, c2);
-  const Lanes b1 = mxx + myy + c1, b2 = (xx - mxx) + (yy - myy) + c2;
+  const Lanes b1 = mean_squares + c1, b2 = (squares - mean_squares) + c2;
   const Lanes inverse_b1 = Lanes(1.0f) / b1, inverse_b2 = Lanes(1.0f) / b2;
   const Lanes structure = a2 * inverse_b2, value = a1 * inverse_b1 * structure;
   const Lanes d_xx = -(value * inverse_b2);
@@ -92,65 +108,68 @@ Ssim ssim(Lanes mx, Lanes my, Lanes xx, Lanes yy, Lanes xy) {
 
 }  // namespace
 
-std::size_t ssim_scratch_size(std::size_t pitch, int rows) {
-  return 5 * pitch * static_cast<std::size_t>(rows + 2 * kSsimRadius);
+std::size_t ssim_scratch_size(std::size_t pitch) {
+  return pitch + Scratch::kMaps * (pitch + 2 * kGuard);
 }
 
-void ssim_partials(const SsimArgs& a, int begin, int end, float* scratch) {
-  const Strip strip(begin, end, a.height);
-  const Rows rows{scratch, a.pitch, 5, strip.first};
-  for (int y = strip.first; y < strip.last; ++y)
-    blur_moments(a.x + offset(a, y), a.y + offset(a, y), a.width, rows, y);
+void ssim_partials(const SsimArgs& a, int begin, int end, float* memory) {
+  const Scratch rows(memory, a.pitch);
+  const std::size_t width = static_cast<std::size_t>(a.width);
   for (int y = begin; y < end; ++y) {
+    blur_moments(WindowRows(a, a.x, y, rows.zeros()), WindowRows(a, a.y, y, rows.zeros()), rows);
     Lanes total(0.0f), l1(0.0f);
-    for (int i = 0; i < a.width; i += kStep) {
-      const auto column = [&](int map) { return blur_column(rows, strip, map, y, i); };
-      const Ssim s = ssim(column(0), column(1), column(2), column(3), column(4));
-      const LaneMask inside{hn::FirstN(kTag, static_cast<std::size_t>(a.width - i))};
-      const std::size_t at = offset(a, y) + static_cast<std::size_t>(i);
-      zero_unless(inside, s.d_mean).store_unaligned(a.partials[0] + at);
-      zero_unless(inside, s.d_xx).store_unaligned(a.partials[1] + at);
-      zero_unless(inside, s.d_xy).store_unaligned(a.partials[2] + at);
+    for (std::size_t i = 0; i < width; i += kStep) {
+      const Ssim s = ssim(blur_along(rows.row(0), i), blur_along(rows.row(1), i),
+                          blur_along(rows.row(2), i), blur_along(rows.row(3), i));
+      const LaneMask inside{hn::FirstN(kTag, width - i)};
+      const std::size_t at = offset(a, y) + i;
+      zero_unless(inside, s.d_mean).store(a.partials[0] + at);
+      zero_unless(inside, s.d_xx).store(a.partials[1] + at);
+      zero_unless(inside, s.d_xy).store(a.partials[2] + at);
       total += zero_unless(inside, s.value);
-      l1 += zero_unless(inside,
-                        abs(Lanes::load_unaligned(a.x + at) - Lanes::load_unaligned(a.y + at)));
+      l1 += abs(Lanes::load(a.x + at) - Lanes::load(a.y + at));  // padding is 0 in both
     }
     a.row_ssim[y] = static_cast<double>(sum(total));
     a.row_l1[y] = static_cast<double>(sum(l1));
   }
 }
 
-void ssim_gradient(const SsimArgs& a, int begin, int end, float* scratch) {
-  const Strip strip(begin, end, a.height);
-  const Rows rows{scratch, a.pitch, 3, strip.first};
-  for (int y = strip.first; y < strip.last; ++y) {
-    for (int map = 0; map < 3; ++map) {
-      const float* in = a.partials[map] + offset(a, y);
-      for (int i = 0; i < a.width; i += kStep) {
-        Lanes total = Lanes(kWindow[0]) * Lanes::load_unaligned(in + i);
-        for (int k = 1; k <= kSsimRadius; ++k)
-          total = fma(Lanes(kWindow[k]),
-                      Lanes::load_unaligned(in + i - k) + Lanes::load_unaligned(in + i + k), total);
-        total.store(rows.at(map, y) + i);
-      }
-    }
-  }
+void ssim_gradient(const SsimArgs& a, int begin, int end, float* memory) {
+  const Scratch rows(memory, a.pitch);
+  const std::size_t width = static_cast<std::size_t>(a.width);
   const Lanes zero(0.0f), l1(a.l1_weight), weight(a.ssim_weight);
   for (int y = begin; y < end; ++y) {
-    for (int i = 0; i < a.width; i += kStep) {
-      const std::size_t at = offset(a, y) + static_cast<std::size_t>(i);
-      const Lanes vx = Lanes::load_unaligned(a.x + at), vy = Lanes::load_unaligned(a.y + at);
-      const Lanes d = blur_column(rows, strip, 0, y, i) +
-                      Lanes(2.0f) * vx * blur_column(rows, strip, 1, y, i) +
-                      vy * blur_column(rows, strip, 2, y, i);
+    for (std::size_t map = 0; map < 3; ++map)
+      blur_columns(WindowRows(a, a.partials[map], y, rows.zeros()), a.pitch, rows.row(map));
+    for (std::size_t i = 0; i < width; i += kStep) {
+      const std::size_t at = offset(a, y) + i;
+      const Lanes vx = Lanes::load(a.x + at), vy = Lanes::load(a.y + at);
+      const Lanes d = fma(Lanes(2.0f) * vx, blur_along(rows.row(1), i),
+                          fma(vy, blur_along(rows.row(2), i), blur_along(rows.row(0), i)));
       const Lanes sign = select(vx > vy, l1, select(vx < vy, -l1, zero));
-      const LaneMask inside{hn::FirstN(kTag, static_cast<std::size_t>(a.width - i))};
-      zero_unless(inside, fnma(weight, d, sign)).store_unaligned(a.gradient + at);
+      const LaneMask inside{hn::FirstN(kTag, width - i)};
+      zero_unless(inside, fnma(weight, d, sign)).store(a.gradient + at);
     }
   }
 }
 
+void unpack_rgb(const std::uint8_t* rgb, std::size_t count, float* r, float* g, float* b) {
+  const hn::Rebind<std::uint8_t, Tag> bytes;
+  float* rows[3] = {r, g, b};
+  const Lanes scale(1.0f / 255.0f);
+  std::size_t i = 0;
+  for (; i + kStep <= count; i += kStep) {
+    hn::Vec<decltype(bytes)> planes[3];
+    hn::LoadInterleaved3(bytes, rgb + 3 * i, planes[0], planes[1], planes[2]);
+    for (int c = 0; c < 3; ++c)
+      (Lanes(hn::ConvertTo(kTag, hn::PromoteTo(kTagI, planes[c]))) * scale).store(rows[c] + i);
+  }
+  for (; i < count; ++i)
+    for (int c = 0; c < 3; ++c)
+      rows[c][i] = static_cast<float>(rgb[3 * i + static_cast<std::size_t>(c)]) * (1.0f / 255.0f);
+}
+
 extern const SsimKernels kSsimKernels;
-const SsimKernels kSsimKernels{ssim_scratch_size, ssim_partials, ssim_gradient};
+const SsimKernels kSsimKernels{ssim_scratch_size, ssim_partials, ssim_gradient, unpack_rgb};
 
 }  // namespace fluxgs::FLUXGS_ISA
