@@ -52,8 +52,8 @@ struct Lanes {
   friend LaneMask operator==(Lanes a, Lanes b) { return {hn::Eq(a.v, b.v)}; }
 
   friend Lanes select(LaneMask m, Lanes yes, Lanes no) { return hn::IfThenElse(m.m, yes.v, no.v); }
-  friend Lanes max(Lanes a, Lanes b) { return select(a > b, a, b); }
-  friend Lanes min(Lanes a, Lanes b) { return select(a < b, a, b); }
+  friend Lanes max(Lanes a, Lanes b) { return hn::Max(a.v, b.v); }
+  friend Lanes min(Lanes a, Lanes b) { return hn::Min(a.v, b.v); }
   friend Lanes abs(Lanes a) { return hn::Abs(a.v); }
   friend Lanes sqrt(Lanes a) { return hn::Sqrt(a.v); }
 };

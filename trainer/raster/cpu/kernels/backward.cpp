@@ -17,15 +17,17 @@ struct State {
 void load_state(const TileArgs& args, State& s) {
   start_transmittance(args, s.t);
   const std::size_t plane = plane_size(args);
-  for_each_pixel_row(args, [&](std::size_t pixel, int at, int count) {
-    for (int i = 0; i < count; ++i) {
-      const float* c = args.color + pixel + static_cast<std::size_t>(i);
-      const float* g = args.color_gradient + pixel + static_cast<std::size_t>(i);
-      s.gr.v[at + i] = g[0];
-      s.gg.v[at + i] = g[plane];
-      s.gb.v[at + i] = g[2 * plane];
-      s.behind.v[at + i] = c[0] * g[0] + c[plane] * g[plane] + c[2 * plane] * g[2 * plane];
-    }
+  for_each_quad(args, [&](std::size_t pixel, int at) {
+    const float* c = args.color + pixel;
+    const float* g = args.color_gradient + pixel;
+    const auto red = hn::Load(kQuad, g), green = hn::Load(kQuad, g + plane),
+               blue = hn::Load(kQuad, g + 2 * plane);
+    hn::Store(red, kQuad, s.gr.v + at);
+    hn::Store(green, kQuad, s.gg.v + at);
+    hn::Store(blue, kQuad, s.gb.v + at);
+    auto total = hn::Mul(hn::Load(kQuad, c), red);
+    total = hn::MulAdd(hn::Load(kQuad, c + plane), green, total);
+    hn::Store(hn::MulAdd(hn::Load(kQuad, c + 2 * plane), blue, total), kQuad, s.behind.v + at);
   });
 }
 
@@ -34,21 +36,32 @@ struct Sums {
   Lanes u{0.0f}, v{0.0f}, uu{0.0f}, uv{0.0f}, vv{0.0f}, h{0.0f}, r{0.0f}, g{0.0f}, b{0.0f};
 };
 
+/// The sums of four packs of lanes.
+hn::Vec<Quad> sums_of(Lanes a, Lanes b, Lanes c, Lanes d) {
+  const auto pair = [](hn::Vec<Quad> x, hn::Vec<Quad> y) {
+    return hn::Add(hn::InterleaveLower(kQuad, x, y), hn::InterleaveUpper(kQuad, x, y));
+  };
+  const auto quad = [](Lanes x) { return quad_sum(kTag, x.v); };
+  return pair(pair(quad(a), quad(c)), pair(quad(b), quad(d)));
+}
+
 void write(const Sums& s, PairGradient& out) {
-  out = {sum(s.u), sum(s.v), sum(s.uu), sum(s.uv), sum(s.vv),
-         sum(s.h), sum(s.r), sum(s.g),  sum(s.b),  {0, 0, 0}};
+  hn::Store(sums_of(s.u, s.v, s.uu, s.uv), kQuad, &out.u);
+  hn::Store(sums_of(s.vv, s.h, s.r, s.g), kQuad, &out.vv);
+  const Lanes zero(0.0f);
+  hn::Store(sums_of(s.b, zero, zero, zero), kQuad, &out.b);
 }
 
 }  // namespace
 
 void backward(const TileArgs& args) {
   const RasterConstants& k = args.constants;
-  const LaneOffsets lanes;
   State state;
   load_state(args, state);
 
   std::uint32_t alive = blocks_inside(args);
   for (std::uint32_t e = 0; e < args.count; ++e) {
+    prefetch_splat(args, e);
     const TileEntry entry = args.entries[e];
     std::uint32_t blocks = entry.blocks & alive;
     if (!blocks) {
@@ -56,30 +69,32 @@ void backward(const TileArgs& args) {
       continue;
     }
     const ProjectedSplat& s = args.splats[entry.splat];
-    const SplatInTile in_tile(s, args, lanes);
-    const Lanes log2_opacity(s.log2_opacity), cr(s.r), cg(s.g), cb(s.b);
+    const SplatInTile splat(s, args);
+    const Lanes cr(s.r), cg(s.g), cb(s.b);
     Sums sums;
     for (; blocks; blocks &= blocks - 1) {
       const int block = lowest_bit(blocks);
-      const Lanes u_offset(in_tile.u_offset(block)), v_offset(in_tile.v_offset(block));
       bool open = false;
       for (int p = 0; p < kPacks; ++p) {
         const Lanes before = state.t.load(block, p);
-        const Lanes u = in_tile.u[p] + u_offset, v = in_tile.v[p] + v_offset;
-        const Alpha a = alpha_at(u, v, log2_opacity, before, k);
-        const Lanes weight = zero_unless(a.contributes, a.alpha * before);
+        const Lanes u = splat.u_at(block, p), v = splat.v_at(block, p);
+        const Lanes exponent = splat.exponent(u, v);
+        const LaneMask inside = contributes(exponent, before, k);
+        const Lanes raw = exp2(exponent);
+        const Lanes alpha = min(raw, Lanes(k.alpha_max));
+        const Lanes weight = zero_unless(inside, alpha * before);
         const Lanes after = before - weight;
         const Lanes gr = state.gr.load(block, p), gg = state.gg.load(block, p),
                     gb = state.gb.load(block, p);
-        const Lanes shade = fma(cr, gr, fma(cg, gg, cb * gb));  // c·g
-        const Lanes behind = fnma(weight, shade, state.behind.load(block, p));
+        const Lanes passed = weight * fma(cr, gr, fma(cg, gg, cb * gb));  // αT·(c·g)
+        const Lanes behind = state.behind.load(block, p) - passed;
         state.t.store(block, p, after);
         state.behind.store(block, p, behind);
 
         // ∂L/∂α = T·(c·g) − behind/(1 − α);  h = α·∂L/∂α
-        const LaneMask moves = a.contributes & (a.raw <= Lanes(k.alpha_max));
-        const Lanes odds = a.alpha / (Lanes(1.0f) - a.alpha);
-        const Lanes h = zero_unless(moves, fnma(behind, odds, weight * shade));
+        const LaneMask moves = inside & (raw <= Lanes(k.alpha_max));
+        const Lanes odds = alpha / (Lanes(1.0f) - alpha);
+        const Lanes h = zero_unless(moves, fnma(behind, odds, passed));
         const Lanes hu = h * u, hv = h * v;
         sums.h += h;
         sums.u += hu;

@@ -5,53 +5,65 @@
 
 namespace fluxgs::FLUXGS_ISA {
 
+namespace {
+
+/// A tile's running state.
+struct State {
+  TilePlane t, r, g, b;
+};
+
+void store_picture(const TileArgs& args, const State& s) {
+  const auto background = [&](int c) { return hn::Set(kQuad, args.constants.background[c]); };
+  const auto red = background(0), green = background(1), blue = background(2);
+  const std::size_t plane = plane_size(args);
+  for_each_quad(args, [&](std::size_t pixel, int at) {
+    const auto rest = hn::Load(kQuad, s.t.v + at);
+    float* out = args.color + pixel;
+    hn::Store(hn::MulAdd(rest, red, hn::Load(kQuad, s.r.v + at)), kQuad, out);
+    hn::Store(hn::MulAdd(rest, green, hn::Load(kQuad, s.g.v + at)), kQuad, out + plane);
+    hn::Store(hn::MulAdd(rest, blue, hn::Load(kQuad, s.b.v + at)), kQuad, out + 2 * plane);
+  });
+}
+
+}  // namespace
+
 std::uint32_t forward(const TileArgs& args) {
   const RasterConstants& k = args.constants;
-  const LaneOffsets lanes;
-  TilePlane t, r, g, b;
-  start_transmittance(args, t);
+  State state;
+  start_transmittance(args, state.t);
 
   std::uint32_t alive = blocks_inside(args);
   std::uint64_t pairs = 0;
   std::uint32_t used = 0;
   for (; used < args.count && alive; ++used) {
+    prefetch_splat(args, used);
     const TileEntry entry = args.entries[used];
     std::uint32_t blocks = entry.blocks & alive;
     if (!blocks) continue;
     const ProjectedSplat& s = args.splats[entry.splat];
-    const SplatInTile in_tile(s, args, lanes);
-    const Lanes log2_opacity(s.log2_opacity), cr(s.r), cg(s.g), cb(s.b);
+    const SplatInTile splat(s, args);
+    const Lanes cr(s.r), cg(s.g), cb(s.b);
     for (; blocks; blocks &= blocks - 1) {
       const int block = lowest_bit(blocks);
-      const Lanes u_offset(in_tile.u_offset(block)), v_offset(in_tile.v_offset(block));
       bool open = false;
       for (int p = 0; p < kPacks; ++p) {
-        const Lanes before = t.load(block, p);
-        const Alpha a =
-            alpha_at(in_tile.u[p] + u_offset, in_tile.v[p] + v_offset, log2_opacity, before, k);
-        const Lanes weight = zero_unless(a.contributes, a.alpha * before);
+        const Lanes before = state.t.load(block, p);
+        const Lanes exponent = splat.exponent(splat.u_at(block, p), splat.v_at(block, p));
+        const LaneMask inside = contributes(exponent, before, k);
+        const Lanes alpha = min(exp2(exponent), Lanes(k.alpha_max));
+        const Lanes weight = zero_unless(inside, alpha * before);
         const Lanes after = before - weight;
-        r.store(block, p, fma(cr, weight, r.load(block, p)));
-        g.store(block, p, fma(cg, weight, g.load(block, p)));
-        b.store(block, p, fma(cb, weight, b.load(block, p)));
-        t.store(block, p, after);
+        state.r.store(block, p, fma(cr, weight, state.r.load(block, p)));
+        state.g.store(block, p, fma(cg, weight, state.g.load(block, p)));
+        state.b.store(block, p, fma(cb, weight, state.b.load(block, p)));
+        state.t.store(block, p, after);
         open |= any(after >= Lanes(k.transmittance_min));
-        if (args.pairs) pairs += static_cast<unsigned>(__builtin_popcount(bits(a.contributes)));
+        if (args.pairs) pairs += static_cast<unsigned>(__builtin_popcount(bits(inside)));
       }
       if (!open) alive &= ~(1u << block);
     }
   }
-
-  const std::size_t plane = plane_size(args);
-  for_each_pixel_row(args, [&](std::size_t pixel, int at, int count) {
-    for (int i = 0; i < count; ++i) {
-      float* out = args.color + pixel + static_cast<std::size_t>(i);
-      const float rest = t.v[at + i];
-      out[0] = r.v[at + i] + rest * k.background[0];
-      out[plane] = g.v[at + i] + rest * k.background[1];
-      out[2 * plane] = b.v[at + i] + rest * k.background[2];
-    }
-  });
+  store_picture(args, state);
   if (args.pairs) *args.pairs += pairs;
   return used;
 }

@@ -18,27 +18,30 @@ struct TilePlane {
   void store(int block, int pack, Lanes x) { x.store(v + 16 * block + kLanes * pack); }
 };
 
-/// Copies between a row-major image plane and a tile, leaving pixels outside the image alone.
+/// Four pixels of a row of a block.
+using Quad = hn::Full128<float>;
+inline constexpr Quad kQuad{};
+
+/// Calls copy(offset in an image plane, index in a tile plane) for every four pixels of the tile's
+/// rows that lie inside the image. Image planes are padded to whole tiles, with zeros.
 template <class Copy>
-inline void for_each_pixel_row(const TileArgs& args, const Copy& copy) {
+inline void for_each_quad(const TileArgs& args, const Copy& copy) {
   for (int y = 0; y < kTileSize && args.y0 + y < args.height; ++y) {
     const std::size_t line =
         static_cast<std::size_t>(args.y0 + y) * args.pitch + static_cast<std::size_t>(args.x0);
-    for (int bx = 0; bx < 4; ++bx) {
-      const int left = args.width - args.x0 - 4 * bx;
-      if (left <= 0) break;
-      copy(line + static_cast<std::size_t>(4 * bx), 16 * (4 * (y / 4) + bx) + 4 * (y % 4),
-           left < 4 ? left : 4);
-    }
+    for (int bx = 0; bx < 4; ++bx)
+      copy(line + static_cast<std::size_t>(4 * bx), 16 * (4 * (y / 4) + bx) + 4 * (y % 4));
   }
 }
 
 /// Transmittance at the start: 1 inside the image; a fresh plane's 0 outside, where nothing is then
 /// drawn.
 inline void start_transmittance(const TileArgs& args, TilePlane& t) {
-  for_each_pixel_row(args, [&](std::size_t, int at, int count) {
-    for (int i = 0; i < count; ++i) t.v[at + i] = 1.0f;
-  });
+  const int columns = args.width - args.x0, rows = args.height - args.y0;
+  for (int i = 0; i < kTilePixels; ++i) {
+    const int block = i / 16, x = 4 * (block % 4) + i % 4, y = 4 * (block / 4) + i % 16 / 4;
+    t.v[i] = x < columns && y < rows ? 1.0f : 0.0f;
+  }
 }
 
 /// Blocks with at least one pixel inside the image.
@@ -50,55 +53,60 @@ inline std::uint32_t blocks_inside(const TileArgs& args) {
   return blocks;
 }
 
-/// Column and row of every lane of a pack inside its block.
-struct LaneOffsets {
-  Lanes x[kPacks], y[kPacks];
-  LaneOffsets() {
-    alignas(64) float xs[16], ys[16];
-    for (int i = 0; i < 16; ++i) {
-      const int column = i % 4, line = i / 4;
-      xs[i] = static_cast<float>(column);
-      ys[i] = static_cast<float>(line);
-    }
-    for (int p = 0; p < kPacks; ++p) {
-      x[p] = Lanes::load(xs + kLanes * p);
-      y[p] = Lanes::load(ys + kLanes * p);
+/// Column and row of every pixel of a tile, in block order.
+struct TilePixels {
+  TilePlane x, y;
+  constexpr TilePixels() {
+    for (int i = 0; i < kTilePixels; ++i) {
+      x.v[i] = static_cast<float>(4 * (i / 16 % 4) + i % 4);
+      y.v[i] = static_cast<float>(4 * (i / 64) + i % 16 / 4);
     }
   }
 };
+inline constexpr TilePixels kTilePixel;
 
-/// A splat's (u, v) over a tile.
+/// What a splat's (u, v) and α need over a tile.
 struct SplatInTile {
-  Lanes u[kPacks], v[kPacks];  ///< in block 0
-  float u_per_column, u_per_row, v_per_row;
+  Lanes xx, xy, yy, u, v;  ///< the factor; (u, v) at the tile's first pixel
+  Lanes log2_opacity;
 
-  SplatInTile(const ProjectedSplat& s, const TileArgs& args, const LaneOffsets& lanes)
-      : u_per_column(4.0f * s.xx), u_per_row(4.0f * s.xy), v_per_row(4.0f * s.yy) {
-    const Lanes dx(static_cast<float>(args.x0) + 0.5f - s.x);
-    const Lanes dy(static_cast<float>(args.y0) + 0.5f - s.y);
-    for (int p = 0; p < kPacks; ++p) {
-      u[p] = fma(Lanes(s.xx), lanes.x[p] + dx, Lanes(s.xy) * (lanes.y[p] + dy));
-      v[p] = Lanes(s.yy) * (lanes.y[p] + dy);
-    }
+  SplatInTile(const ProjectedSplat& s, const TileArgs& args)
+      : xx(s.xx), xy(s.xy), yy(s.yy), log2_opacity(s.log2_opacity) {
+    const float dx = static_cast<float>(args.x0) + 0.5f - s.x;
+    const float dy = static_cast<float>(args.y0) + 0.5f - s.y;
+    u = Lanes(s.xx * dx + s.xy * dy);
+    v = Lanes(s.yy * dy);
   }
-  float u_offset(int block) const {
-    return static_cast<float>(block & 3) * u_per_column +
-           static_cast<float>(block >> 2) * u_per_row;
+  Lanes u_at(int block, int pack) const {
+    return fma(xx, kTilePixel.x.load(block, pack), fma(xy, kTilePixel.y.load(block, pack), u));
   }
-  float v_offset(int block) const { return static_cast<float>(block >> 2) * v_per_row; }
+  Lanes v_at(int block, int pack) const { return fma(yy, kTilePixel.y.load(block, pack), v); }
+  /// log₂ of α before it is limited
+  Lanes exponent(Lanes u_pixel, Lanes v_pixel) const {
+    return fnma(u_pixel, u_pixel, fnma(v_pixel, v_pixel, log2_opacity));
+  }
 };
 
-struct Alpha {
-  Lanes raw, alpha;      ///< before and after the limit α_max
-  LaneMask contributes;  ///< α ≥ α_min and the pixel is not finished
-};
+/// α ≥ α_min and the pixel is not finished.
+inline LaneMask contributes(Lanes exponent, Lanes transmittance, const RasterConstants& k) {
+  return (exponent >= Lanes(k.log2_alpha_min)) & (transmittance >= Lanes(k.transmittance_min));
+}
 
-inline Alpha alpha_at(Lanes u, Lanes v, Lanes log2_opacity, Lanes transmittance,
-                      const RasterConstants& k) {
-  const Lanes exponent = fnma(u, u, fnma(v, v, log2_opacity));
-  const Lanes raw = exp2(exponent);
-  return {raw, min(raw, Lanes(k.alpha_max)),
-          (exponent >= Lanes(k.log2_alpha_min)) & (transmittance >= Lanes(k.transmittance_min))};
+/// The splats of a tile lie anywhere in memory: asks for one some entries before it is needed.
+inline void prefetch_splat(const TileArgs& args, std::uint32_t e) {
+  constexpr std::uint32_t kAhead = 4;
+  if (e + kAhead < args.count) __builtin_prefetch(args.splats + args.entries[e + kAhead].splat);
+}
+
+/// Lanes i, i + 4, i + 8, … of a pack added up, for i = 0…3.
+template <class D>
+inline hn::Vec<Quad> quad_sum(D d, hn::Vec<D> v) {
+  if constexpr (hn::MaxLanes(d) == 4) {
+    return v;
+  } else {
+    const hn::Half<D> half;
+    return quad_sum(half, hn::Add(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));
+  }
 }
 
 /// Floats from one colour plane to the next.
