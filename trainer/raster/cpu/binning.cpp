@@ -35,6 +35,7 @@ void radix_sort(std::vector<DepthKey>& keys) {
 
 // How the depth order is cut for threads: fixed, so that results never depend on their number.
 constexpr std::size_t kMaxChunks = 64, kMinChunk = 512;
+constexpr std::size_t kAhead = 4;  // splats lie in no order: how far ahead one is asked for
 
 std::size_t chunk_size(std::size_t count) {
   return std::max(kMinChunk, (count + kMaxChunks - 1) / kMaxChunks);
@@ -68,6 +69,7 @@ void Binner::list_tiles(const RasterKernels& kernels, const std::vector<Projecte
   chunk.used = 0;
   chunk.next.assign(lists.tiles(), 0);
   for (std::size_t k = begin; k < end; ++k) {
+    if (k + kAhead < end) __builtin_prefetch(&splats[lists.order[k + kAhead]]);
     const ProjectedSplat& s = splats[lists.order[k]];
     const std::size_t room = chunk.used + tiles_in_box(s, lists);
     if (chunk.bins.size() < room) chunk.bins.resize(room + room / 2);

@@ -53,38 +53,40 @@ inline std::uint32_t blocks_inside(const TileArgs& args) {
   return blocks;
 }
 
-/// Column and row of every pixel of a tile, in block order.
-struct TilePixels {
-  TilePlane x, y;
-  constexpr TilePixels() {
-    for (int i = 0; i < kTilePixels; ++i) {
-      x.v[i] = static_cast<float>(4 * (i / 16 % 4) + i % 4);
-      y.v[i] = static_cast<float>(4 * (i / 64) + i % 16 / 4);
+/// Column and row of every pixel in its block, and of every block's first pixel in its tile.
+struct PixelOffsets {
+  alignas(64) float x[16] = {}, y[16] = {};
+  constexpr explicit PixelOffsets(int step) {
+    for (int i = 0; i < 16; ++i) {
+      x[i] = static_cast<float>(step * (i % 4));
+      y[i] = static_cast<float>(step * (i / 4));
     }
   }
 };
-inline constexpr TilePixels kTilePixel;
+inline constexpr PixelOffsets kInBlock(1), kBlocks(kBlockSize);
 
-/// What a splat's (u, v) and α need over a tile.
+/// A splat's (u, v) over a tile: where each block starts, and what each of its pixels adds.
 struct SplatInTile {
-  Lanes xx, xy, yy, u, v;  ///< the factor; (u, v) at the tile's first pixel
+  alignas(64) float block_u[16], block_v[16];
+  Lanes du[kPacks], dv[kPacks];
   Lanes log2_opacity;
 
-  SplatInTile(const ProjectedSplat& s, const TileArgs& args)
-      : xx(s.xx), xy(s.xy), yy(s.yy), log2_opacity(s.log2_opacity) {
+  SplatInTile(const ProjectedSplat& s, const TileArgs& args) : log2_opacity(s.log2_opacity) {
     const float dx = static_cast<float>(args.x0) + 0.5f - s.x;
     const float dy = static_cast<float>(args.y0) + 0.5f - s.y;
-    u = Lanes(s.xx * dx + s.xy * dy);
-    v = Lanes(s.yy * dy);
+    const Lanes xx(s.xx), xy(s.xy), yy(s.yy), u(s.xx * dx + s.xy * dy), v(s.yy * dy);
+    for (int p = 0; p < kPacks; ++p) {
+      const auto at = [p](const float* offsets) { return Lanes::load(offsets + kLanes * p); };
+      fma(xx, at(kBlocks.x), fma(xy, at(kBlocks.y), u)).store(block_u + kLanes * p);
+      fma(yy, at(kBlocks.y), v).store(block_v + kLanes * p);
+      du[p] = fma(xx, at(kInBlock.x), xy * at(kInBlock.y));
+      dv[p] = yy * at(kInBlock.y);
+    }
   }
-  Lanes u_at(int block, int pack) const {
-    return fma(xx, kTilePixel.x.load(block, pack), fma(xy, kTilePixel.y.load(block, pack), u));
-  }
-  Lanes v_at(int block, int pack) const { return fma(yy, kTilePixel.y.load(block, pack), v); }
+  Lanes u_at(int block, int pack) const { return du[pack] + Lanes(block_u[block]); }
+  Lanes v_at(int block, int pack) const { return dv[pack] + Lanes(block_v[block]); }
   /// log₂ of α before it is limited
-  Lanes exponent(Lanes u_pixel, Lanes v_pixel) const {
-    return fnma(u_pixel, u_pixel, fnma(v_pixel, v_pixel, log2_opacity));
-  }
+  Lanes exponent(Lanes u, Lanes v) const { return fnma(u, u, fnma(v, v, log2_opacity)); }
 };
 
 /// α ≥ α_min and the pixel is not finished.
