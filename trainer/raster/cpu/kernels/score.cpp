@@ -14,12 +14,9 @@ struct State {
 void load_state(const ScoreArgs& args, State& s) {
   start_transmittance(args.tile, s.t);
   const std::size_t plane = plane_size(args.tile);
-  for_each_pixel_row(args.tile, [&](std::size_t pixel, int at, int count) {
-    for (int i = 0; i < count; ++i) {
-      const float* m = args.maps + pixel + static_cast<std::size_t>(i);
-      s.first.v[at + i] = m[0];
-      s.second.v[at + i] = m[plane];
-    }
+  for_each_quad(args.tile, [&](std::size_t pixel, int at) {
+    hn::Store(hn::Load(kQuad, args.maps + pixel), kQuad, s.first.v + at);
+    hn::Store(hn::Load(kQuad, args.maps + pixel + plane), kQuad, s.second.v + at);
   });
 }
 
@@ -28,34 +25,31 @@ void load_state(const ScoreArgs& args, State& s) {
 void score(const ScoreArgs& args) {
   const TileArgs& tile = args.tile;
   const RasterConstants& k = tile.constants;
-  const LaneOffsets lanes;
   State state;
   load_state(args, state);
 
   std::uint32_t alive = blocks_inside(tile);
   for (std::uint32_t e = 0; e < tile.count; ++e) {
+    prefetch_splat(tile, e);
     const TileEntry entry = tile.entries[e];
     const ProjectedSplat& s = tile.splats[entry.splat];
-    const SplatInTile in_tile(s, tile, lanes);
-    const Lanes log2_opacity(s.log2_opacity);
+    const SplatInTile splat(s, tile);
     Lanes first(0.0f), second(0.0f), contribution(0.0f);
     unsigned pixels = 0;
     for (std::uint32_t blocks = entry.blocks & alive; blocks; blocks &= blocks - 1) {
       const int block = lowest_bit(blocks);
-      const Lanes u_offset(in_tile.u_offset(block)), v_offset(in_tile.v_offset(block));
       bool open = false;
       for (int p = 0; p < kPacks; ++p) {
         const Lanes before = state.t.load(block, p);
-        const Alpha a =
-            alpha_at(in_tile.u[p] + u_offset, in_tile.v[p] + v_offset, log2_opacity, before, k);
-        const Lanes share = zero_unless(a.contributes, a.alpha * before);
-        const Lanes after = before - share;
-        const Lanes weight =
-            args.weight == ScoreWeight::alpha ? zero_unless(a.contributes, a.alpha) : share;
+        const Lanes exponent = splat.exponent(splat.u_at(block, p), splat.v_at(block, p));
+        const LaneMask inside = contributes(exponent, before, k);
+        const Lanes alpha = zero_unless(inside, min(exp2(exponent), Lanes(k.alpha_max)));
+        const Lanes share = alpha * before, after = before - share;
+        const Lanes weight = args.weight == ScoreWeight::alpha ? alpha : share;
         first = fma(weight, state.first.load(block, p), first);
         second = fma(weight, state.second.load(block, p), second);
         contribution += share;
-        pixels += static_cast<unsigned>(__builtin_popcount(bits(a.contributes)));
+        pixels += static_cast<unsigned>(__builtin_popcount(bits(inside)));
         state.t.store(block, p, after);
         open |= any(after >= Lanes(k.transmittance_min));
       }
