@@ -15,6 +15,7 @@
 #include "platform/host/window.h"
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/find_program.h"
+#include "tools/fluxgs/flip.h"
 #include "tools/fluxgs/renderers.h"
 #include "trainer/simd/isa.h"
 
@@ -54,6 +55,12 @@ json onnxruntime() {
   return {{"available", true}, {"version", info->version}, {"path", info->path}};
 }
 
+json flip() {
+  const auto there = check_flip();
+  if (!there) return {{"available", false}, {"reason", there.error().message()}};
+  return {{"available", true}};
+}
+
 json examine() {
   json sets = json::array();
   for (Isa isa : available_isas()) sets.push_back(name_of(isa));
@@ -66,6 +73,7 @@ json examine() {
           {"colmap", program_path("colmap")},
           {"gnuplot", program_path("gnuplot")},
           {"onnxruntime", onnxruntime()},
+          {"flip", flip()},
           {"versions",
            {{"compiler", __VERSION__},
             {"opencv", CV_VERSION},
@@ -101,6 +109,10 @@ void print_lines(const json& found) {
              onnx["available"].get<bool>()
                  ? onnx["version"].get<std::string>() + " (" + onnx["path"].get<std::string>() + ")"
                  : "missing: " + onnx["reason"].get<std::string>());
+  const json& flip = found["flip"];
+  fmt::print("FLIP        {}\n", flip["available"].get<bool>()
+                                     ? "there"
+                                     : "missing: " + flip["reason"].get<std::string>());
   for (const auto& [name, version] : found["versions"].items())
     fmt::print("{:<11} {}\n", name, version.get<std::string>());
 }

@@ -1,8 +1,11 @@
 // fluxgs eval: a scene against photos.
+#include <numeric>
+
 #include <fmt/format.h>
 
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/data_options.h"
+#include "tools/fluxgs/flip.h"
 #include "tools/fluxgs/progress.h"
 #include "tools/fluxgs/renderers.h"
 
@@ -13,21 +16,43 @@ struct EvalSettings {
   std::string scene, split = "test";
   DataOptions data;
   RendererChoice choice{.renderer = "cpu"};
-  bool as_json = false;
+  bool as_json = false, flip = false;
 };
 
-nlohmann::json to_json(const Evaluation& score, const SceneFile& scene) {
+double mean_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+/// `flip`: of each view, or empty.
+nlohmann::json to_json(const Evaluation& score, const std::vector<double>& flip,
+                       const SceneFile& scene) {
   nlohmann::json views = nlohmann::json::array();
   for (const ViewScore& v : score.views)
     views.push_back({{"name", v.name}, {"psnr", v.psnr}, {"ssim", v.ssim}});
-  return {{"psnr", score.psnr},
-          {"ssim", score.ssim},
-          {"views", views},
-          {"splats", scene.cloud.size()},
-          {"bytes", scene.bytes}};
+  for (std::size_t i = 0; i < flip.size(); ++i) views[i]["flip"] = flip[i];
+  nlohmann::json object = {{"psnr", score.psnr},
+                           {"ssim", score.ssim},
+                           {"views", views},
+                           {"splats", scene.cloud.size()},
+                           {"bytes", scene.bytes}};
+  if (!flip.empty()) object["flip"] = mean_of(flip);
+  return object;
+}
+
+void print_lines(const Evaluation& score, const std::vector<double>& flip, const SceneFile& scene) {
+  const auto shown = [](double error) { return fmt::format("  FLIP {:.4f}", error); };
+  for (std::size_t i = 0; i < score.views.size(); ++i) {
+    const ViewScore& v = score.views[i];
+    fmt::print("{:<32} {:6.2f} dB  SSIM {:.4f}{}\n", v.name, v.psnr, v.ssim,
+               flip.empty() ? "" : shown(flip[i]));
+  }
+  fmt::print("{:<32} {:6.2f} dB  SSIM {:.4f}{}  ({} splats, {} bytes)\n", "mean", score.psnr,
+             score.ssim, flip.empty() ? "" : shown(mean_of(flip)), scene.cloud.size(), scene.bytes);
 }
 
 Expected<void> eval(const EvalSettings& s) {
+  if (s.flip)
+    if (auto ok = check_flip(); !ok) return ok;
   const auto scene = load_scene(s.scene);
   if (!scene) return std::unexpected(scene.error());
   const auto data = load(s.data);
@@ -46,14 +71,17 @@ Expected<void> eval(const EvalSettings& s) {
   const auto score = evaluate(photos, *renderer, threads, show_progress("views"));
   if (!score) return std::unexpected(score.error());
 
-  if (s.as_json) {
-    print_json(to_json(*score, *scene));
-    return {};
+  std::vector<double> flip;
+  if (s.flip) {
+    auto errors = flip_errors(photos, *renderer, show_progress("views"));
+    if (!errors) return std::unexpected(errors.error());
+    flip = std::move(*errors);
   }
-  for (const ViewScore& v : score->views)
-    fmt::print("{:<32} {:6.2f} dB  SSIM {:.4f}\n", v.name, v.psnr, v.ssim);
-  fmt::print("{:<32} {:6.2f} dB  SSIM {:.4f}  ({} splats, {} bytes)\n", "mean", score->psnr,
-             score->ssim, scene->cloud.size(), scene->bytes);
+
+  if (s.as_json)
+    print_json(to_json(*score, flip, *scene));
+  else
+    print_lines(*score, flip, *scene);
   return {};
 }
 
@@ -68,6 +96,7 @@ void add_eval(CLI::App& app, Action& action) {
   add_split_option(*command, s->split);
   add_data_options(*command, s->data);
   add_renderer_options(*command, s->choice);
+  command->add_flag("--flip", s->flip, "also the FLIP error, 0 to 1 (tools/flip installs it)");
   command->add_flag("--json", s->as_json, "print one JSON object");
   command->callback([s, &action] { action = [s] { return eval(*s); }; });
 }

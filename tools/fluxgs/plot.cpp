@@ -36,6 +36,28 @@ int point_type(std::size_t series) {
   return kFilled[series / 8 % std::size(kFilled)];
 }
 
+bool is_drawn(const std::pair<double, double>& point) {
+  return std::isfinite(point.first) && std::isfinite(point.second);
+}
+
+/// The points that can be drawn as gnuplot reads them, a third column for their bars.
+std::string data_of(const PlotSeries& series) {
+  std::string data;
+  for (std::size_t i = 0; i < series.points.size(); ++i) {
+    if (!is_drawn(series.points[i])) continue;
+    data += fmt::format("{} {}", series.points[i].first, series.points[i].second);
+    if (!series.y_errors.empty())  // of a single measurement no deviation is known
+      data += fmt::format(" {}", std::isfinite(series.y_errors[i]) ? series.y_errors[i] : 0.0);
+    data += "\n";
+  }
+  return data;
+}
+
+std::string style_of(const PlotSeries& series) {
+  if (series.y_errors.empty()) return series.line ? "linespoints" : "points pointsize 1.5";
+  return series.line ? "yerrorlines" : "yerrorbars pointsize 1.5";
+}
+
 std::string script_of(const Plot& plot, const fs::path& out) {
   const bool svg = out.extension() == ".svg";
   std::string script = fmt::format(
@@ -48,22 +70,16 @@ std::string script_of(const Plot& plot, const fs::path& out) {
   std::string commands;
   for (std::size_t i = 0; i < plot.series.size(); ++i) {
     const PlotSeries& series = plot.series[i];
-    script += fmt::format("$s{} << EOD\n", i);
-    for (const auto& [x, y] : series.points)
-      if (std::isfinite(x) && std::isfinite(y)) script += fmt::format("{} {}\n", x, y);
-    script += "EOD\n";
+    script += fmt::format("$s{} << EOD\n{}EOD\n", i, data_of(series));
     commands += fmt::format("{}$s{} with {} linewidth 2 pointtype {} title {}", i > 0 ? ", " : "",
-                            i, series.line ? "linespoints" : "points pointsize 1.5", point_type(i),
-                            quoted(series.name));
+                            i, style_of(series), point_type(i), quoted(series.name));
   }
   return script + "plot " + commands + "\n";
 }
 
 bool has_points(const Plot& plot) {
   return std::ranges::any_of(plot.series, [](const PlotSeries& series) {
-    return std::ranges::any_of(series.points, [](const auto& point) {
-      return std::isfinite(point.first) && std::isfinite(point.second);
-    });
+    return std::ranges::any_of(series.points, is_drawn);
   });
 }
 

@@ -12,7 +12,8 @@ namespace fluxgs::cli {
 struct PlotSeries {
   std::string name;
   std::vector<std::pair<double, double>> points;
-  bool line = true;  ///< false: points only
+  bool line = true;                   ///< false: points only
+  std::vector<double> y_errors = {};  ///< as many as points: bars so far up and down; or none
 };
 
 struct Plot {

@@ -15,13 +15,13 @@ namespace {
 constexpr double kTerminalInterval = 0.25, kPlainInterval = 10;  // seconds
 constexpr int kBarWidth = 24;
 
+}  // namespace
+
 std::string duration(double seconds) {
-  const long s = static_cast<long>(std::clamp(seconds, 0.0, 359999.0));
+  const long s = static_cast<long>(std::clamp(seconds, 0.0, 3599999.0));
   return s >= 3600 ? fmt::format("{}h{:02}m", s / 3600, s / 60 % 60)
                    : fmt::format("{}m{:02}s", s / 60, s % 60);
 }
-
-}  // namespace
 
 Progress::Progress(std::string unit, int total, int done)
     : unit_(std::move(unit)),

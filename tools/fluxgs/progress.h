@@ -35,6 +35,9 @@ class Progress {
   double rate_ = 0;  // steps per second since the last line
 };
 
+/// "1h03m", "2m05s".
+std::string duration(double seconds);
+
 /// For work that the library reports: shows a bar if it takes long, and leaves nothing behind.
 ProgressReport show_progress(const std::string& unit);
 

@@ -42,6 +42,7 @@ void add_report(CLI::App& app, Action& action) {
   command->footer("Example: fluxgs report codec garden.ply --plot codec.png");
   add_report_codec(*command, action);
   add_report_render(*command, action);
+  add_report_train(*command, action);
 }
 
 }  // namespace fluxgs::cli

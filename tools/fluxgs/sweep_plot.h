@@ -1,0 +1,13 @@
+// A picture of each group of a sweep's rows.
+#pragma once
+
+#include "tools/fluxgs/plot.h"
+#include "tools/fluxgs/sweep_table.h"
+
+namespace fluxgs::cli {
+
+/// PSNR against the option that the group changes, or else PSNR of the compact scene against its
+/// size, with bars of one standard deviation. Of the mean over all scenes, or the only one.
+Plot sweep_plot(const SweepTable& table, const SweepGroup& group);
+
+}  // namespace fluxgs::cli

@@ -1,0 +1,158 @@
+#include "tools/fluxgs/sweep_rows.h"
+
+#include <algorithm>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "tools/fluxgs/method_options.h"
+
+namespace fluxgs::cli {
+namespace {
+
+using Options = std::vector<std::string>;
+
+constexpr const char *kOurs = "flux", *kPaper = "flux-paper";
+
+/// Adds a row for each value of one option.
+void add_values(std::vector<SweepRow>& rows, const std::string& group, const std::string& option,
+                const std::vector<double>& values) {
+  for (const double value : values) {
+    const std::string text = fmt::format("{:g}", value);
+    rows.push_back(
+        {group, fmt::format("{}-{}", group, text), text, kOurs, {option, text}, group, value});
+  }
+}
+
+/// Adds a row for each name of a choice, called PREFIX-NAME.
+void add_choices(std::vector<SweepRow>& rows, const std::string& group, const std::string& prefix,
+                 const std::string& option, const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    const std::string label = fmt::format("{} {}", option.substr(2), name);
+    rows.push_back({group, fmt::format("{}-{}", prefix, name), label, kOurs, {option, name}});
+  }
+}
+
+void add_presets(std::vector<SweepRow>& rows) {
+  for (const std::string& name : preset_names()) rows.push_back({"presets", name, name, name, {}});
+}
+
+/// The paper's table "Ablation": each part of the method taken away from the whole.
+void add_parts(std::vector<SweepRow>& rows) {
+  const auto add = [&](const char* name, const char* label, Options options) {
+    rows.push_back({"parts", name, label, kPaper, std::move(options)});
+  };
+  add("full", "full", {});
+  add("no-mc-sea", "without MC-SEA (truncated)", {"--sh-reduce", "truncate"});
+  add("no-delta-c", "without Δc", {"--phi", "off"});
+  add("no-multiview-densify", "without multi-view densification", {"--densify", "grad"});
+  add("no-multiview-prune", "without multi-view pruning", {"--prune", "opacity"});
+  add("no-prune", "without pruning", {"--prune", "none"});
+}
+
+/// The integrals behind E_mag and E_dir, which only the paper's reduction needs. Lebedev's rules
+/// are of certain sizes.
+void add_quadratures(std::vector<SweepRow>& rows) {
+  const auto add = [&](const std::string& rule, const std::vector<int>& sizes) {
+    for (const int samples : sizes)
+      rows.push_back(
+          {"quadrature",
+           fmt::format("{}-{}", rule, samples),
+           fmt::format("{} {}", rule, samples),
+           kOurs,
+           {"--sh-reduce", "energy", "--quadrature", rule, "--samples", fmt::format("{}", samples)},
+           rule,
+           samples});
+  };
+  add("mc", {64, 256, 1024, 2048, 4096});
+  add("fibonacci", {64, 256, 1024, 2048, 4096});
+  add("lebedev", {86, 110, 194, 302});
+}
+
+bool sets(const Options& options, std::string_view name) {
+  return std::ranges::any_of(options, [&](const std::string& word) {
+    return word.starts_with("--") && word.substr(0, word.find('=')) == name;
+  });
+}
+
+}  // namespace
+
+const std::vector<SweepGroup>& sweep_groups() {
+  static const std::vector<SweepGroup> groups = {
+      {"presets", "Presets"},
+      {"parts", "The parts of the paper's method, each taken away"},
+      {"quadrature", "Quadrature of the energy moments", "directions", true},
+      {"cameras", "Views behind a score", "views"},
+      {"quantile-plus", "Quantile of densification", "Q⁺"},
+      {"quantile-minus", "Quantile of pruning", "Q⁻"},
+      {"sh", "Degree of the harmonics, and how it is reached"},
+      {"densify", "Densification"}};
+  return groups;
+}
+
+std::vector<SweepRow> all_sweep_rows() {
+  std::vector<SweepRow> rows;
+  add_presets(rows);
+  add_parts(rows);
+  add_quadratures(rows);
+  add_values(rows, "cameras", "--cameras", {2, 4, 6, 8, 10, 12});
+  add_values(rows, "quantile-plus", "--quantile-plus", {0.4, 0.5, 0.6, 0.7, 0.8, 0.9});
+  add_values(rows, "quantile-minus", "--quantile-minus", {0.01, 0.1, 0.3, 0.5, 0.7, 0.9});
+  add_choices(rows, "sh", "sh-target", "--sh-target", {"0", "1", "2", "3", "adaptive"});
+  add_choices(rows, "sh", "sh-reduce", "--sh-reduce",
+              {"view-ls", "truncate", "uniform-ls", "energy"});
+  add_choices(rows, "densify", "densify", "--densify", {"multiview", "grad", "mcmc"});
+  return rows;
+}
+
+Expected<std::vector<SweepRow>> chosen_sweep_rows(const Options& only, const std::string& preset) {
+  if (const auto names = preset_names(); !preset.empty() && !std::ranges::count(names, preset))
+    return fail("", "--preset",
+                fmt::format("'{}' is not a preset; expected {}", preset, fmt::join(names, ", ")));
+  std::vector<SweepRow> rows = all_sweep_rows();
+  for (const std::string& word : only) {
+    const auto named = [&](const SweepRow& r) { return r.name == word || r.group == word; };
+    if (std::ranges::any_of(rows, named)) continue;
+    Options names;
+    for (const SweepGroup& group : sweep_groups()) names.push_back(group.name);
+    return fail("", "--only",
+                fmt::format("'{}' is neither a group ({}) nor a row (see --list)", word,
+                            fmt::join(names, ", ")));
+  }
+  std::erase_if(rows, [&](const SweepRow& r) {
+    return !only.empty() && !std::ranges::count(only, r.group) && !std::ranges::count(only, r.name);
+  });
+  for (SweepRow& row : rows)
+    if (!preset.empty() && row.group != "presets") row.preset = preset;
+  return rows;
+}
+
+Options merged_options(const Options& common, const Options& changes) {
+  Options merged;
+  bool taken = true;
+  for (const std::string& word : common) {
+    if (word.starts_with("--")) taken = !sets(changes, word.substr(0, word.find('=')));
+    if (taken) merged.push_back(word);
+  }
+  merged.insert(merged.end(), changes.begin(), changes.end());
+  return merged;
+}
+
+Expected<TrainOptions> meaning_of(const std::string& name, const Options& options) {
+  auto meaning = preset(name);
+  if (!meaning) return meaning;
+  CLI::App app;
+  app.allow_extras();
+  MethodOptions given;
+  add_method_options(app, given);
+  try {
+    app.parse(Options(options.rbegin(), options.rend()));
+  } catch (const CLI::ParseError& error) {
+    return fail("", "", error.what());
+  }
+  cli::apply(given, *meaning);  // not the one of std
+  return resolved(*meaning);
+}
+
+}  // namespace fluxgs::cli

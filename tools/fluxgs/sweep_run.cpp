@@ -1,0 +1,373 @@
+#include "tools/fluxgs/sweep_run.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "tools/fluxgs/child_process.h"
+#include "tools/fluxgs/command.h"
+#include "tools/fluxgs/read_json.h"
+#include "tools/fluxgs/sweep_rows.h"
+
+namespace fluxgs::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using Options = std::vector<std::string>;
+
+/// A child's work, which is done when its product is there.
+struct Step {
+  std::string name = {};
+  Options options = {};    ///< that the product depends on, besides the steps before
+  Options arguments = {};  ///< of the child
+  fs::path product = {};
+  bool prints = false;    ///< the product is what the child prints
+  bool optional = false;  ///< a failure is something missing, not a failed run
+};
+
+constexpr const char *kTrain = "train", *kScore = "score";
+
+Options joined(std::initializer_list<Options> parts) {
+  Options all;
+  for (const Options& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+/// Those of the options that have one of these names, with their values.
+Options picked(const Options& options, std::initializer_list<std::string_view> names) {
+  Options kept;
+  bool keep = false;
+  for (const std::string& word : options) {
+    if (word.starts_with("--"))
+      keep = std::ranges::count(names, std::string_view(word).substr(0, word.find('='))) > 0;
+    if (keep) kept.push_back(word);
+  }
+  return kept;
+}
+
+fs::path checkpoint_of(const SweepRun& run) { return run.folder / "scene.ply.ckpt"; }
+
+Step train_step(const SweepRun& run) {
+  const std::string scene = (run.folder / "scene.ply").string();
+  const fs::path report = run.folder / "train.json";
+  const Options files = {"train", run.data, "-o", scene, "--json", report.string()};
+  // So that little is lost with the power
+  const Options options = merged_options({"--checkpoint-every", "1000"}, run.options);
+  Step step{.name = kTrain,
+            .options = joined({{"--preset", run.preset}, run.options}),
+            .arguments = {},
+            .product = report};
+  std::error_code ignored;
+  if (fs::exists(checkpoint_of(run), ignored))
+    step.arguments = joined({files,
+                             {"--resume", checkpoint_of(run).string()},
+                             picked(options, {"--threads", "--backend", "--checkpoint-every"})});
+  else
+    step.arguments =
+        joined({files, {"--preset", run.preset, "--seed", fmt::format("{}", run.seed)}, options});
+  return step;
+}
+
+std::vector<Step> measuring_steps(const SweepRun& run, const SweepMeasures& measures) {
+  const Options data_options = picked(run.options, {"--downscale", "--background", "--threads"});
+  const Options data = joined({{"--data", run.data}, data_options});
+  const std::string exact = (run.folder / "scene.ply").string();
+  const std::string stored = (run.folder / "scene.glb").string();
+  const auto add = [&](std::string name, Options files, const Options& options, Step step) {
+    step.name = std::move(name);
+    step.options = options;
+    step.arguments = joined({files, options, data});
+    return step;
+  };
+  std::vector<Step> steps;
+  steps.push_back(add("store", {"convert", exact, stored},
+                      {"--max-loss", fmt::format("{:g}", measures.max_loss)}, {.product = stored}));
+  steps.push_back(add(kScore, {"eval", stored},
+                      joined({{"--json"}, measures.flip ? Options{"--flip"} : Options{}}),
+                      {.product = run.folder / "score.json", .prints = true}));
+  if (measures.frames > 0)
+    steps.push_back(add("frames", {"bench", stored},
+                        {"--json", "--frames", fmt::format("{}", measures.frames)},
+                        {.product = run.folder / "frames.json", .prints = true, .optional = true}));
+  return steps;
+}
+
+/// What a folder remembers.
+struct Record {
+  std::string data_hash, version, build;
+  json steps = json::object();          ///< name → {options, error: text or null}
+  bool training = false;                ///< a training was begun whose end nobody saw
+  bool time_known = true;               ///< the times below are all there was before the checkpoint
+  double seconds = 0, cpu_seconds = 0;  ///< of interrupted trainings that the checkpoint holds
+};
+
+std::string record_path(const SweepRun& run) { return (run.folder / "run.json").string(); }
+
+Record read_record(const SweepRun& run) {
+  const auto found = read_json(record_path(run));
+  if (!found) return {};
+  try {
+    Record r{.data_hash = found->at("data_hash"),
+             .version = found->at("version"),
+             .build = found->at("build"),
+             .steps = found->at("steps"),
+             .training = found->at("training"),
+             .time_known = found->at("time_known"),
+             .seconds = found->at("interrupted_seconds"),
+             .cpu_seconds = found->at("interrupted_cpu_seconds")};
+    return r;
+  } catch (const json::exception&) {  // not ours, or an old one
+    return {};
+  }
+}
+
+Expected<void> write_record(const SweepRun& run, const Record& r) {
+  return write_json(record_path(run), {{"data", run.data},
+                                       {"data_hash", r.data_hash},
+                                       {"version", r.version},
+                                       {"build", r.build},
+                                       {"preset", run.preset},
+                                       {"options", run.options},
+                                       {"seed", run.seed},
+                                       {"steps", r.steps},
+                                       {"training", r.training},
+                                       {"time_known", r.time_known},
+                                       {"interrupted_seconds", r.seconds},
+                                       {"interrupted_cpu_seconds", r.cpu_seconds}});
+}
+
+/// How far a training's log says it is, of `total`.
+std::optional<int> iteration_in(const fs::path& log, int total) {
+  constexpr std::streamoff kTail = 2048;
+  std::ifstream in(log, std::ios::binary | std::ios::ate);
+  if (!in) return std::nullopt;
+  const std::streamoff size = in.tellg();
+  in.seekg(std::max<std::streamoff>(size - kTail, 0));
+  const std::string tail{std::istreambuf_iterator<char>(in), {}};
+  const std::size_t end = tail.rfind(fmt::format("/{} ", total));
+  if (end == std::string::npos) return std::nullopt;
+  const std::size_t before = tail.find_last_not_of("0123456789", end - 1);
+  int iteration = 0;
+  if (before == std::string::npos ||
+      std::sscanf(tail.c_str() + before + 1, "%9d/", &iteration) != 1)
+    return std::nullopt;
+  return iteration;
+}
+
+/// The last error in a log that was `from` bytes long before, in one line.
+std::string error_in(const fs::path& log, std::uintmax_t from, const ChildEnd& end) {
+  if (end.signal != 0)
+    return fmt::format("ended by signal {} ({})", end.signal, ::strsignal(end.signal));
+  constexpr std::string_view kMark = "fluxgs: error: ";
+  std::ifstream in(log, std::ios::binary);
+  in.seekg(static_cast<std::streamoff>(from));
+  std::string last = fmt::format("ended with status {} and no word; see its log.txt", end.status);
+  for (std::string line; std::getline(in, line);)
+    if (line.starts_with(kMark)) last = line.substr(kMark.size());
+  return last;
+}
+
+/// A run at work.
+class Execution {
+ public:
+  Execution(const SweepRun& run, const SweepTools& tools) : run_(run), tools_(tools) {}
+
+  RunOutcome to_end() {
+    outcome_.state = RunState::finished;
+    if (auto ok = open(); !ok) {
+      give_up(ok.error().message());
+      return outcome_;
+    }
+    bool goes_on = step(train_step(run_));
+    for (const Step& s : measuring_steps(run_, tools_.measures)) goes_on = goes_on && step(s);
+    if (goes_on) collect();
+    outcome_.build = record_.build;
+    return outcome_;
+  }
+
+ private:
+  Expected<void> open() {
+    std::error_code error;
+    fs::create_directories(run_.folder, error);
+    if (error) return fail(run_.folder.string(), "", "cannot be created: " + error.message());
+    record_ = read_record(run_);
+    if (record_.data_hash == run_.data_hash && record_.version == FLUXGS_VERSION) return {};
+    forget_training();
+    return {};
+  }
+
+  void forget_training() {
+    record_ = {.data_hash = run_.data_hash, .version = FLUXGS_VERSION, .build = {}};
+    for (const char* name : {"train.json", "scene.ply", "scene.ply.ckpt"}) remove(name);
+    forget_measures();
+  }
+  void forget_measures() {
+    for (const char* name : {"store", kScore, "frames"}) record_.steps.erase(name);
+    for (const char* name : {"scene.glb", "score.json", "frames.json"}) remove(name);
+  }
+  void remove(const char* name) const {
+    std::error_code ignored;
+    fs::remove(run_.folder / name, ignored);
+  }
+
+  void give_up(std::string error) {
+    outcome_.state = RunState::failed;
+    outcome_.error = std::move(error);
+  }
+
+  /// Whether the run goes on.
+  bool step(const Step& s) {
+    std::error_code ignored;
+    const json known = record_.steps.value(s.name, json::object());
+    const bool same = known.value("options", json()) == json(s.options);
+    const json error = known.value("error", json());
+    if (same && error.is_string() && !tools_.retry) return tell_failure(s, error);
+    if (same && error.is_null() && fs::exists(s.product, ignored)) return true;
+    if (s.name == kScore && !has_test_photos()) {
+      outcome_.missing.push_back("PSNR and SSIM: the data set has no test photos");
+      return true;
+    }
+    if (s.name == kTrain) {
+      if (!same || error.is_string()) forget_training();
+      return train(train_step(run_));
+    }
+    if (s.name == "store") forget_measures();
+    return run_step(s);
+  }
+
+  bool has_test_photos() const {
+    const auto report = read_json(run_.folder / "train.json");
+    return report && report->contains("psnr");
+  }
+
+  bool tell_failure(const Step& s, const std::string& error) {
+    if (!s.optional) {
+      give_up(error);
+      return false;
+    }
+    outcome_.missing.push_back(fmt::format("{}: {}", s.name, error));
+    return true;
+  }
+
+  /// Training, from a checkpoint if there is one, with the time of what that holds.
+  bool train(const Step& s) {
+    std::error_code ignored;
+    if (!fs::exists(checkpoint_of(run_), ignored)) {
+      record_.seconds = record_.cpu_seconds = 0;
+      record_.time_known = true;
+      record_.build = tools_build();
+    } else if (record_.training) {
+      record_.time_known = false;
+    }
+    forget_measures();
+    record_.training = true;
+    const bool goes_on = run_step(s);
+    if (outcome_.state != RunState::interrupted && goes_on) remove("scene.ply.ckpt");
+    return goes_on;
+  }
+
+  std::string tools_build() const { return hash_of_file(tools_.program).value_or(""); }
+
+  bool run_step(const Step& s) {
+    outcome_.ran = true;
+    if (tools_.interrupts.count() > 0) {
+      outcome_.state = RunState::interrupted;
+      return false;
+    }
+    const fs::path log = run_.folder / "log.txt";
+    record_.steps[s.name] = {{"options", s.options}, {"error", nullptr}};
+    if (auto written = write_record(run_, record_); !written) {
+      give_up(written.error().message());
+      return false;
+    }
+    std::error_code ignored;
+    std::uintmax_t from = fs::exists(log, ignored) ? fs::file_size(log, ignored) : 0;
+    const fs::path partial = s.product.string() + ".part";
+    const auto end = run_child({tools_.program, s.arguments, log, s.prints ? partial : fs::path()},
+                               &tools_.interrupts, watch(s, log));
+    if (end && end->success() && s.prints) fs::rename(partial, s.product, ignored);
+    fs::remove(partial, ignored);
+    return finish_step(s, end, log, from);
+  }
+
+  std::function<void()> watch(const Step& s, const fs::path& log) const {
+    if (s.name != kTrain || !tools_.on_iteration) return {};
+    return [this, log, calls = 0]() mutable {
+      if (++calls % 20 != 0) return;
+      tools_.on_iteration(iteration_in(log, run_.iterations).value_or(0));
+    };
+  }
+
+  bool finish_step(const Step& s, const Expected<ChildEnd>& end, const fs::path& log,
+                   std::uintmax_t from) {
+    std::error_code ignored;
+    const bool done = end && end->success() && fs::exists(s.product, ignored);
+    const bool interrupted = !done && end && tools_.interrupts.count() > 0;
+    if (s.name == kTrain) {
+      record_.training = false;
+      if (interrupted && fs::exists(checkpoint_of(run_), ignored))
+        record_.seconds += end->seconds, record_.cpu_seconds += end->cpu_seconds;
+    }
+    std::string error;
+    if (!done && !interrupted) error = end ? error_in(log, from, *end) : end.error().message();
+    if (!error.empty()) record_.steps[s.name]["error"] = error;
+    if (auto written = write_record(run_, record_); !written) {
+      give_up(written.error().message());
+      return false;
+    }
+    if (interrupted) outcome_.state = RunState::interrupted;
+    if (!error.empty()) return tell_failure(s, error);
+    return done;
+  }
+
+  /// The numbers of a finished run.
+  void collect() {
+    const auto take = [this](const char* file, const char* key, const char* as, double more = 0) {
+      const auto found = read_json(run_.folder / file);
+      const json::json_pointer at(key);
+      if (found && found->contains(at) && found->at(at).is_number())
+        outcome_.values[as] = found->at(at).get<double>() + more;
+    };
+    take("train.json", "/psnr", "psnr");
+    take("train.json", "/ssim", "ssim");
+    take("train.json", "/splats", "splats");
+    if (record_.time_known) {
+      take("train.json", "/seconds", "seconds", record_.seconds);
+      take("train.json", "/cpu_seconds", "cpu_seconds", record_.cpu_seconds);
+    } else {
+      outcome_.missing.push_back("time: a part of the training was killed before it could tell");
+    }
+    take("score.json", "/psnr", "stored_psnr");
+    take("score.json", "/ssim", "stored_ssim");
+    take("score.json", "/flip", "stored_flip");
+    take("frames.json", "/draw_ms/median", "draw_ms");
+    for (const auto& [file, key] :
+         {std::pair("scene.ply", "ply_bytes"), {"scene.glb", "stored_bytes"}}) {
+      std::error_code error;
+      const auto size = fs::file_size(run_.folder / file, error);
+      if (!error) outcome_.values[key] = static_cast<double>(size);
+    }
+  }
+
+  const SweepRun& run_;
+  const SweepTools& tools_;
+  Record record_;
+  RunOutcome outcome_;
+};
+
+}  // namespace
+
+RunOutcome execute_run(const SweepRun& run, const SweepTools& tools) {
+  return Execution(run, tools).to_end();
+}
+
+}  // namespace fluxgs::cli
