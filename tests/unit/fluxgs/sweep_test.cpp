@@ -1,0 +1,284 @@
+// Sweeps of trainings: what is run, what is not run again, what is said of failures, and numbers.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "run_command.h"
+#include "support/temp_folder.h"
+#include "tools/capture/capture.h"
+#include "tools/fluxgs/flip.h"
+#include "tools/fluxgs/read_json.h"
+#include "tools/fluxgs/sweep.h"
+#include "tools/fluxgs/sweep_plot.h"
+
+namespace fluxgs::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using test::expect_error;
+using test::fluxgs;
+using test::Outcome;
+using test::quoted;
+using test::text_of;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// A tiny capture in a folder of its own, kept for the whole program.
+const fs::path& capture_folder() {
+  static const test::TempFolder folder;
+  static const bool made = [] {
+    capture::CaptureOptions options;
+    options.width = 48, options.height = 36, options.train = 8, options.test = 2,
+    options.samples = 1;
+    return capture::write_capture(folder / "spheres", options).has_value();
+  }();
+  if (!made) throw std::runtime_error("cannot make a capture");
+  static const fs::path path = folder / "spheres";
+  return path;
+}
+
+const std::string kTiny = " -- --iterations 60 --max-splats 300 --threads 1";
+
+std::string report_train(const fs::path& out, const std::string& more,
+                         const std::string& common = kTiny) {
+  return fmt::format("report train {} -o {} --preset 3dgs --frames 0 --max-loss 30 {}{}",
+                     quoted(capture_folder()), quoted(out), more, common);
+}
+
+SweepRow row(const std::string& name, std::vector<std::string> options) {
+  return {"presets", name, name, "3dgs", std::move(options)};
+}
+
+SweepSettings tiny_settings(const fs::path& out, std::vector<SweepRow> rows) {
+  return {.data = {capture_folder().string()},
+          .out = out,
+          .rows = std::move(rows),
+          .seeds = {1, 2},
+          .common = {"--iterations", "60", "--max-splats", "300", "--threads", "1"},
+          .measures = {.max_loss = 30, .frames = 0},
+          .program = FLUXGS_BINARY};
+}
+
+fs::file_time_type time_of(const fs::path& file) { return fs::last_write_time(file); }
+
+/// One scene, one row, these outcomes.
+SweepTable table_of(std::vector<RunOutcome> outcomes, std::size_t scenes = 1) {
+  SweepTable table{.command = "fluxgs report train"};
+  for (std::size_t i = 0; i < scenes; ++i)
+    table.scenes.push_back({fmt::format("scene{}", i), "folder", "0123"});
+  table.rows = {row("flux", {})};
+  for (std::size_t seed = 1; seed <= outcomes.size() / scenes; ++seed) table.seeds.push_back(seed);
+  table.outcomes = std::move(outcomes);
+  return table;
+}
+
+RunOutcome finished(double psnr) {
+  return {.state = RunState::finished, .values = {{"psnr", psnr}, {"splats", 1000.0}}};
+}
+
+RunOutcome failed(const std::string& error) { return {.state = RunState::failed, .error = error}; }
+
+TEST(SweepStatistics, MeanAndSampleDeviation) {
+  const double values[] = {2, 4, 4, 4, 5, 5, 7, 9};  // squares of differences to 5: 32 in all
+  const Statistic s = statistic_of(values);
+  EXPECT_EQ(s.count, 8);
+  EXPECT_DOUBLE_EQ(s.mean, 5);
+  EXPECT_DOUBLE_EQ(s.deviation, std::sqrt(32.0 / 7));
+  const double one[] = {3};
+  EXPECT_DOUBLE_EQ(statistic_of(one).mean, 3);
+  EXPECT_TRUE(std::isnan(statistic_of(one).deviation));
+  EXPECT_TRUE(std::isnan(statistic_of({}).mean));
+}
+
+TEST(SweepStatistics, FailedRunsDoNotCount) {
+  const SweepTable table = table_of({finished(30), failed("no splat is left"), finished(32)});
+  const Statistic s = over_seeds(table, 0, 0, "psnr");
+  EXPECT_EQ(s.count, 2);
+  EXPECT_DOUBLE_EQ(s.mean, 31);
+  EXPECT_DOUBLE_EQ(s.deviation, std::sqrt(2.0));
+  EXPECT_EQ(over_seeds(table, 0, 0, "draw_ms").count, 0);
+}
+
+TEST(SweepStatistics, OverScenesTheDeviationIsThatOfSeeds) {
+  // Seeds differ by 2 on average, scenes by 10; the third seed lacks a scene
+  const SweepTable table = table_of(
+      {finished(20), finished(22), finished(24), finished(30), finished(32), failed("x")}, 2);
+  const Statistic s = over_scenes(table, 0, "psnr");
+  EXPECT_EQ(s.count, 2);
+  EXPECT_DOUBLE_EQ(s.mean, 26);
+  EXPECT_DOUBLE_EQ(s.deviation, std::sqrt(2.0));
+}
+
+TEST(SweepTable, MarkdownShowsNumbersUnitsAndFailures) {
+  const std::string text =
+      sweep_markdown(table_of({finished(30), finished(32), failed("a | b\nfluxgs")}));
+  EXPECT_THAT(text, HasSubstr("| | PSNR (dB) | splats | runs |\n|---|---:|---:|---:|\n"));
+  EXPECT_THAT(text, HasSubstr("| flux | 31.00 ± 1.41 | 1000 ± 0 | 2 of 3, 1 failed |\n"));
+  EXPECT_THAT(text, HasSubstr("- scene0, flux, seed 3 failed: a \\| b?fluxgs\n"));
+}
+
+TEST(SweepTable, PicturesHaveAPointARowAndBars) {
+  SweepTable table = table_of({finished(30), finished(32)});
+  table.rows[0].group = table.rows[0].series = "cameras";
+  table.rows[0].x = 6;
+  const Plot plot = sweep_plot(table, {"cameras", "Cameras", "views"});
+  ASSERT_EQ(plot.series.size(), 1u);
+  EXPECT_THAT(plot.series[0].points, ElementsAre(std::pair(6.0, 31.0)));
+  EXPECT_THAT(plot.series[0].y_errors, ElementsAre(std::sqrt(2.0)));
+}
+
+TEST(SweepRows, NamesAreUniqueAndChosenByGroupOrName) {
+  std::set<std::string> names;
+  for (const SweepRow& r : all_sweep_rows()) EXPECT_TRUE(names.insert(r.name).second) << r.name;
+  const auto rows = chosen_sweep_rows({"cameras", "densify-mcmc"}, "3dgs");
+  ASSERT_TRUE(rows);
+  EXPECT_EQ(rows->size(), 7u);
+  EXPECT_EQ(rows->front().preset, "3dgs");
+  EXPECT_EQ(rows->back().name, "densify-mcmc");
+  EXPECT_FALSE(chosen_sweep_rows({"camera"}, ""));
+  EXPECT_FALSE(chosen_sweep_rows({}, "best"));
+}
+
+TEST(SweepRows, ARowsOwnOptionsComeFirst) {
+  EXPECT_THAT(merged_options({"--a", "1", "2", "--b=3", "--c"}, {"--b", "4", "--a", "5"}),
+              ElementsAre("--c", "--b", "4", "--a", "5"));
+  const auto meaning =
+      meaning_of("3dgs", {"--cameras", "4", "--iterations=80", "--downscale", "2"});
+  ASSERT_TRUE(meaning);
+  EXPECT_EQ(meaning->score_cameras, 4);
+  EXPECT_EQ(meaning->iterations, 80);
+  EXPECT_FALSE(meaning_of("3dgs", {"--cameras", "many"}));
+}
+
+TEST(Sweep, AFailingRowDoesNotLoseTheOthersAndIsTriedAgainWhenAsked) {
+  const test::TempFolder folder;
+  SweepSettings settings = tiny_settings(
+      folder.path(), {row("good", {}), row("bad", {"--densify", "impossible"}), row("same", {})});
+  const auto table = run_sweep(settings);
+  ASSERT_TRUE(table) << table.error().message();
+  EXPECT_EQ(table->count(RunState::finished), 4);  // "same" means the same as "good"
+  EXPECT_EQ(table->count(RunState::failed), 2);
+  EXPECT_THAT(table->at(0, 1, 0).error, HasSubstr("--densify"));
+  EXPECT_THAT(table->at(0, 1, 0).error, HasSubstr("impossible"));
+  EXPECT_EQ(over_seeds(*table, 0, 0, "psnr").count, 2);
+  EXPECT_FALSE(fs::exists(folder / "spheres/same"));
+  for (const char* key : {"psnr", "ssim", "stored_psnr", "stored_ssim", "splats", "stored_bytes",
+                          "ply_bytes", "seconds", "cpu_seconds"})
+    EXPECT_TRUE(table->at(0, 0, 0).values.contains(key)) << key;
+  EXPECT_LT(table->at(0, 0, 0).values.at("stored_bytes"),
+            table->at(0, 0, 0).values.at("ply_bytes"));
+
+  const auto report = folder / "spheres/good/seed-1/train.json";
+  const auto log = folder / "spheres/bad/seed-1/log.txt";
+  const auto trained = time_of(report);
+  const auto tried = fs::file_size(log);
+  const auto again = run_sweep(settings);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(time_of(report), trained);
+  EXPECT_EQ(fs::file_size(log), tried);
+  EXPECT_EQ(sweep_json(*again).dump(), sweep_json(*table).dump());
+  settings.retry = true;
+  ASSERT_TRUE(run_sweep(settings));
+  EXPECT_EQ(time_of(report), trained);
+  EXPECT_GT(fs::file_size(log), tried);
+
+  settings.retry = false;  // other options: made again
+  settings.rows = {row("good", {"--cameras", "4", "--opacity-rate", "0.03"})};
+  settings.seeds = {1};
+  ASSERT_TRUE(run_sweep(settings));
+  EXPECT_NE(time_of(report), trained);
+}
+
+TEST(Sweep, InterruptedItGoesOnWithTheSameCommand) {
+  const test::TempFolder folder;
+  const std::string length = " -- --iterations 400 --max-splats 300 --checkpoint-every 20";
+  const std::string call =
+      report_train(folder / "out", "--only densify-grad,densify-mcmc --seeds 2", length);
+  const fs::path runs = folder / "out/spheres";
+  // set -m: a background job of a shell without job control would ignore the interrupt
+  std::ofstream(folder / "interrupt.sh") << fmt::format(
+      "set -m\n'{}' {} 2>{} >{} &\npid=$!\n"
+      "while [ ! -e {} ] && kill -0 $pid; do sleep 0.02; done\nkill -INT $pid\nwait $pid\n",
+      FLUXGS_BINARY, call, quoted(folder / "err"), quoted(folder / "said"),
+      quoted(runs / "densify-mcmc/seed-1/scene.ply.ckpt"));
+  const int status = std::system(fmt::format("bash {}", quoted(folder / "interrupt.sh")).c_str());
+  const std::string said = text_of(folder / "err");
+  ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 1) << said;
+  EXPECT_THAT(said, HasSubstr("fluxgs: error: interrupted: 1 of 4 runs are finished; go on with: "
+                              "fluxgs report train "));
+  EXPECT_EQ(text_of(folder / "said"), "");
+  EXPECT_THAT(text_of(folder / "out/report.md"), HasSubstr("1 of 2 |"));
+  const auto trained = time_of(runs / "densify-grad/seed-1/train.json");
+  ASSERT_FALSE(fs::exists(runs / "densify-mcmc/seed-1/train.json"));
+  const auto stopped = read_json(runs / "densify-mcmc/seed-1/run.json");
+  ASSERT_TRUE(stopped);
+  EXPECT_GT(stopped->at("interrupted_seconds").get<double>(), 0);
+
+  const Outcome o = fluxgs(call);
+  ASSERT_EQ(o.status, 0) << o.err;
+  EXPECT_EQ(time_of(runs / "densify-grad/seed-1/train.json"), trained);
+  EXPECT_THAT(text_of(runs / "densify-mcmc/seed-1/log.txt"), HasSubstr("resuming at iteration "));
+  EXPECT_THAT(o.out, HasSubstr("| densify grad | "));
+  const auto report = read_json(folder / "out/report.json");
+  ASSERT_TRUE(report);
+  ASSERT_EQ(report->at("rows").size(), 2u);
+  for (const json& r : report->at("rows")) {
+    EXPECT_EQ(r.at("statistics").at("psnr").at("count"), 2);
+    EXPECT_EQ(r.at("runs").size(), 2u);
+    EXPECT_EQ(r.at("runs")[1].at("state"), "finished");
+  }
+}
+
+TEST(Sweep, BadUseIsOneLine) {
+  const test::TempFolder folder;
+  expect_error(fluxgs(report_train(folder / "out", "--only nothing")), {"--only", "nothing"});
+  expect_error(
+      fluxgs(fmt::format("report train {} -o {}", quoted(folder / "no"), quoted(folder / "out"))),
+      {"no", "data set"});
+  expect_error(fluxgs(report_train(capture_folder() / "out", "--only densify")),
+               {"--out", "inside"});
+  EXPECT_EQ(fluxgs(report_train(folder / "out", "", " -- --seed 3")).status, 2);
+  EXPECT_EQ(fluxgs("report train -o x").status, 2);
+  EXPECT_EQ(fluxgs("report train x").status, 2);
+  const Outcome listed = fluxgs("report train --list --only cameras");
+  EXPECT_EQ(listed.status, 0);
+  EXPECT_EQ(std::count(listed.out.begin(), listed.out.end(), '\n'), 6);
+  EXPECT_THAT(fluxgs("report train --help").out, HasSubstr("Example: fluxgs report train"));
+  // A failure of all is one of the command
+  expect_error(
+      fluxgs(report_train(folder / "out", "--only densify-grad --seeds 1", " -- --iterations nan")),
+      {"none of the 1 runs succeeded", "--iterations"});
+}
+
+TEST(Flip, OfTheSamePictureIsNothing) {
+  if (const auto there = check_flip(); !there) GTEST_SKIP() << there.error().message();
+  Photo photo;
+  photo.rgb = Image<std::uint8_t>(24, 16, 3);
+  for (int x = 0; x < 24; ++x) photo.rgb.at(x, 5)[0] = static_cast<std::uint8_t>(10 * x);
+  const auto show = [&](float more) {
+    return [&photo, more](const Camera&) -> Expected<PlanarImage> {
+      PlanarImage picture(24, 16, 3);
+      for (int c = 0; c < 3; ++c)
+        for (int y = 0; y < 16; ++y)
+          for (int x = 0; x < 24; ++x)
+            picture.row(c, y)[x] = static_cast<float>(photo.rgb.at(x, y)[c]) / 255 + more;
+      return picture;
+    };
+  };
+  const auto same = flip_errors({photo}, show(0)), other = flip_errors({photo}, show(0.3f));
+  ASSERT_TRUE(same && other);
+  EXPECT_DOUBLE_EQ(same->at(0), 0);
+  EXPECT_GT(other->at(0), 0.1);
+}
+
+}  // namespace
+}  // namespace fluxgs::cli
