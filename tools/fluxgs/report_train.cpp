@@ -1,6 +1,7 @@
 // fluxgs report train: what each part of the method is worth.
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <numeric>
 #include <span>
 #include <string_view>
@@ -134,7 +135,7 @@ Expected<void> report(const TrainReport& s) {
   auto table = run_sweep(settings);
   if (!table) return std::unexpected(table.error());
   table->command = command_of(s);
-  table->notes = general_notes(s, flip);
+  std::ranges::move(general_notes(s, flip), std::back_inserter(table->notes));
   if (auto written = write_results(s, *table); !written) return written;
   if (auto good = judge(s, *table); !good) return good;
   if (s.as_json)

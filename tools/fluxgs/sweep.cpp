@@ -89,6 +89,16 @@ std::vector<SweepRow> representatives_of(const SweepSettings& s) {
   return rows;
 }
 
+std::vector<std::string> notes_of_sharing(const std::vector<SweepRow>& rows,
+                                          const std::vector<SweepRow>& representatives) {
+  std::vector<std::string> notes;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (rows[i].name != representatives[i].name)
+      notes.push_back(fmt::format("{} means the same as {} and has its runs", rows[i].name,
+                                  representatives[i].name));
+  return notes;
+}
+
 SweepRun run_of(const SweepSettings& s, const SweepScene& scene, const SweepRow& row,
                 std::uint64_t seed) {
   const std::vector<std::string> options = merged_options(s.common, row.options);
@@ -132,6 +142,7 @@ Expected<SweepTable> run_sweep(const SweepSettings& s) {
 
   std::vector<std::pair<std::size_t, SweepRun>> runs;  // places in the table
   const std::vector<SweepRow> representatives = representatives_of(s);
+  table.notes = notes_of_sharing(s.rows, representatives);
   double iterations = 0;
   for (std::size_t seed = 0; seed < s.seeds.size(); ++seed)
     for (std::size_t scene = 0; scene < table.scenes.size(); ++scene)

@@ -34,7 +34,8 @@ struct Step {
   bool optional = false;  ///< a failure is something missing, not a failed run
 };
 
-constexpr const char *kTrain = "train", *kScore = "score";
+constexpr const char *kTrain = "train", *kStore = "store", *kScore = "score",
+                     *kFrames = "frame time";
 
 Options joined(std::initializer_list<Options> parts) {
   Options all;
@@ -89,13 +90,13 @@ std::vector<Step> measuring_steps(const SweepRun& run, const SweepMeasures& meas
     return step;
   };
   std::vector<Step> steps;
-  steps.push_back(add("store", {"convert", exact, stored},
+  steps.push_back(add(kStore, {"convert", exact, stored},
                       {"--max-loss", fmt::format("{:g}", measures.max_loss)}, {.product = stored}));
   steps.push_back(add(kScore, {"eval", stored},
                       joined({{"--json"}, measures.flip ? Options{"--flip"} : Options{}}),
                       {.product = run.folder / "score.json", .prints = true}));
   if (measures.frames > 0)
-    steps.push_back(add("frames", {"bench", stored},
+    steps.push_back(add(kFrames, {"bench", stored},
                         {"--json", "--frames", fmt::format("{}", measures.frames)},
                         {.product = run.folder / "frames.json", .prints = true, .optional = true}));
   return steps;
@@ -211,7 +212,7 @@ class Execution {
     forget_measures();
   }
   void forget_measures() {
-    for (const char* name : {"store", kScore, "frames"}) record_.steps.erase(name);
+    for (const char* name : {kStore, kScore, kFrames}) record_.steps.erase(name);
     for (const char* name : {"scene.glb", "score.json", "frames.json"}) remove(name);
   }
   void remove(const char* name) const {
@@ -233,14 +234,14 @@ class Execution {
     if (same && error.is_string() && !tools_.retry) return tell_failure(s, error);
     if (same && error.is_null() && fs::exists(s.product, ignored)) return true;
     if (s.name == kScore && !has_test_photos()) {
-      outcome_.missing.push_back("PSNR and SSIM: the data set has no test photos");
+      outcome_.remarks.push_back("no PSNR and SSIM: the data set has no test photos");
       return true;
     }
     if (s.name == kTrain) {
       if (!same || error.is_string()) forget_training();
       return train(train_step(run_));
     }
-    if (s.name == "store") forget_measures();
+    if (s.name == kStore) forget_measures();
     return run_step(s);
   }
 
@@ -254,7 +255,7 @@ class Execution {
       give_up(error);
       return false;
     }
-    outcome_.missing.push_back(fmt::format("{}: {}", s.name, error));
+    outcome_.remarks.push_back(fmt::format("no {}: {}", s.name, error));
     return true;
   }
 
@@ -344,8 +345,11 @@ class Execution {
       take("train.json", "/seconds", "seconds", record_.seconds);
       take("train.json", "/cpu_seconds", "cpu_seconds", record_.cpu_seconds);
     } else {
-      outcome_.missing.push_back("time: a part of the training was killed before it could tell");
+      outcome_.remarks.push_back("no time: a part of the training was killed before it could tell");
     }
+    if (record_.seconds > 0)
+      outcome_.remarks.push_back(
+          "interrupted and gone on with: the time holds loading the photos before");
     take("score.json", "/psnr", "stored_psnr");
     take("score.json", "/ssim", "stored_ssim");
     take("score.json", "/flip", "stored_flip");

@@ -47,12 +47,11 @@ enum class RunState { waiting, finished, failed, interrupted };
 
 struct RunOutcome {
   RunState state = RunState::waiting;
-  bool ran = false;                       ///< something was done now; false: it was all there
-  std::string error = {};                 ///< of a failed run, one line
-  std::vector<std::string> missing = {};  ///< what could not be measured and why, a line each
-  std::string build = {};                 ///< a hash of the program that trained it
-  std::map<std::string, double> values =
-      {};  ///< by the keys of sweep_metrics(); missing: not measured
+  bool ran = false;                           ///< something was done now; false: it was all there
+  std::string error = {};                     ///< of a failed run, one line
+  std::vector<std::string> remarks = {};      ///< what could not be measured and why, a line each
+  std::string build = {};                     ///< a hash of the program that trained it
+  std::map<std::string, double> values = {};  ///< by the keys of sweep_metrics()
 };
 
 /// Does what is not done yet: trains (from the checkpoint of an interrupted training, if it has the

@@ -52,7 +52,7 @@ json runs_json(const SweepTable& t, std::size_t scene, std::size_t row) {
     runs.push_back({{"seed", t.seeds[seed]},
                     {"state", name_of(o.state)},
                     {"error", o.error.empty() ? json(nullptr) : json(o.error)},
-                    {"missing", o.missing},
+                    {"remarks", o.remarks},
                     {"build", o.build},
                     {"values", o.values}});
   }
@@ -144,22 +144,22 @@ std::string group_section(const SweepTable& t, const SweepGroup& group) {
 
 /// Failures and what is missing, the same of several runs in one line.
 std::vector<std::string> notes_of(const SweepTable& t) {
-  std::map<std::string, int> missing;
+  std::map<std::string, int> remarks;
   std::vector<std::string> failures;
   std::set<std::string> builds;
   for (std::size_t scene = 0; scene < t.scenes.size(); ++scene)
     for (std::size_t row = 0; row < t.rows.size(); ++row)
       for (std::size_t seed = 0; seed < t.seeds.size(); ++seed) {
         const RunOutcome& o = t.at(scene, row, seed);
-        for (const std::string& line : o.missing) ++missing[line];
+        for (const std::string& line : o.remarks) ++remarks[line];
         if (o.state == RunState::finished) builds.insert(o.build);
         if (o.state == RunState::failed)
           failures.push_back(fmt::format("{}, {}, seed {} failed: {}", t.scenes[scene].name,
                                          t.rows[row].name, t.seeds[seed], o.error));
       }
   std::vector<std::string> notes = t.notes;
-  for (const auto& [line, runs] : missing)
-    notes.push_back(fmt::format("missing in {} runs: {}", runs, line));
+  for (const auto& [line, runs] : remarks)
+    notes.push_back(fmt::format("{} ({} of {} runs)", line, runs, t.outcomes.size()));
   notes.insert(notes.end(), failures.begin(), failures.end());
   if (builds.size() > 1)
     notes.push_back(fmt::format("the runs were made by {} different builds of fluxgs {}",

@@ -2,6 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -50,8 +54,9 @@ const std::string kTiny = " -- --iterations 60 --max-splats 300 --threads 1";
 
 std::string report_train(const fs::path& out, const std::string& more,
                          const std::string& common = kTiny) {
-  return fmt::format("report train {} -o {} --preset 3dgs --frames 0 --max-loss 30 {}{}",
-                     quoted(capture_folder()), quoted(out), more, common);
+  return fmt::format("report train {} -o {} --preset 3dgs --max-loss 30 {} {}{}",
+                     quoted(capture_folder()), quoted(out),
+                     more.find("--frames") == std::string::npos ? "--frames 0" : "", more, common);
 }
 
 SweepRow row(const std::string& name, std::vector<std::string> options) {
@@ -171,6 +176,7 @@ TEST(Sweep, AFailingRowDoesNotLoseTheOthersAndIsTriedAgainWhenAsked) {
   EXPECT_THAT(table->at(0, 1, 0).error, HasSubstr("impossible"));
   EXPECT_EQ(over_seeds(*table, 0, 0, "psnr").count, 2);
   EXPECT_FALSE(fs::exists(folder / "spheres/same"));
+  EXPECT_THAT(table->notes, ElementsAre("same means the same as good and has its runs"));
   for (const char* key : {"psnr", "ssim", "stored_psnr", "stored_ssim", "splats", "stored_bytes",
                           "ply_bytes", "seconds", "cpu_seconds"})
     EXPECT_TRUE(table->at(0, 0, 0).values.contains(key)) << key;
@@ -253,10 +259,28 @@ TEST(Sweep, BadUseIsOneLine) {
   EXPECT_EQ(listed.status, 0);
   EXPECT_EQ(std::count(listed.out.begin(), listed.out.end(), '\n'), 6);
   EXPECT_THAT(fluxgs("report train --help").out, HasSubstr("Example: fluxgs report train"));
+  const int lock = open((folder / "lock").c_str(), O_RDWR | O_CREAT, 0600);
+  fs::create_directory(folder / "busy");
+  fs::rename(folder / "lock", folder / "busy/.lock");
+  ASSERT_EQ(flock(lock, LOCK_EX), 0);
+  expect_error(fluxgs(report_train(folder / "busy", "--only densify")), {"busy", "at work"});
+  close(lock);
   // A failure of all is one of the command
   expect_error(
       fluxgs(report_train(folder / "out", "--only densify-grad --seeds 1", " -- --iterations nan")),
       {"none of the 1 runs succeeded", "--iterations"});
+}
+
+TEST(Sweep, WithoutGlOnlyTheFrameTimeIsMissing) {
+  const test::TempFolder folder;
+  const std::string call =
+      report_train(folder / "out", "--only densify-grad --seeds 1 --frames 1 --json");
+  const Outcome o = fluxgs(call, "__EGL_VENDOR_LIBRARY_FILENAMES=/none");
+  ASSERT_EQ(o.status, 0) << o.err;
+  const json report = json::parse(o.out);
+  EXPECT_EQ(report.at("rows")[0].at("statistics").at("draw_ms").at("count"), 0);
+  EXPECT_EQ(report.at("rows")[0].at("statistics").at("psnr").at("count"), 1);
+  EXPECT_THAT(report.at("notes").dump(), HasSubstr("no frame time: "));
 }
 
 TEST(Flip, OfTheSamePictureIsNothing) {
