@@ -95,7 +95,8 @@ class Bench {
 
   static double milliseconds() {
     using namespace std::chrono;
-    return duration<double, std::milli>(steady_clock::now().time_since_epoch()).count();
+    return std::chrono::duration<double, std::milli>(steady_clock::now().time_since_epoch())
+        .count();
   }
 
  private:
