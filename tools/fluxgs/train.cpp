@@ -83,8 +83,15 @@ class Curves {
     loss_ = l1_ = count_ = 0;
   }
 
-  /// A measurement on the test views.
-  void add_psnr(int iteration, double psnr) { psnr_.push_back({iteration, psnr}); }
+  /// Measures the test views; the time that takes is not part of the training's.
+  void measure_psnr(int iteration, const Trainer& trainer, const std::vector<Photo>& photos) {
+    const double start = wall_seconds(), cpu_start = cpu_seconds();
+    psnr_.push_back({iteration, trainer.mean_psnr(photos)});
+    measuring_ += wall_seconds() - start;
+    measuring_cpu_ += cpu_seconds() - cpu_start;
+  }
+  double measuring_seconds() const { return measuring_; }
+  double measuring_cpu_seconds() const { return measuring_cpu_; }
   void add_switch(int iteration, const SwitchReport& report) {
     switch_ = {{"iteration", iteration},
                {"train_psnr", {report.train_psnr_before, report.train_psnr_after}},
@@ -110,7 +117,7 @@ class Curves {
 
  private:
   int stretch_, count_ = 0;
-  double loss_ = 0, l1_ = 0, start_ = wall_seconds();
+  double loss_ = 0, l1_ = 0, start_ = wall_seconds(), measuring_ = 0, measuring_cpu_ = 0;
   std::vector<int> iteration_;
   std::vector<double> losses_, l1s_, rates_;
   std::vector<std::size_t> splats_;
@@ -236,7 +243,7 @@ Expected<void> train_to_end(const TrainSettings& settings, const Run& run, Train
     curves.add(i, step, splats);
     if (step.switched) report_switch(i, *step.switched, curves);
     if (i % std::max(run.options.iterations / 20, 1) == 0 && !trainer.done())
-      curves.add_psnr(i, trainer.mean_psnr(run.data.test));
+      curves.measure_psnr(i, trainer, run.data.test);
     smooth_loss = smooth_loss > 0 ? 0.98 * smooth_loss + 0.02 * step.loss : step.loss;
     if (progress.due())
       progress.update(i, fmt::format("{} splats  loss {:.4f}", splats, smooth_loss));
@@ -320,7 +327,8 @@ Expected<void> train(TrainSettings settings) {
   const double start = wall_seconds(), cpu_start = cpu_seconds();
   const int first = trainer.state().iteration;
   if (auto done = train_to_end(settings, *run, trainer, curves); !done) return done;
-  const double seconds = wall_seconds() - start, cpu = cpu_seconds() - cpu_start;
+  const double seconds = wall_seconds() - start - curves.measuring_seconds();
+  const double cpu = cpu_seconds() - cpu_start - curves.measuring_cpu_seconds();
 
   const SplatCloud cloud = trainer.cloud();
   if (auto written = write_scene(settings.out, cloud); !written) return written;
