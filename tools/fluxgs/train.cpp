@@ -288,20 +288,6 @@ json report_json(const TrainSettings& settings, const Run& run, const Trainer& t
            {{"fluxgs", FLUXGS_VERSION}, {"opencv", CV_VERSION}, {"compiler", __VERSION__}}}};
 }
 
-/// The degree that the finished scene has.
-int cloud_degree(const TrainOptions& options) {
-  switch (options.sh_target) {
-    case ShTarget::degree_0:
-      return 0;
-    case ShTarget::degree_1:
-      return 1;
-    case ShTarget::degree_2:
-      return std::min(options.sh_degree, 2);
-    default:
-      return options.sh_degree;
-  }
-}
-
 Expected<void> train(TrainSettings settings) {
   if (settings.backend == "cuda")
     return fail("", "--backend cuda", "this build has no CUDA backend; use --backend cpu");
@@ -319,7 +305,7 @@ Expected<void> train(TrainSettings settings) {
   const Threads threads(settings.data.threads);
   auto run = settings.resume.empty() ? new_run(settings, threads) : resume_run(settings);
   if (!run) return std::unexpected(run.error());
-  warn_of_lost_degrees(settings.out, **format, cloud_degree(run->options));
+  warn_of_lost_degrees(settings.out, **format, target_degree(run->options));
 
   StageTimes times;
   Trainer trainer(run->data, run->options, std::move(run->state), threads, times);

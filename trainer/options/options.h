@@ -124,10 +124,20 @@ struct TrainOptions {
 /// The same with every 0 that stands for "depends on the length of the run" replaced.
 TrainOptions resolved(TrainOptions options);
 
+/// The degree that every splat ends with; adaptive: the highest.
+int target_degree(const TrainOptions& options);
+
+/// Whether harmonics are reduced at some iteration.
+bool reduces_appearance(const TrainOptions& options);
+
+/// The highest degree that is trained before that.
+int degree_before_switch(const TrainOptions& options);
+
 /// Names of the presets, the default one first.
 std::vector<std::string> preset_names();
 
-/// The options of a preset: "3dgs" (vanilla: SH of degree 3, single-view gradients).
+/// The options of a preset: "3dgs" (vanilla: SH of degree 3, single-view gradients), "3dgs-sh1"
+/// (the same with harmonics cut off at the first degree), "flux-paper" (the paper to the letter).
 Expected<TrainOptions> preset(std::string_view name);
 
 /// Checks every option's range; the error names the option and the range.

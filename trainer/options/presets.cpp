@@ -1,16 +1,93 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "trainer/options/options.h"
 
 namespace fluxgs {
 
-std::vector<std::string> preset_names() { return {"3dgs"}; }
+namespace {
+
+/// Vanilla 3DGS whose harmonics are cut off at the first degree.
+TrainOptions vanilla_first_order() {
+  TrainOptions o;
+  o.sh_target = ShTarget::degree_1;
+  o.sh_reduce = ShReduction::truncate;
+  return o;
+}
+
+/// The paper to the letter, its faults included; what it leaves open is as in vanilla 3DGS.
+TrainOptions paper() {
+  TrainOptions o;
+  // "Monte Carlo Specular Energy Aggregator", "Additional Implementation"
+  o.sh_target = ShTarget::degree_1;
+  o.sh_reduce = ShReduction::energy;
+  o.residual = Residual::from_2;
+  o.quadrature = Quadrature::mc;
+  o.samples = 2048;
+  o.psi = Switch::on;
+  o.phi = Switch::on;
+  // "Multi-view Alpha-based Densification and Pruning"
+  o.densify = Densify::multiview;
+  o.score_weight = ScoreWeight::alpha;
+  o.score_loss = ScoreLoss::l1_dssim;
+  o.score_unit = ScoreUnit::raw;
+  o.score_share = ScoreShare::sum;
+  o.prune = Prune::multiview;
+  return o;
+}
+
+struct Preset {
+  const char* name;
+  TrainOptions (*options)();
+};
+
+constexpr Preset kPresets[] = {
+    {"3dgs", [] { return TrainOptions(); }},
+    {"3dgs-sh1", vanilla_first_order},
+    {"flux-paper", paper},
+};
+
+}  // namespace
+
+std::vector<std::string> preset_names() {
+  std::vector<std::string> names;
+  for (const Preset& p : kPresets) names.emplace_back(p.name);
+  return names;
+}
 
 Expected<TrainOptions> preset(std::string_view name) {
-  if (name == "3dgs") return TrainOptions{};
-  return fail("", "--preset", fmt::format("'{}' is not a preset; expected 3dgs", name));
+  for (const Preset& p : kPresets)
+    if (name == p.name) return p.options();
+  return fail(
+      "", "--preset",
+      fmt::format("'{}' is not a preset; expected {}", name, fmt::join(preset_names(), ", ")));
+}
+
+int target_degree(const TrainOptions& options) {
+  switch (options.sh_target) {
+    case ShTarget::degree_0:
+      return 0;
+    case ShTarget::degree_1:
+      return std::min(options.sh_degree, 1);
+    case ShTarget::degree_2:
+      return std::min(options.sh_degree, 2);
+    case ShTarget::degree_3:
+    case ShTarget::adaptive:
+      break;
+  }
+  return options.sh_degree;
+}
+
+bool reduces_appearance(const TrainOptions& options) {
+  return options.sh_target == ShTarget::adaptive ||
+         (options.sh_reduce != ShReduction::none && target_degree(options) < options.sh_degree) ||
+         options.phi == Switch::on;
+}
+
+int degree_before_switch(const TrainOptions& options) {
+  return options.sh_reduce == ShReduction::none ? target_degree(options) : options.sh_degree;
 }
 
 TrainOptions resolved(TrainOptions options) {
@@ -20,9 +97,9 @@ TrainOptions resolved(TrainOptions options) {
   const int n = options.iterations;
   otherwise(options.switch_iteration,
             options.sh_target == ShTarget::adaptive ? n / 10 * 7 : std::min(n / 10, 3000));
-  // A quarter of the time before the switch is for the highest degree
-  otherwise(options.sh_degree_interval,
-            std::min({n / 8 + 1, 1000, std::max(options.switch_iteration / 4, 1)}));
+  // A quarter of the time before a switch is for the highest degree
+  const int curriculum = reduces_appearance(options) ? options.switch_iteration / 4 : n;
+  otherwise(options.sh_degree_interval, std::min({n / 8 + 1, 1000, curriculum}));
   otherwise(options.densify_until, std::min(n / 2, 15000));
   otherwise(options.coarse_until, n / 10 * 3);
   otherwise(options.late_prune_from, n / 5 * 3);

@@ -11,22 +11,6 @@
 namespace fluxgs {
 namespace {
 
-/// The degree that every splat ends with; adaptive: the highest.
-int target_degree(ShTarget target) {
-  switch (target) {
-    case ShTarget::degree_0:
-      return 0;
-    case ShTarget::degree_1:
-      return 1;
-    case ShTarget::degree_2:
-      return 2;
-    case ShTarget::degree_3:
-    case ShTarget::adaptive:
-      break;
-  }
-  return 3;
-}
-
 void keep_rows(TrainState& state, int degree) {
   state.adam.first = rows_of_degree(state.adam.first, degree);
   state.adam.second = rows_of_degree(state.adam.second, degree);
@@ -88,7 +72,7 @@ PsiFitReport introduce_networks(TrainState& state, const TrainOptions& options, 
 
 void reduce_to_one_degree(TrainState& state, const TrainOptions& options, const ViewWeights& views,
                           const Threads& threads, ReductionReport& report) {
-  const int degree = target_degree(options.sh_target);
+  const int degree = target_degree(options);
   PlanarFloats energy;
   if (options.sh_reduce == ShReduction::energy)
     energy = energy_moments(state.parameters, options.residual, rule_of(options), threads);
@@ -112,19 +96,6 @@ void reduce_to_one_degree(TrainState& state, const TrainOptions& options, const 
 
 }  // namespace
 
-bool reduces_appearance(const TrainOptions& options) {
-  return options.sh_target == ShTarget::adaptive ||
-         (options.sh_reduce != ShReduction::none &&
-          target_degree(options.sh_target) < options.sh_degree) ||
-         options.phi == Switch::on;
-}
-
-int degree_before_switch(const TrainOptions& options) {
-  return options.sh_reduce == ShReduction::none && options.sh_target != ShTarget::adaptive
-             ? std::min(options.sh_degree, target_degree(options.sh_target))
-             : options.sh_degree;
-}
-
 ReductionReport reduce_appearance(TrainState& state, const TrainOptions& options,
                                   const ViewWeights& views, double train_mse,
                                   const Threads& threads) {
@@ -134,8 +105,7 @@ ReductionReport reduce_appearance(TrainState& state, const TrainOptions& options
   Unexplained dropped = unexplained;
   dropped.fitted = dropped.truncated;
   ReductionReport report;
-  std::vector<std::uint8_t> degrees(size,
-                                    static_cast<std::uint8_t>(target_degree(options.sh_target)));
+  std::vector<std::uint8_t> degrees(size, static_cast<std::uint8_t>(target_degree(options)));
   if (options.sh_target == ShTarget::adaptive)
     degrees = least_degrees(
         unexplained,

@@ -12,12 +12,6 @@
 
 namespace fluxgs {
 
-/// Whether these options reduce harmonics at some iteration.
-bool reduces_appearance(const TrainOptions& options);
-
-/// The highest degree that is trained before the switch.
-int degree_before_switch(const TrainOptions& options);
-
 /// What a reduction left out, by what the training views see.
 struct ReductionReport {
   double dropped = 0;           ///< MSE bound (adaptive_degree.h) if the higher bands were dropped

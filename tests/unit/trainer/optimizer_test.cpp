@@ -84,6 +84,43 @@ TEST(Parameters, CloudAndBack) {
   }
 }
 
+TEST(TrainOptionsTest, PresetsAreValidAndUnknownOnesNamed) {
+  for (const std::string& name : preset_names()) {
+    const auto options = preset(name);
+    ASSERT_TRUE(options) << name;
+    EXPECT_TRUE(validate(*options)) << name;
+  }
+  const auto unknown = preset("4dgs");
+  ASSERT_FALSE(unknown);
+  EXPECT_NE(unknown.error().message().find("3dgs-sh1"), std::string::npos);
+}
+
+TEST(TrainOptionsTest, ChoicesHaveTheirNames) {
+  for (const OptionField& f : option_fields()) {
+    if (!f.choice.get) continue;
+    TrainOptions options;
+    for (int value = 0; value < static_cast<int>(f.choice.names.size()); ++value) {
+      f.choice.set(options, value);
+      EXPECT_EQ(f.choice.get(options), value) << f.name;
+    }
+  }
+}
+
+TEST(TrainOptionsTest, WhatDependsOnTheLengthFollowsIt) {
+  TrainOptions options;
+  options.iterations = 2000;
+  const TrainOptions short_run = resolved(options);
+  EXPECT_EQ(short_run.densify_until, 1000);
+  EXPECT_EQ(short_run.switch_iteration, 200);
+  EXPECT_EQ(short_run.sh_degree_interval, 251);
+  options.sh_target = ShTarget::degree_1;
+  EXPECT_EQ(resolved(options).sh_degree_interval, 50);  // degree 3 for a quarter of these 200
+  options.iterations = 30000;
+  EXPECT_EQ(resolved(options).switch_iteration, 3000);  // as in the paper
+  options.sh_target = ShTarget::adaptive;
+  EXPECT_EQ(resolved(options).switch_iteration, 21000);
+}
+
 TEST(TrainOptionsTest, RangesAreCheckedByName) {
   TrainOptions options;
   EXPECT_TRUE(validate(options));
