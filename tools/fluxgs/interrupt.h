@@ -5,11 +5,14 @@
 
 namespace fluxgs::cli {
 
+/// What a second signal does.
+enum class SecondInterrupt { counts, ends_the_program };
+
 /// While it lives these signals are counted and do nothing else. Those that are ignored (nohup)
 /// stay so. One at a time in a process.
 class InterruptCounter {
  public:
-  InterruptCounter();
+  explicit InterruptCounter(SecondInterrupt second = SecondInterrupt::counts);
   ~InterruptCounter();
   InterruptCounter(const InterruptCounter&) = delete;
   InterruptCounter& operator=(const InterruptCounter&) = delete;

@@ -1,8 +1,5 @@
 // fluxgs train: photos in, a scene file out.
 #include <algorithm>
-#include <array>
-#include <atomic>
-#include <csignal>
 #include <filesystem>
 #include <limits>
 
@@ -17,6 +14,7 @@
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/console.h"
 #include "tools/fluxgs/data_options.h"
+#include "tools/fluxgs/interrupt.h"
 #include "tools/fluxgs/method_options.h"
 #include "tools/fluxgs/progress.h"
 #include "trainer/base/clock.h"
@@ -34,34 +32,6 @@ struct TrainSettings {
   DataOptions data;
   int checkpoint_every = 0;
   MethodOptions method;
-};
-
-std::atomic<bool> interrupted = false;
-
-/// Ctrl-C, kill and a closed terminal ask the loop to stop at the next step; a second time they end
-/// the program as usual. Signals that are ignored (nohup) stay so.
-class InterruptGuard {
- public:
-  InterruptGuard() {
-    interrupted = false;
-    for (std::size_t i = 0; i < kSignals.size(); ++i) {
-      before_[i] = std::signal(kSignals[i], handle);
-      if (before_[i] == SIG_IGN) std::signal(kSignals[i], SIG_IGN);
-    }
-  }
-  ~InterruptGuard() {
-    for (std::size_t i = 0; i < kSignals.size(); ++i) std::signal(kSignals[i], before_[i]);
-  }
-  InterruptGuard(const InterruptGuard&) = delete;
-  InterruptGuard& operator=(const InterruptGuard&) = delete;
-
- private:
-  static constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
-  static void handle(int signal) {
-    interrupted = true;
-    std::signal(signal, SIG_DFL);
-  }
-  std::array<void (*)(int), kSignals.size()> before_{};
 };
 
 /// Means over equal stretches of the run, for plots.
@@ -233,7 +203,7 @@ void report_switch(int iteration, const SwitchReport& report, Curves& curves) {
 /// Trains to the end; an interruption saves a checkpoint and is an error that says how to go on.
 Expected<void> train_to_end(const TrainSettings& settings, const Run& run, Trainer& trainer,
                             Curves& curves) {
-  const InterruptGuard guard;
+  const InterruptCounter interrupts(SecondInterrupt::ends_the_program);
   Progress progress("it", run.options.iterations, trainer.state().iteration);
   double smooth_loss = 0;
   while (!trainer.done()) {
@@ -251,6 +221,7 @@ Expected<void> train_to_end(const TrainSettings& settings, const Run& run, Train
       return fail(settings.data.folder, fmt::format("iteration {}", i),
                   "no splat is left; the poses or the photos do not fit together");
     const bool periodic = settings.checkpoint_every > 0 && i % settings.checkpoint_every == 0;
+    const bool interrupted = interrupts.count() > 0;
     if (!periodic && !interrupted) continue;
     if (auto saved = save_checkpoint(settings, run, trainer); !saved) return saved;
     if (interrupted)
