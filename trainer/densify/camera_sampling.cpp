@@ -4,10 +4,10 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 
 #include <glm/geometric.hpp>
 
+#include "trainer/base/indices.h"
 #include "trainer/data/scene_focus.h"
 
 namespace fluxgs {
@@ -28,12 +28,6 @@ glm::dvec3 scene_center(const std::vector<Photo>& photos) {
 
 int bin_of(double angle, double range, int bins) {
   return std::clamp(static_cast<int>(std::floor(angle / range * bins)), 0, bins - 1);
-}
-
-std::vector<std::uint32_t> indices(std::size_t count) {
-  std::vector<std::uint32_t> all(count);
-  std::iota(all.begin(), all.end(), 0u);
-  return all;
 }
 
 }  // namespace
@@ -62,13 +56,13 @@ std::vector<std::uint32_t> sample_cameras(const std::vector<Photo>& photos,
       std::min<std::size_t>(static_cast<std::size_t>(options.score_cameras), photos.size());
   std::vector<std::uint32_t> chosen;
   if (options.camera_sampling == CameraSampling::random) {
-    chosen = indices(photos.size());
+    chosen = all_indices(photos.size());
     shuffle(chosen, random);
   } else {
     auto bins = camera_bins(photos, options.azimuth_bins, options.elevation_bins);
     for (auto& members : bins) shuffle(members, random);
     while (chosen.size() < count) {
-      std::vector<std::uint32_t> order = indices(bins.size());
+      std::vector<std::uint32_t> order = all_indices(bins.size());
       shuffle(order, random);
       for (std::uint32_t b : order) {
         if (bins[b].empty()) continue;

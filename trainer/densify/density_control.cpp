@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <glm/gtc/quaternion.hpp>
+
+#include "trainer/base/indices.h"
 
 namespace fluxgs {
 namespace {
@@ -193,8 +194,7 @@ void cap_opacity(TrainState& state, double cap) {
 
 /// Indices by contribution, the least first; ties by index.
 std::vector<std::uint32_t> by_contribution(const SplatScores& scores) {
-  std::vector<std::uint32_t> order(scores.contribution.size());
-  std::iota(order.begin(), order.end(), 0u);
+  std::vector<std::uint32_t> order = all_indices(scores.contribution.size());
   std::ranges::stable_sort(
       order, [&](auto a, auto b) { return scores.contribution[a] < scores.contribution[b]; });
   return order;

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <glm/gtc/quaternion.hpp>
+
+#include "trainer/base/indices.h"
 
 namespace fluxgs {
 namespace {
@@ -17,12 +18,6 @@ double logit(double p) { return std::log(p / (1 - p)); }
 
 double opacity_of(const PlanarFloats& p, std::size_t i) {
   return sigmoid(static_cast<double>(p.row(row::opacity)[i]));
-}
-
-std::vector<std::uint32_t> everything(const TrainState& state) {
-  std::vector<std::uint32_t> all(state.parameters.size());
-  std::iota(all.begin(), all.end(), 0u);
-  return all;
 }
 
 /// Draws among `from` in proportion to opacity.
@@ -65,7 +60,7 @@ std::size_t relocate(TrainState& state, const TrainOptions& options) {
   if (alive.empty() || dead.empty()) return 0;
   const auto drawn = draw(state.parameters, alive, dead.size(), state.random);
   share_all(state, drawn);
-  std::vector<std::uint32_t> order = everything(state), moments = order;
+  std::vector<std::uint32_t> order = all_indices(state.parameters.size()), moments = order;
   for (std::size_t k = 0; k < dead.size(); ++k) {
     order[dead[k]] = drawn[k];
     moments[dead[k]] = PlanarFloats::kNew;
@@ -82,7 +77,7 @@ std::size_t grow(TrainState& state, const TrainOptions& options) {
       static_cast<std::uint64_t>((1 + options.mcmc_growth) * static_cast<double>(size));
   const std::uint64_t count = cap > 0 ? std::min(cap, wanted) : wanted;
   if (count <= size) return 0;
-  std::vector<std::uint32_t> order = everything(state), moments = order;
+  std::vector<std::uint32_t> order = all_indices(state.parameters.size()), moments = order;
   const auto drawn = draw(state.parameters, order, count - size, state.random);
   share_all(state, drawn);
   order.insert(order.end(), drawn.begin(), drawn.end());

@@ -2,25 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "trainer/appearance/latent_adam.h"
+#include "trainer/base/indices.h"
 #include "trainer/densify/camera_sampling.h"
 #include "trainer/densify/mcmc.h"
 #include "trainer/model/initialize.h"
 #include "trainer/train/evaluate.h"
 
 namespace fluxgs {
-namespace {
-
-std::vector<std::uint32_t> all_views(std::size_t count) {
-  std::vector<std::uint32_t> views(count);
-  std::iota(views.begin(), views.end(), 0u);
-  return views;
-}
-
-}  // namespace
-
 double scene_extent(const std::vector<Photo>& photos) {
   glm::dvec3 mean(0);
   for (const Photo& p : photos) mean += p.camera.center() / static_cast<double>(photos.size());
@@ -39,8 +29,7 @@ TrainState initial_state(const Dataset& data, const PointCloud& points, const Tr
   state.adam.second = PlanarFloats(state.parameters.rows(), cloud.size());
   state.statistics = PlanarFloats(statistic::count, cloud.size());
   state.random.seed(options.seed);
-  state.view_order.resize(data.train.size());
-  std::iota(state.view_order.begin(), state.view_order.end(), 0u);
+  state.view_order = all_indices(data.train.size());
   state.next_view = static_cast<std::uint32_t>(state.view_order.size());  // shuffled before use
   return state;
 }
@@ -113,7 +102,7 @@ DensifyCounts Trainer::densify() {
 
 DensifyCounts Trainer::late_prune() {
   const SplatScores s = scores(options_.late_prune == LatePrune::contribution
-                                   ? all_views(data_.train.size())
+                                   ? all_indices(data_.train.size())
                                    : sample_cameras(data_.train, options_, state_.random));
   return prune_late(state_, options_, s);
 }
