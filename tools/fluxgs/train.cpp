@@ -20,6 +20,7 @@
 #include "trainer/base/clock.h"
 #include "trainer/train/checkpoint.h"
 #include "trainer/train/evaluate.h"
+#include "trainer/train/store_scene.h"
 #include "trainer/train/trainer.h"
 
 namespace fluxgs::cli {
@@ -28,7 +29,7 @@ namespace {
 using nlohmann::json;
 
 struct TrainSettings {
-  std::string out, preset = preset_names().front(), backend = "auto", resume, report;
+  std::string out, exact, preset = preset_names().front(), backend = "auto", resume, report;
   DataOptions data;
   int checkpoint_every = 0;
   MethodOptions method;
@@ -73,14 +74,17 @@ class Curves {
     psnr_.push_back({iteration, report.test_psnr_after});
   }
 
+  void add_rounding(int iteration, const RoundingReport& report) {
+    rounding_ = {{"iteration", iteration},
+                 {"bytes", report.bytes},
+                 {"train_psnr", {report.train_psnr_before, report.train_psnr_after}}};
+  }
+
   json to_json() const {
-    return {{"switch", switch_},
-            {"psnr", psnr_},
-            {"iteration", iteration_},
-            {"loss", losses_},
-            {"l1", l1s_},
-            {"splats", splats_},
-            {"iterations_per_second", rates_}};
+    return {{"switch", switch_}, {"rounding", rounding_},
+            {"psnr", psnr_},     {"iteration", iteration_},
+            {"loss", losses_},   {"l1", l1s_},
+            {"splats", splats_}, {"iterations_per_second", rates_}};
   }
   double first_rate() const { return rates_.empty() ? 0 : rates_.front(); }
   double last_rate() const { return rates_.empty() ? 0 : rates_.back(); }
@@ -92,7 +96,7 @@ class Curves {
   std::vector<double> losses_, l1s_, rates_;
   std::vector<std::size_t> splats_;
   std::vector<std::pair<int, double>> psnr_;
-  json switch_;
+  json switch_, rounding_;
 };
 
 Expected<TrainOptions> options_from(const TrainSettings& settings) {
@@ -109,6 +113,14 @@ Expected<void> check_writable(const std::string& path) {
   const auto probe = AtomicFile::create(path);
   if (!probe) return std::unexpected(probe.error());
   return {};
+}
+
+/// Of --exact, which may be missing.
+Expected<void> check_exact(const TrainSettings& settings) {
+  if (settings.exact.empty()) return {};
+  if (const auto format = scene_format_for(settings.exact); !format)
+    return std::unexpected(format.error());
+  return check_writable(settings.exact);
 }
 
 /// Whether a file would be inside a folder, whose own .json files must not be overwritten.
@@ -200,6 +212,15 @@ void report_switch(int iteration, const SwitchReport& report, Curves& curves) {
     spdlog::info("splats of degree 0 to 3: {}", fmt::join(degrees, ", "));
 }
 
+void report_rounding(int iteration, const RoundingReport& report, Curves& curves) {
+  if (report.error)
+    return spdlog::warn("warning: nothing is rounded from step {} on: {}", iteration,
+                        report.error->message());
+  curves.add_rounding(iteration, report);
+  spdlog::info("rounded as in a file of {} bytes: {:.2f} to {:.2f} dB on training views",
+               report.bytes, report.train_psnr_before, report.train_psnr_after);
+}
+
 /// Trains to the end; an interruption saves a checkpoint and is an error that says how to go on.
 Expected<void> train_to_end(const TrainSettings& settings, const Run& run, Trainer& trainer,
                             Curves& curves) {
@@ -212,6 +233,7 @@ Expected<void> train_to_end(const TrainSettings& settings, const Run& run, Train
     const std::size_t splats = trainer.state().parameters.size();
     curves.add(i, step, splats);
     if (step.switched) report_switch(i, *step.switched, curves);
+    if (step.rounded) report_rounding(i, *step.rounded, curves);
     if (i % std::max(run.options.iterations / 20, 1) == 0 && !trainer.done())
       curves.measure_psnr(i, trainer, run.data.test);
     smooth_loss = smooth_loss > 0 ? 0.98 * smooth_loss + 0.02 * step.loss : step.loss;
@@ -259,12 +281,66 @@ json report_json(const TrainSettings& settings, const Run& run, const Trainer& t
            {{"fluxgs", FLUXGS_VERSION}, {"opencv", CV_VERSION}, {"compiler", __VERSION__}}}};
 }
 
+Expected<StoredScene> store(const Run& run, const Trainer& trainer, const Threads& threads) {
+  Progress progress("trials", CompactSearch::kUsualTrials, 0);
+  int trials = 0;
+  auto stored = store_scene(trainer, run.data.train, threads, [&](const CompactTrial& t) {
+    progress.update(++trials, fmt::format("{} bytes  {}", t.file.size(), decibels(t.psnr())));
+  });
+  progress.clear();
+  if (stored && stored->with_networks)
+    spdlog::info("networks: {} bytes with them, {} without, at the same error: {}",
+                 *stored->with_networks, *stored->without_networks,
+                 *stored->with_networks < *stored->without_networks ? "kept" : "left out");
+  return stored;
+}
+
+/// Writes a compact .glb or another format, and returns the scene that the file holds.
+Expected<SplatCloud> write_out(const TrainSettings& settings, const Run& run,
+                               const Trainer& trainer, const Threads& threads, json& report) {
+  SplatCloud cloud = trainer.cloud();
+  if (!settings.exact.empty())
+    if (auto written = write_scene(settings.exact, cloud); !written)
+      return std::unexpected(written.error());
+  if ((*scene_format_for(settings.out))->name != "glb") {
+    if (auto written = write_scene(settings.out, cloud); !written)
+      return std::unexpected(written.error());
+    return cloud;
+  }
+  auto stored = store(run, trainer, threads);
+  if (!stored) return fail(settings.out, stored.error().field, stored.error().what);
+  if (auto written = write_file_atomic(settings.out, stored->file); !written)
+    return std::unexpected(written.error());
+  report["bytes"] = stored->file.size();
+  if (stored->with_networks)
+    report["bytes_with_networks"] = *stored->with_networks,
+    report["bytes_without_networks"] = *stored->without_networks;
+  return std::move(stored->cloud);
+}
+
+/// The scene and, of its test views, the error.
+Expected<void> write_results(const TrainSettings& settings, const Run& run, const Trainer& trainer,
+                             const Threads& threads, json& report) {
+  const auto cloud = write_out(settings, run, trainer, threads, report);
+  if (!cloud) return std::unexpected(cloud.error());
+  if (run.data.test.empty()) return {};
+  const auto score = evaluate(run.data.test, cpu_view_renderer(*cloud, run.options.render, threads),
+                              threads, show_progress("views"));
+  if (!score) return std::unexpected(score.error());
+  report["psnr"] = score->psnr;
+  report["ssim"] = score->ssim;
+  report["psnr_before_storing"] = trainer.mean_psnr(run.data.test);
+  say(fmt::format("test views: PSNR {:.2f} dB, SSIM {:.4f}\n", score->psnr, score->ssim));
+  return {};
+}
+
 Expected<void> train(TrainSettings settings) {
   if (settings.backend == "cuda")
     return fail("", "--backend cuda", "this build has no CUDA backend; use --backend cpu");
   const auto format = scene_format_for(settings.out);
   if (!format) return std::unexpected(format.error());
   if (auto ok = check_writable(settings.out); !ok) return ok;
+  if (auto ok = check_exact(settings); !ok) return ok;
   if (!settings.report.empty() && settings.report != "-") {
     if (std::filesystem::path(settings.report).extension() != ".json" ||
         lies_in(settings.report, settings.data.folder))
@@ -287,21 +363,12 @@ Expected<void> train(TrainSettings settings) {
   const double seconds = wall_seconds() - start - curves.measuring_seconds();
   const double cpu = cpu_seconds() - cpu_start - curves.measuring_cpu_seconds();
 
-  const SplatCloud cloud = trainer.cloud();
-  if (auto written = write_scene(settings.out, cloud); !written) return written;
   json report = report_json(settings, *run, trainer, curves, times, seconds, cpu,
                             trainer.state().iteration - first);
-  if (!run->data.test.empty()) {
-    const auto score =
-        evaluate(run->data.test, cpu_view_renderer(cloud, run->options.render, threads), threads,
-                 show_progress("views"));
-    if (!score) return std::unexpected(score.error());
-    report["psnr"] = score->psnr;
-    report["ssim"] = score->ssim;
-    say(fmt::format("test views: PSNR {:.2f} dB, SSIM {:.4f}\n", score->psnr, score->ssim));
-  }
+  if (auto written = write_results(settings, *run, trainer, threads, report); !written)
+    return written;
   say(fmt::format("{}: {} splats, {:.1f} s\n", one_line(settings.out, std::string::npos),
-                  cloud.size(), seconds));
+                  trainer.state().parameters.size(), seconds));
   if (settings.report == "-")
     print_json(report);
   else if (!settings.report.empty())
@@ -311,8 +378,8 @@ Expected<void> train(TrainSettings settings) {
 
 /// A checkpoint brings every option but these.
 bool stays_free_on_resume(const std::string& name) {
-  const std::string_view free[] = {"data",    "out",  "resume",           "threads",
-                                   "backend", "json", "checkpoint-every", "help"};
+  const std::string_view free[] = {
+      "data", "out", "exact", "resume", "threads", "backend", "json", "checkpoint-every", "help"};
   return std::ranges::find(free, name) != std::end(free);
 }
 
@@ -331,6 +398,8 @@ void add_train(CLI::App& app, Action& action) {
   command->add_option("--preset", settings->preset, "defaults of everything below")
       ->check(CLI::IsMember(preset_names()))
       ->capture_default_str();
+  command->add_option("--exact", settings->exact,
+                      "also write the scene as it was before it was made compact, such as a .ply");
   add_data_options(*command, settings->data);
   command->add_option("--backend", settings->backend, "auto, cpu or cuda")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))

@@ -133,21 +133,4 @@ void add_noise(TrainState& state, const TrainOptions& options, double rate,
   });
 }
 
-void add_penalties(const PlanarFloats& parameters, const std::vector<std::uint8_t>& visible,
-                   const TrainOptions& options, PlanarFloats& gradient, const Threads& threads) {
-  const double n = static_cast<double>(parameters.size());
-  const auto opacity = static_cast<float>(options.mcmc_opacity_weight / n);
-  const auto scale = static_cast<float>(options.mcmc_scale_weight / (3 * n));
-  threads.for_pieces(parameters.size(), kPiece, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (!visible[i]) continue;
-      const float o = 1 / (1 + std::exp(-parameters.row(row::opacity)[i]));
-      gradient.row(row::opacity)[i] += opacity * o * (1 - o);
-      for (int c = 0; c < 3; ++c)
-        gradient.row(row::log_scale + c)[i] +=
-            scale * std::exp(parameters.row(row::log_scale + c)[i]);
-    }
-  });
-}
-
 }  // namespace fluxgs

@@ -1,6 +1,6 @@
 // Densification as sampling (Kheradmand et al. 2024, "3D Gaussian Splatting as Markov Chain Monte
 // Carlo"): splats that became transparent move to where opaque ones are, new ones start there too,
-// noise lets faint splats explore, and small penalties on opacity and size set splats free.
+// noise lets faint splats explore; penalties (penalties.h) set splats free.
 #pragma once
 
 #include "trainer/densify/density_control.h"
@@ -22,10 +22,5 @@ DensifyCounts relocate_and_grow(TrainState& state, const TrainOptions& options);
 /// Adds noise to the positions of faint splats, in the shape of each; `rate` is the learning rate
 /// of positions (scene units). Results do not depend on the number of threads.
 void add_noise(TrainState& state, const TrainOptions& options, double rate, const Threads& threads);
-
-/// Adds the derivatives of mcmc_opacity_weight × mean opacity + mcmc_scale_weight × mean standard
-/// deviation to the gradients of visible splats.
-void add_penalties(const PlanarFloats& parameters, const std::vector<std::uint8_t>& visible,
-                   const TrainOptions& options, PlanarFloats& gradient, const Threads& threads);
 
 }  // namespace fluxgs

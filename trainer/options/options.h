@@ -53,11 +53,16 @@ struct TrainOptions {
   double opacity_rate = 0.025;
   double log_scale_rate = 5e-3;
   double rotation_rate = 1e-3;
+  /// All rates but that of positions fall to this × theirs, log-linear from where densification
+  /// ends to the last step. 1: they stay, as in 3DGS.
+  double final_rate = 1;
 
   // Adam
   double beta1 = 0.9, beta2 = 0.999, epsilon = 1e-15;
 
   double lambda_dssim = 0.2;  ///< weight of 1 − SSIM in the loss, 0…1
+  double opacity_weight = 0;  ///< of the mean opacity in the loss (Kheradmand et al. 2024)
+  double scale_weight = 0;    ///< of the mean standard deviation in the loss, the same
 
   // Coarse to fine: photos are first halved `coarse_levels` times, then once less, …
   int coarse_levels = 0;  ///< 0…4
@@ -98,7 +103,8 @@ struct TrainOptions {
   double prune_world_size = 0.1;      ///< × scene extent; applies after the first opacity reset
   int opacity_reset_interval = 3000;  ///< iterations; 0: never
   double opacity_reset_to = 0.01;
-  double opacity_cap = 1;  ///< opacities are limited to this after each densification
+  double opacity_cap = 1;    ///< opacities are limited to this after each densification
+  double opacity_decay = 0;  ///< … and this share of each is taken away (Rota Bulò et al. 2024)
 
   // Late pruning, when no splats are added any more
   LatePrune late_prune = LatePrune::off;
@@ -109,10 +115,14 @@ struct TrainOptions {
   double late_prune_share = 0.01;   ///< contribution: of all α·T, removed each time
 
   // MCMC (Kheradmand et al. 2024)
-  double mcmc_growth = 0.05;          ///< × the splats there are, at each densification
-  double mcmc_noise = 5e5;            ///< × the rate of positions
-  double mcmc_opacity_weight = 0.01;  ///< of the mean opacity in the loss
-  double mcmc_scale_weight = 0.01;    ///< of the mean standard deviation in the loss
+  double mcmc_growth = 0.05;  ///< × the splats there are, at each densification
+  double mcmc_noise = 5e5;    ///< × the rate of positions
+
+  // Storing as a compact file (paper, "Attributes Compression")
+  double store_loss = 0.3;        ///< dB of the training views' PSNR that rounding costs, at first
+  Switch rounding = Switch::off;  ///< train on with rounded parameters
+  int round_from = 0;             ///< iteration; 0: after 9/10 of the run
+  int round_interval = 20;        ///< iterations until parameters are rounded anew
 
   // Start
   std::uint64_t initial_splats = 0;  ///< every n-th point, so that they are this many; 0: all

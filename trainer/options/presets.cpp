@@ -105,6 +105,10 @@ TrainOptions resolved(TrainOptions options) {
   otherwise(options.late_prune_from, n / 5 * 3);
   otherwise(options.late_prune_interval, n / 10);
   otherwise(options.late_prune_until, n / 10 * 9);
+  otherwise(options.round_from, n / 10 * 9);
+  // Neither when the number of splats changes nor what they are made of
+  options.round_from = std::max({options.round_from, options.densify_until + 1,
+                                 reduces_appearance(options) ? options.switch_iteration + 1 : 0});
   return options;
 }
 

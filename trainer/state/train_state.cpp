@@ -1,6 +1,16 @@
 #include "trainer/state/train_state.h"
 
 namespace fluxgs {
+namespace {
+
+template <class T>
+std::vector<T> gather(const std::vector<T>& from, const std::vector<std::uint32_t>& order) {
+  std::vector<T> result(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) result[i] = from[order[i]];
+  return result;
+}
+
+}  // namespace
 
 void rearrange(TrainState& state, const std::vector<std::uint32_t>& order,
                const std::vector<std::uint32_t>& moments) {
@@ -14,10 +24,11 @@ void rearrange(TrainState& state, const std::vector<std::uint32_t>& order,
     state.networks->latents = state.networks->latents.gather(order);
     gather_moments(state.networks->adam);
   }
-  if (!state.degrees.empty()) {
-    std::vector<std::uint8_t> degrees(order.size());
-    for (std::size_t i = 0; i < order.size(); ++i) degrees[i] = state.degrees[order[i]];
-    state.degrees = std::move(degrees);
+  if (!state.degrees.empty()) state.degrees = gather(state.degrees, order);
+  if (state.rounding) {
+    state.rounding->weights = gather(state.rounding->weights, order);
+    if (state.rounding->offsets.size() > 0)
+      state.rounding->offsets = state.rounding->offsets.gather(order);
   }
   state.statistics = PlanarFloats(statistic::count, order.size());
 }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "fluxgs/io/compact_glb.h"
 #include "trainer/appearance/appearance_model.h"
 #include "trainer/base/random.h"
 #include "trainer/model/adam.h"
@@ -28,6 +29,13 @@ struct NetworkState {
   AdamState adam;
 };
 
+/// While parameters are what a compact file would hold (trainer/compress/rounding.h).
+struct RoundingState {
+  CompactSteps steps;
+  std::vector<float> weights;  ///< of each splat's errors, on any scale
+  PlanarFloats offsets;        ///< rounded − exact; empty: not rounded yet
+};
+
 struct TrainState {
   PlanarFloats parameters;
   AdamState adam;
@@ -36,6 +44,7 @@ struct TrainState {
   /// that of the parameters' rows; empty: all have that.
   std::vector<std::uint8_t> degrees;
   std::optional<NetworkState> networks;
+  std::optional<RoundingState> rounding;
   int switched_at = 0;  ///< the iteration after which the harmonics were reduced; 0: not yet
   int iteration = 0;    ///< steps done
   Random random;

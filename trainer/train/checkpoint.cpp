@@ -45,6 +45,22 @@ const std::byte* take_rows(const std::byte* in, PlanarFloats& planes) {
   return in;
 }
 
+/// The steps in the order of CompactSteps; null for none.
+json rounding_header(const std::optional<RoundingState>& rounding) {
+  if (!rounding) return nullptr;
+  const CompactSteps& s = rounding->steps;
+  return {s.position, s.log_scale, s.rotation, s.opacity, s.sh_dc, s.sh_rest, s.energy};
+}
+
+std::optional<RoundingState> read_rounding(const json& header) {
+  // Checkpoints of before there was rounding have none
+  const auto found = header.find("rounding");
+  if (found == header.end() || found->is_null()) return {};
+  const auto s = found->get<std::array<double, 7>>();
+  const auto f = [&](std::size_t i) { return static_cast<float>(s[i]); };
+  return RoundingState{{s[0], f(1), f(2), f(3), f(4), f(5), f(6)}, {}, {}};
+}
+
 json header_of(const Checkpoint& c) {
   std::ostringstream random;
   random << c.state.random;
@@ -61,6 +77,7 @@ json header_of(const Checkpoint& c) {
           {"psi", c.state.networks && c.state.networks->model.psi},
           {"phi", c.state.networks && c.state.networks->model.phi},
           {"switched_at", c.state.switched_at},
+          {"rounding", rounding_header(c.state.rounding)},
           {"iteration", c.state.iteration},
           {"random", random.str()},
           {"view_order", c.state.view_order},
@@ -75,6 +92,8 @@ int choice_named(const OptionField& f, const std::string& name) {
 
 void read_header(const json& header, Checkpoint& c) {
   for (const OptionField& f : option_fields()) {
+    // What a checkpoint of an older version does not know is off by default
+    if (!header.at("options").contains(f.name)) continue;
     const json& value = header.at("options").at(f.name);
     if (f.integer) c.options.*f.integer = value.get<int>();
     if (f.real) c.options.*f.real = value.get<double>();
@@ -93,21 +112,23 @@ void read_header(const json& header, Checkpoint& c) {
   c.state.view_order = header.at("view_order").get<std::vector<std::uint32_t>>();
   c.state.next_view = header.at("next_view").get<std::uint32_t>();
   c.state.switched_at = header.at("switched_at").get<int>();
+  c.state.rounding = read_rounding(header);
 }
 
 /// What follows the header, by the header's word.
 struct Layout {
   std::uint64_t splats = 0;
   int sh_degree = 0;
-  bool own_degrees = false, psi = false, phi = false;
+  bool own_degrees = false, psi = false, phi = false, rounding = false;
 
   bool networks() const { return psi || phi; }
   std::size_t model_floats() const { return networks() ? appearance_floats(psi, phi) : 0; }
   /// Bytes, or 0 where that cannot be (too many splats).
   std::uint64_t size() const {
     if (splats > (std::uint64_t{1} << 40)) return 0;
-    const int rows =
-        3 * row::count(sh_degree) + statistic::count + (networks() ? 3 * networks::kShColumns : 0);
+    const int rows = 3 * row::count(sh_degree) + statistic::count +
+                     (networks() ? 3 * networks::kShColumns : 0) +
+                     (rounding ? 1 + row::count(sh_degree) : 0);
     return splats * (static_cast<std::uint64_t>(rows) * sizeof(float) + (own_degrees ? 1 : 0)) +
            model_floats() * sizeof(float);
   }
@@ -115,14 +136,18 @@ struct Layout {
 
 Layout layout_of(const TrainState& state) {
   const auto& n = state.networks;
-  return {state.parameters.size(), sh_degree_of(state.parameters), !state.degrees.empty(),
-          n && n->model.psi, n && n->model.phi};
+  return {state.parameters.size(), sh_degree_of(state.parameters),
+          !state.degrees.empty(),  n && n->model.psi,
+          n && n->model.phi,       state.rounding.has_value()};
 }
 
 Layout read_layout(const json& header) {
-  const Layout layout{header.at("splats").get<std::uint64_t>(), header.at("sh_degree").get<int>(),
-                      header.at("own_degrees").get<bool>(), header.at("psi").get<bool>(),
-                      header.at("phi").get<bool>()};
+  const Layout layout{header.at("splats").get<std::uint64_t>(),
+                      header.at("sh_degree").get<int>(),
+                      header.at("own_degrees").get<bool>(),
+                      header.at("psi").get<bool>(),
+                      header.at("phi").get<bool>(),
+                      read_rounding(header).has_value()};
   return layout.sh_degree >= 0 && layout.sh_degree <= 3 ? layout : Layout{~std::uint64_t{0}};
 }
 
@@ -131,6 +156,10 @@ void append_state(std::vector<std::byte>& out, const TrainState& state) {
   append_rows(out, state.adam.first);
   append_rows(out, state.adam.second);
   append_rows(out, state.statistics);
+  if (state.rounding) {
+    for (float weight : state.rounding->weights) append(out, weight);
+    append_rows(out, state.rounding->offsets);
+  }
   for (std::uint8_t degree : state.degrees) out.push_back(static_cast<std::byte>(degree));
   if (!state.networks) return;
   append_rows(out, state.networks->latents);
@@ -149,6 +178,12 @@ Expected<void> take_state(const std::byte* in, const Layout& layout, TrainState&
   };
   take(row::count(layout.sh_degree), {&state.parameters, &state.adam.first, &state.adam.second});
   take(statistic::count, {&state.statistics});
+  if (state.rounding) {
+    state.rounding->weights.resize(layout.splats);
+    std::memcpy(state.rounding->weights.data(), in, layout.splats * sizeof(float));
+    in += layout.splats * sizeof(float);
+    take(row::count(layout.sh_degree), {&state.rounding->offsets});
+  }
   if (layout.own_degrees) {
     state.degrees.resize(layout.splats);
     for (std::uint8_t& degree : state.degrees)

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "trainer/appearance/adaptive_degree.h"
 #include "trainer/appearance/latent_adam.h"
 #include "trainer/base/indices.h"
+#include "trainer/compress/rounding.h"
 #include "trainer/densify/camera_sampling.h"
 #include "trainer/densify/mcmc.h"
+#include "trainer/densify/penalties.h"
 #include "trainer/model/initialize.h"
 #include "trainer/train/evaluate.h"
 
@@ -78,8 +81,15 @@ LearningRates Trainer::rates() const {
   const double t = std::min(1.0, static_cast<double>(state_.iteration) / options_.position_decay);
   const double position = std::exp((1 - t) * std::log(std::max(options_.position_rate, 1e-30)) +
                                    t * std::log(options_.position_rate_final));
-  return {position * extent_,    options_.log_scale_rate, options_.rotation_rate,
-          options_.opacity_rate, options_.sh_dc_rate,     options_.sh_rest_rate};
+  const double rest = static_cast<double>(state_.iteration - options_.densify_until) /
+                      std::max(options_.iterations - options_.densify_until, 1);
+  const double factor = std::pow(options_.final_rate, std::clamp(rest, 0.0, 1.0));
+  return {position * extent_,
+          factor * options_.log_scale_rate,
+          factor * options_.rotation_rate,
+          factor * options_.opacity_rate,
+          factor * options_.sh_dc_rate,
+          factor * options_.sh_rest_rate};
 }
 
 bool Trainer::due(int from, int until, int interval) const {
@@ -136,7 +146,7 @@ void Trainer::optimize() {
   StageTimer timer(times_, Stage::optimizer);
   const AdamConstants constants{options_.beta1, options_.beta2, options_.epsilon};
   const std::vector<std::uint8_t>& visible = rasterizer_->visible();
-  if (options_.densify == Densify::mcmc)
+  if (has_penalties(options_))
     add_penalties(state_.parameters, visible, options_, rasterizer_->gradient(), threads_);
   const auto rows = [&](int first, int end, const std::vector<std::uint8_t>& of) {
     adam_step(state_.parameters, state_.adam, rasterizer_->gradient(), of, rates(), constants,
@@ -182,13 +192,55 @@ double Trainer::mean_psnr(const std::vector<Photo>& photos) const {
   return score ? score->psnr : 0;
 }
 
+double Trainer::stored_psnr() const {
+  const double mse = std::pow(10, -mean_psnr(data_.train) / 10);
+  return psnr_of_mse(mse_of_decibels(mse, options_.store_loss));
+}
+
+std::vector<Camera> Trainer::train_cameras() const {
+  std::vector<Camera> cameras;
+  for (const Photo& photo : data_.train) cameras.push_back(photo.camera);
+  return cameras;
+}
+
+/// Finds the steps and rounds for the first time.
+RoundingReport Trainer::begin_rounding() {
+  RoundingReport report;
+  report.train_psnr_before = mean_psnr(data_.train);
+  const SplatCloud exact = cloud();
+  const auto found = compact_within(exact, train_cameras(), options_.render, stored_psnr(),
+                                    {.steps = usual_compact_steps(exact)}, threads_, {});
+  if (!found) return {.error = found.error()};
+  state_.rounding = RoundingState{found->options.steps, found->options.weights, {}};
+  const auto file = round_parameters(state_);
+  if (!file) {
+    state_.rounding.reset();
+    return {.error = file.error()};
+  }
+  report.bytes = file->size();
+  report.train_psnr_after = mean_psnr(data_.train);
+  return report;
+}
+
+/// What the networks make is not rounded, and a lost file is no reason to lose the scene.
+std::optional<RoundingReport> Trainer::round() {
+  const TrainOptions& o = options_;
+  if (o.rounding == Switch::off || state_.networks || state_.parameters.size() == 0) return {};
+  if (state_.iteration == o.round_from) return begin_rounding();
+  if (!state_.rounding) return {};
+  if ((state_.iteration - o.round_from) % o.round_interval != 0 && !done()) return {};
+  const auto file = round_parameters(state_);
+  if (file) return {};
+  state_.rounding.reset();
+  return RoundingReport{.error = file.error()};
+}
+
 SwitchReport Trainer::switch_appearance() {
   SwitchReport report;
   report.train_psnr_before = mean_psnr(data_.train);
   report.test_psnr_before = mean_psnr(data_.test);
-  std::vector<Camera> cameras;
-  for (const Photo& photo : data_.train) cameras.push_back(photo.camera);
-  const ViewWeights views = view_weights(state_.parameters, cameras, render_options(), threads_);
+  const ViewWeights views =
+      view_weights(state_.parameters, train_cameras(), render_options(), threads_);
   report.reduction = reduce_appearance(state_, options_, views,
                                        std::pow(10, -report.train_psnr_before / 10), threads_);
   state_.switched_at = state_.iteration;
@@ -224,6 +276,7 @@ StepReport Trainer::step() {
   if (state_.iteration == options_.switch_iteration && reduces_appearance(options_))
     report.switched = switch_appearance();
   report.densified = control_density();
+  report.rounded = round();
   return report;
 }
 

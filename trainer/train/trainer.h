@@ -26,13 +26,21 @@ struct SwitchReport {
   double test_psnr_before = 0, test_psnr_after = 0;    ///< 0 without test views
 };
 
+/// What rounding did to the pictures.
+struct RoundingReport {
+  std::size_t bytes = 0;  ///< of a compact file
+  double train_psnr_before = 0, train_psnr_after = 0;
+  std::optional<Error> error;  ///< why there is no rounding
+};
+
 /// What one step did.
 struct StepReport {
   double loss = 0;
   PhotometricSums sums;
   RasterCounts raster;
-  DensifyCounts densified;               ///< zero at most steps
-  std::optional<SwitchReport> switched;  ///< at the step after which harmonics were reduced
+  DensifyCounts densified;                ///< zero at most steps
+  std::optional<SwitchReport> switched;   ///< at the step after which harmonics were reduced
+  std::optional<RoundingReport> rounded;  ///< at the step after which rounding began, or failed
 };
 
 /// The scene's size: 1.1 × the largest distance of a camera from their mean (3DGS).
@@ -57,6 +65,8 @@ class Trainer {
   SplatCloud cloud() const;
   /// dB, the mean over photos; 0 without any.
   double mean_psnr(const std::vector<Photo>& photos) const;
+  /// dB between pictures of the scene and of a file that costs `store_loss` on the training views.
+  double stored_psnr() const;
   /// Gradients that were not finite and were therefore skipped.
   std::uint64_t rejected_gradients() const {
     return rasterizer_->rejected_gradients() + networks_.rejected_gradients();
@@ -70,6 +80,9 @@ class Trainer {
   void optimize_networks(const AdamConstants& constants);
   std::vector<std::uint8_t> visible_of_degree(int degree) const;
   SwitchReport switch_appearance();
+  std::vector<Camera> train_cameras() const;
+  std::optional<RoundingReport> round();
+  RoundingReport begin_rounding();
   int coarse_level() const;
   LearningRates rates() const;
   RenderOptions render_options() const;

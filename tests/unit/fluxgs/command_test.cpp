@@ -58,7 +58,9 @@ std::string train(const std::filesystem::path& out, const std::string& more) {
 TEST(Command, TrainsEvaluatesRendersConvertsAndInforms) {
   const test::TempFolder folder;
   const auto scene = folder / "scene.glb", report = folder / "report.json";
-  const Outcome trained = fluxgs(train(scene, "--iterations 60 --json " + quoted(report)));
+  const auto exact = folder / "exact.ply";
+  const Outcome trained = fluxgs(train(
+      scene, fmt::format("--iterations 60 --json {} --exact {}", quoted(report), quoted(exact))));
   ASSERT_EQ(trained.status, 0) << trained.err;
   EXPECT_EQ(trained.out, "");
   const json run = json::parse(text_of(report));
@@ -85,7 +87,12 @@ TEST(Command, TrainsEvaluatesRendersConvertsAndInforms) {
   EXPECT_EQ(facts["splats"], run["splats"]);
   EXPECT_EQ(facts["sh_degree"], 3);
   EXPECT_EQ(facts["format"], "glb");
-  EXPECT_EQ(facts["extensions"], json::array({"KHR_gaussian_splatting"}));
+  EXPECT_EQ(facts["extensions"],
+            json::array({"KHR_gaussian_splatting", "FLUXGS_gaussian_splatting_compact"}));
+  EXPECT_EQ(facts["bytes"], run["bytes"]);
+  const json before = json::parse(fluxgs(fmt::format("info {} --json", quoted(exact))).out);
+  EXPECT_EQ(before["splats"], run["splats"]);
+  EXPECT_GT(before["bytes"].get<double>(), 5 * facts["bytes"].get<double>());
 
   ASSERT_EQ(
       fluxgs(fmt::format("convert {} {}", quoted(scene), quoted(folder / "scene.ply"))).status, 0);

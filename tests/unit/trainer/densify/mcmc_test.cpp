@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "support/scenes.h"
+#include "trainer/densify/penalties.h"
 
 namespace fluxgs {
 namespace {
@@ -101,8 +102,8 @@ TEST(Mcmc, PenaltiesPullOpacityAndSizeDown) {
   std::vector<std::uint8_t> visible(48, 1);
   visible[3] = 0;
   TrainOptions options;
-  options.mcmc_opacity_weight = 0.2;
-  options.mcmc_scale_weight = 0.3;
+  options.opacity_weight = 0.2;
+  options.scale_weight = 0.3;
   add_penalties(state.parameters, visible, options, gradient, Threads(2));
   const auto mean = [&](std::size_t i, float opacity, float scale) {
     const double o = 1 / (1 + std::exp(-double{opacity}));

@@ -1,0 +1,162 @@
+// Data that nobody should train on: a run goes on, or stops with a clear line.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "trainer/train/store_scene.h"
+#include "unit/trainer/train/short_run.h"
+
+namespace fluxgs {
+namespace {
+
+using namespace test;
+
+/// Every part of the method at work within a hundred steps.
+TrainOptions everything() {
+  TrainOptions options = short_run(100);
+  options.densify = Densify::multiview;
+  options.growth_rank = GrowthRank::error;
+  options.split = Split::long_axis;
+  options.prune = Prune::multiview;
+  options.densify_until = 60;
+  options.sh_degree_interval = 10;
+  options.sh_target = ShTarget::adaptive;
+  options.switch_iteration = 65;
+  options.late_prune = LatePrune::contribution;
+  options.late_prune_from = 70;
+  options.late_prune_interval = 5;
+  options.late_prune_until = 80;
+  options.rounding = Switch::on;
+  options.round_from = 85;
+  return options;
+}
+
+void expect_finite(const PlanarFloats& rows) {
+  for (int r = 0; r < rows.rows(); ++r)
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      ASSERT_TRUE(std::isfinite(rows.row(r)[i])) << "row " << r << ", splat " << i;
+}
+
+/// Trains and stores; what comes out is finite.
+void expect_survives(const Dataset& data, const TrainOptions& options, const PointCloud& points) {
+  const Threads threads(2);
+  StageTimes times;
+  Trainer trainer(data, options, initial_state(data, points, options, threads), threads, times);
+  while (!trainer.done()) {
+    const StepReport step = trainer.step();
+    ASSERT_TRUE(std::isfinite(step.loss)) << trainer.state().iteration;
+  }
+  expect_finite(trainer.state().parameters);
+  const auto stored = store_scene(trainer, data.train, threads, {});
+  ASSERT_TRUE(stored) << stored.error().message();
+  EXPECT_EQ(stored->cloud.size(), trainer.state().parameters.size());
+}
+
+void expect_survives(const Dataset& data) {
+  for (const auto& options : {everything(), short_run(60)})
+    expect_survives(data, options, points_of(small_capture()));
+}
+
+/// The capture with its photos changed.
+template <class Change>
+Dataset changed(const Change& change) {
+  Dataset data = small_capture();
+  change(data);
+  return data;
+}
+
+void paint(Dataset& data, std::uint8_t value) {
+  for (Photo& photo : data.train) std::ranges::fill(photo.rgb.pixels, value);
+}
+
+TEST(HardData, BlackPhotos) {
+  expect_survives(changed([](Dataset& d) { paint(d, 0); }));
+}
+
+TEST(HardData, WhitePhotos) {
+  expect_survives(changed([](Dataset& d) { paint(d, 255); }));
+}
+
+TEST(HardData, OnePhoto) {
+  expect_survives(changed([](Dataset& d) { d.train.resize(1); }));
+}
+
+TEST(HardData, TwoCameras) {
+  expect_survives(changed([](Dataset& d) { d.train.resize(2); }));
+}
+
+TEST(HardData, TheSameCameraAgainAndAgain) {
+  expect_survives(changed([](Dataset& d) {
+    for (Photo& photo : d.train) photo.camera = d.train[0].camera;
+  }));
+}
+
+TEST(HardData, CamerasThatLookTheSameWay) {
+  expect_survives(changed([](Dataset& d) {
+    for (std::size_t i = 0; i < d.train.size(); ++i) {
+      d.train[i].camera.rotation = d.train[0].camera.rotation;
+      d.train[i].camera.translation = d.train[0].camera.translation;
+      d.train[i].camera.translation.x += 0.1 * static_cast<double>(i);
+    }
+  }));
+}
+
+TEST(HardData, CamerasInsideWalls) {
+  const Dataset& data = small_capture();
+  PointCloud points = points_of(data);
+  // A point at each camera's centre, and before its lens
+  for (std::size_t i = 0; i < data.train.size(); ++i) {
+    const Camera& camera = data.train[i].camera;
+    points.positions[2 * i] = camera.center();
+    points.positions[2 * i + 1] =
+        camera.center() +
+        0.02 * glm::dvec3(camera.rotation[0][2], camera.rotation[1][2], camera.rotation[2][2]);
+  }
+  for (const auto& options : {everything(), short_run(60)}) expect_survives(data, options, points);
+}
+
+TEST(HardData, OneAndTwoPoints) {
+  PointCloud points = points_of(small_capture());
+  for (std::size_t count : {1, 2}) {
+    points.positions.resize(count);
+    points.colors.resize(count);
+    expect_survives(small_capture(), everything(), points);
+  }
+}
+
+TEST(HardData, AllPointsInOnePlace) {
+  PointCloud points = points_of(small_capture());
+  for (auto& position : points.positions) position = points.positions[0];
+  expect_survives(small_capture(), everything(), points);
+}
+
+TEST(HardData, AWorldFarFromItsOrigin) {
+  const glm::dvec3 far(1e5, -1e5, 1e5);
+  PointCloud points = points_of(small_capture());
+  for (auto& position : points.positions) position += far;
+  expect_survives(changed([&](Dataset& d) {
+                    for (Photo& photo : d.train)
+                      photo.camera.translation -= photo.camera.rotation * far;
+                  }),
+                  everything(), points);
+}
+
+TEST(HardData, NeedlesAndGiants) {
+  const Dataset& data = small_capture();
+  const TrainOptions options = everything();
+  const Threads threads(2);
+  TrainState state = fresh(data, options);
+  for (std::size_t i = 0; i < state.parameters.size(); i += 3) {
+    state.parameters.row(row::log_scale)[i] = i % 2 == 0 ? 3.0f : -20.0f;
+    state.parameters.row(row::log_scale + 1)[i] = -20.0f;
+  }
+  StageTimes times;
+  Trainer trainer(data, options, std::move(state), threads, times);
+  while (!trainer.done()) ASSERT_TRUE(std::isfinite(trainer.step().loss));
+  expect_finite(trainer.state().parameters);
+}
+
+}  // namespace
+}  // namespace fluxgs

@@ -1,0 +1,97 @@
+// A tiny capture and short runs on it, for tests of the training loop.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+
+#include "support/temp_folder.h"
+#include "tools/capture/capture.h"
+#include "trainer/train/trainer.h"
+
+namespace fluxgs::test {
+
+/// A capture of the analytic scene, made once.
+inline const Dataset& small_capture() {
+  static const Dataset data = [] {
+    const TempFolder folder;
+    capture::CaptureOptions options;
+    options.width = 80, options.height = 60, options.train = 16, options.test = 3,
+    options.samples = 2;
+    if (auto made = capture::write_capture(folder.path(), options); !made)
+      throw std::runtime_error(made.error().message());
+    auto loaded = load_dataset(folder.path(), {});
+    if (!loaded) throw std::runtime_error(loaded.error().message());
+    return std::move(*loaded);
+  }();
+  return data;
+}
+
+inline PointCloud points_of(const Dataset& data) {
+  auto points = initial_points(data, 1);
+  if (!points) throw std::runtime_error(points.error().message());
+  return std::move(*points);
+}
+
+inline TrainOptions short_run(int iterations) {
+  TrainOptions options;
+  options.iterations = iterations;
+  options.densify_from = 20;
+  options.densify_interval = 20;
+  options.densify_until = iterations;
+  options.sh_degree_interval = 30;
+  options.opacity_reset_interval = 70;
+  options.max_splats = 12000;
+  return options;
+}
+
+inline TrainState train(const Dataset& data, const TrainOptions& options, TrainState state,
+                        int threads, int steps) {
+  const Threads pool(threads);
+  StageTimes times;
+  Trainer trainer(data, options, std::move(state), pool, times);
+  for (int i = 0; i < steps && !trainer.done(); ++i) trainer.step();
+  return trainer.state();
+}
+
+inline TrainState fresh(const Dataset& data, const TrainOptions& options) {
+  const Threads threads(2);
+  return initial_state(data, points_of(data), options, threads);
+}
+
+inline void expect_same(const PlanarFloats& a, const PlanarFloats& b, const char* what) {
+  ASSERT_EQ(a.rows(), b.rows());
+  ASSERT_EQ(a.size(), b.size()) << what;
+  for (int r = 0; r < a.rows(); ++r)
+    ASSERT_EQ(0, std::memcmp(a.row(r), b.row(r), a.size() * sizeof(float)))
+        << what << ", row " << r;
+}
+
+inline void expect_same(const TrainState& a, const TrainState& b) {
+  expect_same(a.parameters, b.parameters, "parameters");
+  expect_same(a.adam.first, b.adam.first, "first moments");
+  expect_same(a.adam.second, b.adam.second, "second moments");
+  expect_same(a.statistics, b.statistics, "statistics");
+  EXPECT_EQ(a.degrees, b.degrees);
+  EXPECT_EQ(a.switched_at, b.switched_at);
+  ASSERT_EQ(a.networks.has_value(), b.networks.has_value());
+  if (a.networks) {
+    expect_same(a.networks->latents, b.networks->latents, "latents");
+    expect_same(a.networks->adam.second, b.networks->adam.second, "moments of latents");
+    EXPECT_EQ(to_floats(a.networks->model), to_floats(b.networks->model));
+  }
+  ASSERT_EQ(a.rounding.has_value(), b.rounding.has_value());
+  if (a.rounding) {
+    EXPECT_EQ(a.rounding->steps.position, b.rounding->steps.position);
+    EXPECT_EQ(a.rounding->weights, b.rounding->weights);
+    expect_same(a.rounding->offsets, b.rounding->offsets, "rounding");
+  }
+  EXPECT_EQ(a.iteration, b.iteration);
+  EXPECT_EQ(a.random, b.random);
+  EXPECT_EQ(a.view_order, b.view_order);
+  EXPECT_EQ(a.next_view, b.next_view);
+}
+
+}  // namespace fluxgs::test

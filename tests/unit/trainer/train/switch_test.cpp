@@ -1,0 +1,156 @@
+// The switch of the training curriculum, and rounding, within a run.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "fluxgs/io/gltf.h"
+#include "trainer/train/evaluate.h"
+#include "trainer/train/store_scene.h"
+#include "unit/trainer/train/short_run.h"
+
+namespace fluxgs {
+namespace {
+
+using namespace test;
+
+/// A run, with what it said of its two turning points.
+struct Told {
+  TrainState state;
+  std::optional<SwitchReport> switched;
+  std::optional<RoundingReport> rounded;
+  SplatCloud cloud;
+  std::optional<StoredScene> stored;
+};
+
+Told run(const TrainOptions& options) {
+  const Dataset& data = small_capture();
+  const Threads threads(2);
+  StageTimes times;
+  Trainer trainer(data, options, fresh(data, options), threads, times);
+  Told told;
+  while (!trainer.done()) {
+    const StepReport step = trainer.step();
+    if (step.switched) told.switched = step.switched;
+    if (step.rounded) told.rounded = step.rounded;
+  }
+  told.state = trainer.state();
+  told.cloud = trainer.cloud();
+  auto stored = store_scene(trainer, data.train, threads, {});
+  EXPECT_TRUE(stored) << stored.error().message();
+  if (stored) told.stored = std::move(*stored);
+  return told;
+}
+
+/// The degree 3 is learnt for long before it is reduced, so that there is something to lose.
+TrainOptions curriculum(ShTarget target, ShReduction reduce) {
+  TrainOptions options = short_run(420);
+  options.densify_until = 200;
+  options.opacity_reset_interval = 0;
+  options.sh_degree_interval = 20;
+  options.sh_rest_rate = 2e-3;
+  options.switch_iteration = 400;
+  options.sh_target = target;
+  options.sh_reduce = reduce;
+  return options;
+}
+
+TEST(Switch, ViewFitLosesLessThanTruncation) {
+  const Told fitted = run(curriculum(ShTarget::degree_1, ShReduction::view_ls));
+  const Told cut = run(curriculum(ShTarget::degree_1, ShReduction::truncate));
+  ASSERT_TRUE(fitted.switched && cut.switched);
+  EXPECT_EQ(fitted.state.switched_at, 400);
+  EXPECT_EQ(sh_degree_of(fitted.state.parameters), 1);
+  EXPECT_EQ(sh_degree_of(fitted.state.adam.first), 1);
+  const auto loss = [](const SwitchReport& s) { return s.train_psnr_before - s.train_psnr_after; };
+  RecordProperty("fitted", std::to_string(loss(*fitted.switched)));
+  RecordProperty("truncated", std::to_string(loss(*cut.switched)));
+  EXPECT_EQ(fitted.switched->train_psnr_before, cut.switched->train_psnr_before);
+  EXPECT_GT(loss(*cut.switched), 0.2);  // or this scene says nothing
+  EXPECT_LT(loss(*fitted.switched), 0.5 * loss(*cut.switched));
+}
+
+TEST(Switch, AdaptiveDegreesKeepTheirPromise) {
+  TrainOptions options = curriculum(ShTarget::adaptive, ShReduction::view_ls);
+  options.sh_loss = 0.2;
+  const Told told = run(options);
+  ASSERT_TRUE(told.switched);
+  EXPECT_LT(told.switched->train_psnr_before - told.switched->train_psnr_after, options.sh_loss);
+  const auto& degrees = told.switched->reduction.degrees;
+  EXPECT_GT(degrees[0] + degrees[1], 0u);
+  // What a splat lost stays lost while it is trained on
+  for (std::size_t i = 0; i < told.state.degrees.size(); ++i)
+    for (int r = row::count(told.state.degrees[i]); r < told.state.parameters.rows(); ++r)
+      ASSERT_EQ(told.state.parameters.row(r)[i], 0) << i << ", row " << r;
+}
+
+TEST(Switch, EveryReductionTrainsOn) {
+  for (const ShReduction reduce : {ShReduction::none, ShReduction::uniform_ls, ShReduction::energy})
+    for (const Switch psi : {Switch::off, Switch::on}) {
+      TrainOptions options = curriculum(ShTarget::degree_1, reduce);
+      options.iterations = 120;
+      options.switch_iteration = 100;
+      options.psi = psi;
+      options.psi_fit_steps = 50;
+      const Told told = run(options);
+      EXPECT_EQ(told.switched.has_value(), reduce != ShReduction::none);
+      EXPECT_EQ(told.cloud.sh_degree, 1);
+      EXPECT_EQ(told.state.networks.has_value(),
+                reduce == ShReduction::energy && psi == Switch::on);
+      ASSERT_TRUE(told.stored);
+      EXPECT_EQ(told.stored->cloud.size(), told.cloud.size());
+    }
+}
+
+TEST(Networks, AreStoredOnlyWhereTheyPay) {
+  TrainOptions options = curriculum(ShTarget::degree_1, ShReduction::energy);
+  options.iterations = 120;
+  options.switch_iteration = 100;
+  options.phi = Switch::on;
+  const Told told = run(options);
+  ASSERT_TRUE(told.stored && told.stored->with_networks && told.stored->without_networks);
+  EXPECT_EQ(told.stored->file.size(),
+            std::min(*told.stored->with_networks, *told.stored->without_networks));
+  EXPECT_GT(*told.stored->with_networks, 40'000u);  // two networks are in it
+}
+
+TEST(Rounding, TrainsWithTheNumbersOfTheFile) {
+  TrainOptions options = short_run(300);
+  options.densify_until = 150;
+  options.opacity_reset_interval = 0;
+  options.rounding = Switch::on;
+  options.round_from = 200;
+  options.round_interval = 10;
+  options.store_loss = 0.5;
+  const Told told = run(options);
+  ASSERT_TRUE(told.rounded && !told.rounded->error);
+  EXPECT_LT(told.rounded->train_psnr_after, told.rounded->train_psnr_before);
+  ASSERT_TRUE(told.state.rounding && told.stored);
+  // The trained scene is what is stored: the same numbers but for what floats lose on the way
+  const Threads threads(1);
+  const SceneError error(told.cloud, {small_capture().train[0].camera}, options.render, threads);
+  EXPECT_GT(psnr_of_mse(*error.mse(told.stored->cloud)), 60);
+  // In as many bytes, a scene that did not know that it would be rounded is worse
+  TrainOptions unaware = options;
+  unaware.rounding = Switch::off;
+  const Told plain = run(unaware);
+  ASSERT_FALSE(plain.state.rounding);
+  const auto& photos = small_capture().train;
+  std::vector<Camera> cameras;
+  for (const Photo& photo : photos) cameras.push_back(photo.camera);
+  const SceneError plain_error(plain.cloud, cameras, options.render, threads);
+  const CompactSearch search(plain.cloud, plain_error, {.steps = usual_compact_steps(plain.cloud)});
+  const auto rounded_after = search.within_bytes(told.stored->file.size());
+  ASSERT_TRUE(rounded_after);
+  const auto psnr = [&](const std::vector<std::byte>& file) {
+    const SplatCloud cloud = read_glb(file, "file")->cloud;
+    return evaluate(photos, cpu_view_renderer(cloud, options.render, threads), threads)->psnr;
+  };
+  RecordProperty("aware", std::to_string(psnr(told.stored->file)));
+  RecordProperty("unaware", std::to_string(psnr(rounded_after->file)));
+  EXPECT_GT(psnr(told.stored->file), psnr(rounded_after->file));
+}
+
+}  // namespace
+}  // namespace fluxgs

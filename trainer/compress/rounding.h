@@ -1,0 +1,38 @@
+// Training with the numbers that a compact file will hold. Pictures, and so gradients, are those of
+// the rounded scene; what steps teach is remembered exactly, and rounded anew now and then (the
+// straight-through estimator, Bengio et al. 2013). The paper tunes its codebooks in the same way
+// ("Attributes Compression").
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "fluxgs/camera.h"
+#include "fluxgs/error.h"
+#include "fluxgs/render_options.h"
+#include "fluxgs/splat_cloud.h"
+#include "trainer/base/parallel.h"
+#include "trainer/compress/compact_search.h"
+#include "trainer/state/train_state.h"
+
+namespace fluxgs {
+
+/// At most `count` of the cameras, evenly spread.
+std::vector<Camera> spread_cameras(const std::vector<Camera>& cameras, std::size_t count);
+
+/// The smallest compact file found whose pictures are `decibels` from those of `cloud` (finite,
+/// some splats), over a dozen of the cameras. Splats weigh by their contributions to all of them.
+/// `start`: steps to begin with and what is not searched for.
+Expected<CompactTrial> compact_within(const SplatCloud& cloud, const std::vector<Camera>& cameras,
+                                      const RenderOptions& render, double decibels,
+                                      CompactOptions start, const Threads& threads,
+                                      const std::function<void(const CompactTrial&)>& on_trial);
+
+/// Rounds the parameters of a state with the steps and weights of its `rounding`: what they are
+/// without their last offsets, if there are any. The splats then have the order of the file, in
+/// which those of equal depth are drawn. Returns the file, which holds exactly this scene. On an
+/// error, which names the attribute, nothing has changed.
+Expected<std::vector<std::byte>> round_parameters(TrainState& state);
+
+}  // namespace fluxgs

@@ -1,0 +1,21 @@
+// A price on opacity and size, so that splats that pictures do without fade away (Kheradmand et al.
+// 2024, section 3.5).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "trainer/base/parallel.h"
+#include "trainer/model/parameters.h"
+#include "trainer/options/options.h"
+
+namespace fluxgs {
+
+bool has_penalties(const TrainOptions& options);
+
+/// Adds the derivatives of opacity_weight × mean opacity + scale_weight × mean standard deviation
+/// to the gradients of visible splats.
+void add_penalties(const PlanarFloats& parameters, const std::vector<std::uint8_t>& visible,
+                   const TrainOptions& options, PlanarFloats& gradient, const Threads& threads);
+
+}  // namespace fluxgs

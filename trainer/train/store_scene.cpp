@@ -1,0 +1,81 @@
+#include "trainer/train/store_scene.h"
+
+#include <utility>
+
+#include "fluxgs/io/gltf.h"
+#include "trainer/appearance/export_networks.h"
+#include "trainer/compress/rounding.h"
+
+namespace fluxgs {
+namespace {
+
+constexpr const char* kName = "compact .glb";
+
+Expected<StoredScene> opened(std::vector<std::byte> file) {
+  auto scene = read_glb(file, kName);
+  if (!scene) return std::unexpected(scene.error());
+  return StoredScene{std::move(file), std::move(scene->cloud), {}, {}};
+}
+
+Expected<StoredScene> store_rounded(TrainState state) {
+  auto file = round_parameters(state);
+  if (!file) return std::unexpected(file.error());
+  return opened(std::move(*file));
+}
+
+/// A cloud to be stored, with what else goes into the file.
+struct Candidate {
+  SplatCloud cloud;
+  CompactOptions options;
+};
+
+Candidate plain(SplatCloud cloud) {
+  const CompactSteps steps = usual_compact_steps(cloud);
+  return {std::move(cloud), {.steps = steps}};
+}
+
+Expected<Candidate> with_networks(const NetworkState& networks, const PlanarFloats& parameters) {
+  auto exported = export_networks(networks.model, networks.latents);
+  if (!exported) return std::unexpected(exported.error());
+  Candidate c = plain(cloud_for_networks(networks.model, parameters, networks.latents));
+  c.options.networks = std::move(*exported);
+  return c;
+}
+
+}  // namespace
+
+Expected<StoredScene> store_scene(const Trainer& trainer, const std::vector<Photo>& photos,
+                                  const Threads& threads,
+                                  const std::function<void(const CompactTrial&)>& on_trial) {
+  const TrainState& state = trainer.state();
+  if (state.parameters.size() == 0) {
+    auto empty = encode_compact_glb(trainer.cloud(), {}, kName);
+    return empty ? opened(std::move(*empty)) : std::unexpected(empty.error());
+  }
+  if (state.rounding) return store_rounded(state);
+
+  std::vector<Camera> cameras;
+  for (const Photo& photo : photos) cameras.push_back(photo.camera);
+  const double loss = trainer.stored_psnr();
+  const auto smallest = [&](const Candidate& c) {
+    return compact_within(c.cloud, cameras, trainer.options().render, loss, c.options, threads,
+                          on_trial);
+  };
+  auto direct = smallest(plain(trainer.cloud()));
+  if (!direct) return std::unexpected(direct.error());
+  if (!state.networks) return opened(std::move(direct->file));
+
+  // Without onnxruntime there are no scenes with networks
+  auto candidate = with_networks(*state.networks, state.parameters);
+  auto made = candidate ? smallest(*candidate) : std::unexpected(candidate.error());
+  const std::size_t direct_bytes = direct->file.size();
+  if (!made) return opened(std::move(direct->file));
+  const std::size_t made_bytes = made->file.size();
+  auto stored = opened(made_bytes < direct_bytes ? std::move(made->file) : std::move(direct->file));
+  if (!stored) return stored;
+  stored->with_networks = made_bytes;
+  stored->without_networks = direct_bytes;
+  return stored;
+}
+
+}  // namespace fluxgs

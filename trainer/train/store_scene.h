@@ -1,0 +1,31 @@
+// From a trained state to the bytes that are sent.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "fluxgs/error.h"
+#include "trainer/compress/compact_search.h"
+#include "trainer/train/trainer.h"
+
+namespace fluxgs {
+
+struct StoredScene {
+  std::vector<std::byte> file;  ///< a compact .glb
+  SplatCloud cloud;             ///< what it holds, colours made by networks included
+  /// Bytes of files with the same error: with networks, and with the colours that they make. None
+  /// where nothing was made by networks, or where they could not be run.
+  std::optional<std::size_t> with_networks, without_networks;
+};
+
+/// The state as a compact file. Rounded parameters (state.rounding) are stored as they are. For
+/// others the smallest file is searched that costs `store_loss` dB of the training views' PSNR; and
+/// networks go into it only if it is then smaller than with the colours that they make. `on_trial`
+/// may be empty. Errors name the attribute.
+Expected<StoredScene> store_scene(const Trainer& trainer, const std::vector<Photo>& photos,
+                                  const Threads& threads,
+                                  const std::function<void(const CompactTrial&)>& on_trial);
+
+}  // namespace fluxgs
