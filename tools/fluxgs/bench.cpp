@@ -1,8 +1,6 @@
 // fluxgs bench: how long frames take, off the screen.
 #include "bench/frame_benchmark.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <numbers>
 
@@ -14,6 +12,7 @@
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/data_options.h"
 #include "tools/fluxgs/orbit.h"
+#include "tools/fluxgs/peak_memory.h"
 #include "tools/fluxgs/progress.h"
 #include "tools/fluxgs/renderers.h"
 #include "tools/fluxgs/tuning_options.h"
@@ -94,12 +93,6 @@ json traffic_json(const bench::FrameTraffic& t) {
           {"blend_tiled", t.blend_tiled},
           {"blend_immediate", t.blend_immediate},
           {"resolve", t.resolve}};
-}
-
-std::size_t peak_memory() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
 }
 
 void print_lines(const json& r) {

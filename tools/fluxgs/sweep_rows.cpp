@@ -25,12 +25,15 @@ void add_values(std::vector<SweepRow>& rows, const std::string& group, const std
   }
 }
 
-/// Adds a row for each name of a choice, called PREFIX-NAME.
+/// Adds a row for each name of a choice, called PREFIX-NAME. `common`: options that all have.
 void add_choices(std::vector<SweepRow>& rows, const std::string& group, const std::string& prefix,
-                 const std::string& option, const std::vector<std::string>& names) {
+                 const std::string& option, const std::vector<std::string>& names,
+                 const Options& common = {}) {
   for (const std::string& name : names) {
     const std::string label = fmt::format("{} {}", option.substr(2), name);
-    rows.push_back({group, fmt::format("{}-{}", prefix, name), label, kOurs, {option, name}});
+    Options options = common;
+    options.insert(options.end(), {option, name});
+    rows.push_back({group, fmt::format("{}-{}", prefix, name), label, kOurs, std::move(options)});
   }
 }
 
@@ -56,14 +59,14 @@ void add_parts(std::vector<SweepRow>& rows) {
 void add_quadratures(std::vector<SweepRow>& rows) {
   const auto add = [&](const std::string& rule, const std::vector<int>& sizes) {
     for (const int samples : sizes)
-      rows.push_back(
-          {"quadrature",
-           fmt::format("{}-{}", rule, samples),
-           fmt::format("{} {}", rule, samples),
-           kOurs,
-           {"--sh-reduce", "energy", "--quadrature", rule, "--samples", fmt::format("{}", samples)},
-           rule,
-           samples});
+      rows.push_back({"quadrature",
+                      fmt::format("{}-{}", rule, samples),
+                      fmt::format("{} {}", rule, samples),
+                      kOurs,
+                      {"--sh-target", "1", "--sh-reduce", "energy", "--quadrature", rule,
+                       "--samples", fmt::format("{}", samples)},
+                      rule,
+                      samples});
   };
   add("mc", {64, 256, 1024, 2048, 4096});
   add("fibonacci", {64, 256, 1024, 2048, 4096});
@@ -101,8 +104,13 @@ std::vector<SweepRow> all_sweep_rows() {
   add_values(rows, "quantile-minus", "--quantile-minus", {0.01, 0.1, 0.3, 0.5, 0.7, 0.9});
   add_choices(rows, "sh", "sh-target", "--sh-target", {"0", "1", "2", "3", "adaptive"});
   add_choices(rows, "sh", "sh-reduce", "--sh-reduce",
-              {"view-ls", "truncate", "uniform-ls", "energy"});
-  add_choices(rows, "densify", "densify", "--densify", {"multiview", "grad", "mcmc"});
+              {"view-ls", "truncate", "uniform-ls", "energy"}, {"--sh-target", "1"});
+  add_choices(rows, "sh", "phi", "--phi", {"on"}, {"--sh-target", "1"});
+  add_choices(rows, "densify", "densify", "--densify", {"multiview", "grad"});
+  // As its authors use it
+  add_choices(rows, "densify", "densify", "--densify", {"mcmc"},
+              {"--densify-interval", "100", "--opacity-reset-interval", "0", "--opacity-weight",
+               "0.01", "--scale-weight", "0.01"});
   return rows;
 }
 

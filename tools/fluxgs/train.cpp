@@ -16,10 +16,12 @@
 #include "tools/fluxgs/data_options.h"
 #include "tools/fluxgs/interrupt.h"
 #include "tools/fluxgs/method_options.h"
+#include "tools/fluxgs/peak_memory.h"
 #include "tools/fluxgs/progress.h"
 #include "trainer/base/clock.h"
 #include "trainer/train/checkpoint.h"
 #include "trainer/train/evaluate.h"
+#include "trainer/train/memory_budget.h"
 #include "trainer/train/store_scene.h"
 #include "trainer/train/trainer.h"
 
@@ -159,12 +161,12 @@ Expected<Run> resume_run(TrainSettings& settings) {
              checkpoint->photos_hash};
 }
 
-std::size_t most_initial(const TrainOptions& options) {
+std::size_t most_initial(const Dataset& data, const TrainOptions& options) {
   std::size_t most = std::numeric_limits<std::size_t>::max();
   for (const std::uint64_t limit :
        {options.max_splats, options.target_splats, options.initial_splats})
     if (limit > 0) most = std::min<std::size_t>(most, limit);
-  return most;
+  return std::min(most, splats_in_memory(data, options, kUsualPairs));
 }
 
 /// Every n-th point keeps the cloud's coverage.
@@ -186,9 +188,10 @@ Expected<Run> new_run(const TrainSettings& settings, const Threads& threads) {
   if (!options) return std::unexpected(options.error());
   auto data = load(settings.data);
   if (!data) return std::unexpected(data.error());
+  if (auto room = check_memory(*data, *options); !room) return std::unexpected(room.error());
   auto points = initial_points(*data, options->seed, show_progress("pairs"));
   if (!points) return std::unexpected(points.error());
-  thin_out(*points, most_initial(*options));
+  thin_out(*points, most_initial(*data, *options));
   spdlog::info("{} initial splats ({})", points->positions.size(), points->source);
   TrainState state = initial_state(*data, *points, *options, threads);
   const std::uint64_t photos_hash = hash_photos(data->train);
@@ -274,6 +277,7 @@ json report_json(const TrainSettings& settings, const Run& run, const Trainer& t
           {"cpu_ms_per_iteration", 1e3 * cpu / std::max(steps, 1)},
           {"iterations_per_second", {{"start", curves.first_rate()}, {"end", curves.last_rate()}}},
           {"splats", trainer.state().parameters.size()},
+          {"peak_memory_bytes", peak_memory()},
           {"rejected_gradients", trainer.rejected_gradients()},
           {"stages", stages},
           {"curves", curves.to_json()},

@@ -109,6 +109,8 @@ const std::vector<OptionField>& option_fields() {
       choice<&O::growth_rank, kGrowthRankNames>(
           "growth-rank", "which come first where there is room for some only"),
       natural("max-splats", "never more splats than this (0: no limit)", &O::max_splats),
+      natural("max-memory", "MiB that training may take: no splats are added beyond (0: no limit)",
+              &O::max_memory),
       natural("target-splats", "splats at the end, whatever the gradients (0: no target)",
               &O::target_splats),
       whole("cameras", "views that scores are taken from", &O::score_cameras, 1, 1000),
@@ -172,6 +174,22 @@ const std::vector<OptionField>& option_fields() {
   return fields;
 }
 
+namespace {
+
+/// What the parts of the method ask of each other.
+Expected<void> validate_together(const TrainOptions& o) {
+  const bool first_order = o.sh_target == ShTarget::degree_1 && o.sh_degree >= 1;
+  if (o.phi == Switch::on && !first_order)
+    return fail("", "--phi", "makes colours of degree 1 only, expected --sh-target 1");
+  if (o.sh_reduce == ShReduction::energy && !first_order)
+    return fail("", "--sh-reduce", "energy makes colours of degree 1 only, expected --sh-target 1");
+  if (o.sh_target == ShTarget::adaptive && o.sh_reduce != ShReduction::view_ls)
+    return fail("", "--sh-target", "adaptive degrees are fitted, expected --sh-reduce view-ls");
+  return {};
+}
+
+}  // namespace
+
 Expected<void> validate(const TrainOptions& options) {
   for (const OptionField& f : option_fields()) {
     const double value = value_of(options, f);
@@ -179,7 +197,7 @@ Expected<void> validate(const TrainOptions& options) {
       return fail("", fmt::format("--{}", f.name),
                   fmt::format("{:g} is out of range, expected {:g} to {:g}", value, f.low, f.high));
   }
-  return {};
+  return validate_together(options);
 }
 
 }  // namespace fluxgs

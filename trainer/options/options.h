@@ -80,6 +80,7 @@ struct TrainOptions {
   double densify_growth = 0;  ///< at most this × the splats are added at once; 0: no limit
   GrowthRank growth_rank = GrowthRank::gradient;
   std::uint64_t max_splats = 0;     ///< 0: no limit
+  std::uint64_t max_memory = 0;     ///< MiB of the program, by estimate; 0: no limit
   std::uint64_t target_splats = 0;  ///< splats at the end, whatever the gradients; 0: no target
 
   // Scores over several views (paper, "Multi-view Alpha-based Densification and Pruning")

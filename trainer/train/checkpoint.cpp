@@ -79,6 +79,7 @@ json header_of(const Checkpoint& c) {
           {"switched_at", c.state.switched_at},
           {"rounding", rounding_header(c.state.rounding)},
           {"iteration", c.state.iteration},
+          {"most_pairs", c.state.most_pairs},
           {"random", random.str()},
           {"view_order", c.state.view_order},
           {"next_view", c.state.next_view}};
@@ -112,6 +113,7 @@ void read_header(const json& header, Checkpoint& c) {
   c.state.view_order = header.at("view_order").get<std::vector<std::uint32_t>>();
   c.state.next_view = header.at("next_view").get<std::uint32_t>();
   c.state.switched_at = header.at("switched_at").get<int>();
+  c.state.most_pairs = header.value("most_pairs", 0.0);
   c.state.rounding = read_rounding(header);
 }
 

@@ -12,6 +12,7 @@
 #include "trainer/densify/penalties.h"
 #include "trainer/model/initialize.h"
 #include "trainer/train/evaluate.h"
+#include "trainer/train/memory_budget.h"
 
 namespace fluxgs {
 double scene_extent(const std::vector<Photo>& photos) {
@@ -49,6 +50,12 @@ Trainer::Trainer(const Dataset& data, const TrainOptions& options, TrainState st
       rasterizer_(make_cpu_rasterizer(threads, times)),
       loss_(threads),
       networks_(threads) {}
+
+/// Of the visible splats; of few it would say nothing.
+double pairs_of_a_splat(const RasterCounts& counts) {
+  if (counts.visible < 1000) return 0;
+  return static_cast<double>(counts.tile_pairs) / static_cast<double>(counts.visible);
+}
 
 const Photo& Trainer::next_photo() {
   if (state_.next_view >= state_.view_order.size()) {
@@ -102,12 +109,22 @@ SplatScores Trainer::scores(const std::vector<std::uint32_t>& views) {
                       *rasterizer_, threads_);
 }
 
+/// The options with the limit that memory sets to the number of splats.
+TrainOptions Trainer::options_for_growth() const {
+  TrainOptions o = options_;
+  if (o.max_memory == 0) return o;
+  const std::uint64_t fit = splats_in_memory(data_, o, std::max(state_.most_pairs, kUsualPairs));
+  o.max_splats = o.max_splats > 0 ? std::min(o.max_splats, fit) : std::max<std::uint64_t>(fit, 1);
+  return o;
+}
+
 DensifyCounts Trainer::densify() {
-  if (options_.densify == Densify::mcmc) return relocate_and_grow(state_, options_);
-  if (options_.densify == Densify::grad && options_.prune != Prune::multiview)
-    return densify_and_prune(state_, options_, extent_, nullptr);
-  const SplatScores s = scores(sample_cameras(data_.train, options_, state_.random));
-  return densify_and_prune(state_, options_, extent_, &s);
+  const TrainOptions options = options_for_growth();
+  if (options.densify == Densify::mcmc) return relocate_and_grow(state_, options);
+  if (options.densify == Densify::grad && options.prune != Prune::multiview)
+    return densify_and_prune(state_, options, extent_, nullptr);
+  const SplatScores s = scores(sample_cameras(data_.train, options, state_.random));
+  return densify_and_prune(state_, options, extent_, &s);
 }
 
 DensifyCounts Trainer::late_prune() {
@@ -258,6 +275,7 @@ StepReport Trainer::step() {
   shade(photo.camera, render);
   rasterizer_->forward(state_.parameters, photo.camera, render);
   report.raster = rasterizer_->counts();
+  state_.most_pairs = std::max(state_.most_pairs, pairs_of_a_splat(report.raster));
   {
     StageTimer timer(times_, Stage::loss);
     to_planar(photo.rgb, threads_, target_);

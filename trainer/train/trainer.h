@@ -88,6 +88,7 @@ class Trainer {
   RenderOptions render_options() const;
   bool due(int from, int until, int interval) const;
   DensifyCounts control_density();
+  TrainOptions options_for_growth() const;
   DensifyCounts densify();
   DensifyCounts late_prune();
   SplatScores scores(const std::vector<std::uint32_t>& views);
