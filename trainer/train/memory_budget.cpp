@@ -1,0 +1,66 @@
+#include "trainer/train/memory_budget.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "trainer/model/parameters.h"
+
+namespace fluxgs {
+namespace {
+
+constexpr double kMebibyte = 1 << 20;
+constexpr double kProgram = 80 * kMebibyte;  // code, libraries, decoding of photos
+constexpr double kPlanes = 40;               // floats a pixel: pictures, loss and its gradient
+constexpr double kPerSplat = 384;  // bytes: projected splats, sums, keys, visibility, statistics
+constexpr double kPerPair = 160;   // bytes: entries, bins, gradients, with the room vectors grow by
+constexpr std::size_t kFewest = 1000;
+
+double photo_bytes(const std::vector<Photo>& photos) {
+  double sum = 0;
+  for (const Photo& photo : photos) sum += static_cast<double>(photo.rgb.pixels.size());
+  return sum;
+}
+
+double fixed_bytes(const Dataset& data, const TrainOptions& options) {
+  double pixels = 0;
+  for (const auto* photos : {&data.train, &data.test})
+    for (const Photo& photo : *photos)
+      pixels = std::max(pixels, static_cast<double>(photo.rgb.pixels.size()) / 3);
+  const double smaller = options.coarse_levels > 0 ? 1.0 / 3 : 0;
+  return kProgram + (1 + smaller) * photo_bytes(data.train) + photo_bytes(data.test) +
+         kPlanes * sizeof(float) * pixels;
+}
+
+double bytes_per_splat(const TrainOptions& options, double pairs) {
+  // Parameters, two moments, gradients, and a copy of one of them
+  const double rows = 5.0 * row::count(degree_before_switch(options));
+  return rows * sizeof(float) + kPerSplat + kPerPair * pairs;
+}
+
+}  // namespace
+
+std::size_t training_memory(const Dataset& data, const TrainOptions& options, std::size_t splats,
+                            double pairs) {
+  return static_cast<std::size_t>(fixed_bytes(data, options) +
+                                  static_cast<double>(splats) * bytes_per_splat(options, pairs));
+}
+
+std::size_t splats_in_memory(const Dataset& data, const TrainOptions& options, double pairs) {
+  if (options.max_memory == 0) return std::numeric_limits<std::size_t>::max();
+  const double room =
+      static_cast<double>(options.max_memory) * kMebibyte - fixed_bytes(data, options);
+  return static_cast<std::size_t>(std::max(room, 0.0) / bytes_per_splat(options, pairs));
+}
+
+Expected<void> check_memory(const Dataset& data, const TrainOptions& options) {
+  if (splats_in_memory(data, options, kUsualPairs) >= kFewest) return {};
+  return fail("", "--max-memory",
+              fmt::format("{} MiB are too few: {:.0f} MiB are taken before the first splat; use "
+                          "--downscale, or at least {:.0f}",
+                          options.max_memory, fixed_bytes(data, options) / kMebibyte,
+                          training_memory(data, options, kFewest, kUsualPairs) / kMebibyte + 1));
+}
+
+}  // namespace fluxgs

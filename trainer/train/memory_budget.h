@@ -1,0 +1,28 @@
+// How much memory training takes, so that splats are added only while there is room for them.
+#pragma once
+
+#include <cstddef>
+
+#include "fluxgs/error.h"
+#include "trainer/data/dataset.h"
+#include "trainer/options/options.h"
+
+namespace fluxgs {
+
+/// Splat–tile pairs of a visible splat, before anything was measured.
+inline constexpr double kUsualPairs = 12;
+
+/// Bytes at most, the program's own included: photos, planes of the largest photo, and for each
+/// splat its parameters, moments and gradients, one more copy while splats are rearranged, and
+/// `pairs` (mean splat–tile pairs of the visible splats).
+std::size_t training_memory(const Dataset& data, const TrainOptions& options, std::size_t splats,
+                            double pairs);
+
+/// The most splats for which that is at most `max_memory`; without such a limit, the most there
+/// are.
+std::size_t splats_in_memory(const Dataset& data, const TrainOptions& options, double pairs);
+
+/// An error if there is no room for a thousand splats, which names what the photos take.
+Expected<void> check_memory(const Dataset& data, const TrainOptions& options);
+
+}  // namespace fluxgs
