@@ -46,8 +46,6 @@ std::string command_of(const TrainReport& s) {
   if (!s.preset.empty()) add({"--preset", s.preset});
   const SweepMeasures usual;
   if (s.seeds != TrainReport().seeds) add({"--seeds", fmt::format("{}", s.seeds)});
-  if (s.measures.max_loss != usual.max_loss)
-    add({"--max-loss", fmt::format("{:g}", s.measures.max_loss)});
   if (s.measures.frames != usual.frames) add({"--frames", fmt::format("{}", s.measures.frames)});
   if (!s.common.empty()) add({"--"});
   for (const std::string& word : s.common) add({word});
@@ -174,11 +172,6 @@ void add_options(CLI::App& command, TrainReport& s) {
   command.add_option("--preset", s.preset, "what rows change, instead of their own preset");
   command.add_option("--seeds", s.seeds, "runs of each row")
       ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  command
-      .add_option("--max-loss", s.measures.max_loss,
-                  "of the compact scene to the trained one, in dB")
-      ->check(in_range(1, 120))
       ->capture_default_str();
   command.add_option("--frames", s.measures.frames, "frames to time (0: none)")
       ->check(CLI::Range(0, 100'000))

@@ -34,8 +34,7 @@ struct Step {
   bool optional = false;  ///< a failure is something missing, not a failed run
 };
 
-constexpr const char *kTrain = "train", *kStore = "store", *kScore = "score",
-                     *kFrames = "frame time";
+constexpr const char *kTrain = "train", *kScore = "score", *kFrames = "frame time";
 
 Options joined(std::initializer_list<Options> parts) {
   Options all;
@@ -55,12 +54,14 @@ Options picked(const Options& options, std::initializer_list<std::string_view> n
   return kept;
 }
 
-fs::path checkpoint_of(const SweepRun& run) { return run.folder / "scene.ply.ckpt"; }
+fs::path checkpoint_of(const SweepRun& run) { return run.folder / "scene.glb.ckpt"; }
 
 Step train_step(const SweepRun& run) {
-  const std::string scene = (run.folder / "scene.ply").string();
   const fs::path report = run.folder / "train.json";
-  const Options files = {"train", run.data, "-o", scene, "--json", report.string()};
+  const Options files = {"train",   run.data,
+                         "-o",      (run.folder / "scene.glb").string(),
+                         "--exact", (run.folder / "scene.ply").string(),
+                         "--json",  report.string()};
   // So that little is lost with the power
   const Options options = merged_options({"--checkpoint-every", "1000"}, run.options);
   Step step{.name = kTrain,
@@ -81,7 +82,6 @@ Step train_step(const SweepRun& run) {
 std::vector<Step> measuring_steps(const SweepRun& run, const SweepMeasures& measures) {
   const Options data_options = picked(run.options, {"--downscale", "--background", "--threads"});
   const Options data = joined({{"--data", run.data}, data_options});
-  const std::string exact = (run.folder / "scene.ply").string();
   const std::string stored = (run.folder / "scene.glb").string();
   const auto add = [&](std::string name, Options files, const Options& options, Step step) {
     step.name = std::move(name);
@@ -90,8 +90,6 @@ std::vector<Step> measuring_steps(const SweepRun& run, const SweepMeasures& meas
     return step;
   };
   std::vector<Step> steps;
-  steps.push_back(add(kStore, {"convert", exact, stored},
-                      {"--max-loss", fmt::format("{:g}", measures.max_loss)}, {.product = stored}));
   steps.push_back(add(kScore, {"eval", stored},
                       joined({{"--json"}, measures.flip ? Options{"--flip"} : Options{}}),
                       {.product = run.folder / "score.json", .prints = true}));
@@ -208,12 +206,13 @@ class Execution {
 
   void forget_training() {
     record_ = {.data_hash = run_.data_hash, .version = FLUXGS_VERSION, .build = {}};
-    for (const char* name : {"train.json", "scene.ply", "scene.ply.ckpt"}) remove(name);
+    for (const char* name : {"train.json", "scene.ply", "scene.glb", "scene.glb.ckpt"})
+      remove(name);
     forget_measures();
   }
   void forget_measures() {
-    for (const char* name : {kStore, kScore, kFrames}) record_.steps.erase(name);
-    for (const char* name : {"scene.glb", "score.json", "frames.json"}) remove(name);
+    for (const char* name : {kScore, kFrames}) record_.steps.erase(name);
+    for (const char* name : {"score.json", "frames.json"}) remove(name);
   }
   void remove(const char* name) const {
     std::error_code ignored;
@@ -241,7 +240,6 @@ class Execution {
       if (!same || error.is_string()) forget_training();
       return train(train_step(run_));
     }
-    if (s.name == kStore) forget_measures();
     return run_step(s);
   }
 
@@ -272,7 +270,7 @@ class Execution {
     forget_measures();
     record_.training = true;
     const bool goes_on = run_step(s);
-    if (outcome_.state != RunState::interrupted && goes_on) remove("scene.ply.ckpt");
+    if (outcome_.state != RunState::interrupted && goes_on) remove("scene.glb.ckpt");
     return goes_on;
   }
 
@@ -338,8 +336,8 @@ class Execution {
       if (found && found->contains(at) && found->at(at).is_number())
         outcome_.values[as] = found->at(at).get<double>() + more;
     };
-    take("train.json", "/psnr", "psnr");
-    take("train.json", "/ssim", "ssim");
+    take("train.json", "/psnr_before_storing", "psnr");
+    take("train.json", "/ssim_before_storing", "ssim");
     take("train.json", "/splats", "splats");
     if (record_.time_known) {
       take("train.json", "/seconds", "seconds", record_.seconds);

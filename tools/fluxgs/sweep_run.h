@@ -3,8 +3,8 @@
 //
 //   run.json       what was done with which options, and what failed
 //   log.txt        what the children said
-//   train.json     report of the training        scene.ply, scene.ply.ckpt
-//   scene.glb      the compact scene
+//   train.json     report of the training        scene.glb, scene.glb.ckpt
+//   scene.ply      the scene before it was made compact
 //   score.json     test photos against it        frames.json  its frame times
 #pragma once
 
@@ -30,9 +30,8 @@ struct SweepRun {
 
 /// How finished scenes are stored and measured.
 struct SweepMeasures {
-  double max_loss = 40;  ///< dB, of the compact scene to the trained one
-  int frames = 30;       ///< for the frame time; 0: not measured
-  bool flip = false;     ///< also measure FLIP
+  int frames = 30;    ///< for the frame time; 0: not measured
+  bool flip = false;  ///< also measure FLIP
 };
 
 struct SweepTools {

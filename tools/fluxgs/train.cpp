@@ -328,12 +328,17 @@ Expected<void> write_results(const TrainSettings& settings, const Run& run, cons
   const auto cloud = write_out(settings, run, trainer, threads, report);
   if (!cloud) return std::unexpected(cloud.error());
   if (run.data.test.empty()) return {};
-  const auto score = evaluate(run.data.test, cpu_view_renderer(*cloud, run.options.render, threads),
-                              threads, show_progress("views"));
+  const auto score_of = [&](const SplatCloud& scene) {
+    return evaluate(run.data.test, cpu_view_renderer(scene, run.options.render, threads), threads,
+                    show_progress("views"));
+  };
+  const auto score = score_of(*cloud), before = score_of(trainer.cloud());
   if (!score) return std::unexpected(score.error());
+  if (!before) return std::unexpected(before.error());
   report["psnr"] = score->psnr;
   report["ssim"] = score->ssim;
-  report["psnr_before_storing"] = trainer.mean_psnr(run.data.test);
+  report["psnr_before_storing"] = before->psnr;
+  report["ssim_before_storing"] = before->ssim;
   say(fmt::format("test views: PSNR {:.2f} dB, SSIM {:.4f}\n", score->psnr, score->ssim));
   return {};
 }

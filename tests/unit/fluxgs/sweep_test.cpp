@@ -54,9 +54,9 @@ const std::string kTiny = " -- --iterations 60 --max-splats 300 --threads 1";
 
 std::string report_train(const fs::path& out, const std::string& more,
                          const std::string& common = kTiny) {
-  return fmt::format("report train {} -o {} --preset 3dgs --max-loss 30 {} {}{}",
-                     quoted(capture_folder()), quoted(out),
-                     more.find("--frames") == std::string::npos ? "--frames 0" : "", more, common);
+  return fmt::format("report train {} -o {} --preset 3dgs {} {}{}", quoted(capture_folder()),
+                     quoted(out), more.find("--frames") == std::string::npos ? "--frames 0" : "",
+                     more, common);
 }
 
 SweepRow row(const std::string& name, std::vector<std::string> options) {
@@ -69,7 +69,7 @@ SweepSettings tiny_settings(const fs::path& out, std::vector<SweepRow> rows) {
           .rows = std::move(rows),
           .seeds = {1, 2},
           .common = {"--iterations", "60", "--max-splats", "300", "--threads", "1"},
-          .measures = {.max_loss = 30, .frames = 0},
+          .measures = {.frames = 0},
           .program = FLUXGS_BINARY};
 }
 
@@ -215,7 +215,7 @@ TEST(Sweep, InterruptedItGoesOnWithTheSameCommand) {
       "set -m\n'{}' {} 2>{} >{} &\npid=$!\n"
       "while [ ! -e {} ] && kill -0 $pid; do sleep 0.02; done\nkill -INT $pid\nwait $pid\n",
       FLUXGS_BINARY, call, quoted(folder / "err"), quoted(folder / "said"),
-      quoted(runs / "densify-mcmc/seed-1/scene.ply.ckpt"));
+      quoted(runs / "densify-mcmc/seed-1/scene.glb.ckpt"));
   const int status = std::system(fmt::format("bash {}", quoted(folder / "interrupt.sh")).c_str());
   const std::string said = text_of(folder / "err");
   ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 1) << said;
