@@ -69,6 +69,7 @@ class Curves {
     switch_ = {{"iteration", iteration},
                {"train_psnr", {report.train_psnr_before, report.train_psnr_after}},
                {"test_psnr", {report.test_psnr_before, report.test_psnr_after}},
+               {"bytes", {report.bytes_before, report.bytes_after}},
                {"mse_if_truncated", report.reduction.dropped},
                {"mse_if_fitted", report.reduction.unexplained},
                {"splats_of_degree", report.reduction.degrees}};
@@ -76,6 +77,11 @@ class Curves {
     psnr_.push_back({iteration, report.test_psnr_after});
   }
 
+  void add_late_prune(int iteration, const LatePruneReport& report) {
+    late_prunes_.push_back({{"iteration", iteration},
+                            {"splats", {report.splats_before, report.splats_after}},
+                            {"train_psnr", {report.train_psnr_before, report.train_psnr_after}}});
+  }
   void add_rounding(int iteration, const RoundingReport& report) {
     rounding_ = {{"iteration", iteration},
                  {"bytes", report.bytes},
@@ -83,10 +89,9 @@ class Curves {
   }
 
   json to_json() const {
-    return {{"switch", switch_}, {"rounding", rounding_},
-            {"psnr", psnr_},     {"iteration", iteration_},
-            {"loss", losses_},   {"l1", l1s_},
-            {"splats", splats_}, {"iterations_per_second", rates_}};
+    return {{"switch", switch_}, {"rounding", rounding_},   {"late_prunes", late_prunes_},
+            {"psnr", psnr_},     {"iteration", iteration_}, {"loss", losses_},
+            {"l1", l1s_},        {"splats", splats_},       {"iterations_per_second", rates_}};
   }
   double first_rate() const { return rates_.empty() ? 0 : rates_.front(); }
   double last_rate() const { return rates_.empty() ? 0 : rates_.back(); }
@@ -98,7 +103,7 @@ class Curves {
   std::vector<double> losses_, l1s_, rates_;
   std::vector<std::size_t> splats_;
   std::vector<std::pair<int, double>> psnr_;
-  json switch_, rounding_;
+  json switch_, rounding_, late_prunes_ = json::array();
 };
 
 Expected<TrainOptions> options_from(const TrainSettings& settings) {
@@ -207,12 +212,21 @@ Expected<void> save_checkpoint(const TrainSettings& settings, const Run& run,
 
 void report_switch(int iteration, const SwitchReport& report, Curves& curves) {
   curves.add_switch(iteration, report);
-  spdlog::info("harmonics reduced: {:.2f} to {:.2f} dB on training views, {:.2f} to {:.2f} on test",
-               report.train_psnr_before, report.train_psnr_after, report.test_psnr_before,
-               report.test_psnr_after);
+  spdlog::info(
+      "harmonics reduced: {:.2f} to {:.2f} dB on training views, {:.2f} to {:.2f} on test; a file "
+      "of {} bytes to {}",
+      report.train_psnr_before, report.train_psnr_after, report.test_psnr_before,
+      report.test_psnr_after, report.bytes_before, report.bytes_after);
   const auto& degrees = report.reduction.degrees;
   if (degrees[0] + degrees[1] + degrees[2] > 0)
     spdlog::info("splats of degree 0 to 3: {}", fmt::join(degrees, ", "));
+}
+
+void report_late_prune(int iteration, const LatePruneReport& report, Curves& curves) {
+  curves.add_late_prune(iteration, report);
+  spdlog::info("late pruning: {} to {} splats, {:.2f} to {:.2f} dB on training views",
+               report.splats_before, report.splats_after, report.train_psnr_before,
+               report.train_psnr_after);
 }
 
 void report_rounding(int iteration, const RoundingReport& report, Curves& curves) {
@@ -236,6 +250,7 @@ Expected<void> train_to_end(const TrainSettings& settings, const Run& run, Train
     const std::size_t splats = trainer.state().parameters.size();
     curves.add(i, step, splats);
     if (step.switched) report_switch(i, *step.switched, curves);
+    if (step.pruned_late) report_late_prune(i, *step.pruned_late, curves);
     if (step.rounded) report_rounding(i, *step.rounded, curves);
     if (i % std::max(run.options.iterations / 20, 1) == 0 && !trainer.done())
       curves.measure_psnr(i, trainer, run.data.test);

@@ -238,13 +238,6 @@ DensifyCounts prune_late(TrainState& state, const TrainOptions& options,
   return carry_out(state, options, fates);
 }
 
-DensifyCounts prune_to(TrainState& state, std::size_t count, const SplatScores& scores) {
-  std::vector<Fate> fates(state.parameters.size(), Fate::keep);
-  const std::vector<std::uint32_t> order = by_contribution(scores);
-  for (std::size_t k = 0; k + count < order.size(); ++k) fates[order[k]] = Fate::prune;
-  return carry_out(state, {}, fates);
-}
-
 void reset_opacity(TrainState& state, const TrainOptions& options) {
   const float limit = logit(options.opacity_reset_to);
   float* opacity = state.parameters.row(row::opacity);

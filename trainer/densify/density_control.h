@@ -30,9 +30,6 @@ DensifyCounts densify_and_prune(TrainState& state, const TrainOptions& options, 
 /// must be of all training views. Never below `target_splats`.
 DensifyCounts prune_late(TrainState& state, const TrainOptions& options, const SplatScores& scores);
 
-/// Keeps `count` splats: those with the largest contributions.
-DensifyCounts prune_to(TrainState& state, std::size_t count, const SplatScores& scores);
-
 /// Limits every opacity to `opacity_reset_to` and clears the optimiser's memory of it.
 void reset_opacity(TrainState& state, const TrainOptions& options);
 

@@ -63,6 +63,7 @@ struct TrainOptions {
   double lambda_dssim = 0.2;  ///< weight of 1 − SSIM in the loss, 0…1
   double opacity_weight = 0;  ///< of the mean opacity in the loss (Kheradmand et al. 2024)
   double scale_weight = 0;    ///< of the mean standard deviation in the loss, the same
+  double sh_weight = 0;       ///< of the mean Σ c² of all coefficients but the constant one
 
   // Coarse to fine: photos are first halved `coarse_levels` times, then once less, …
   int coarse_levels = 0;  ///< 0…4
@@ -72,7 +73,7 @@ struct TrainOptions {
   Densify densify = Densify::grad;
   int densify_from = 500;          ///< first iteration at which splats are added
   int densify_until = 0;           ///< last one; 0: half of the iterations, at most 15,000
-  int densify_interval = 500;      ///< iterations
+  int densify_interval = 500;      ///< iterations; 0: a hundredth of the run, at least 50
   double densify_gradient = 2e-4;  ///< mean |∂L/∂centre| in normalised device coordinates
   double densify_size = 0.01;      ///< × scene extent: smaller splats are cloned, larger ones split
   Split split = Split::random;
@@ -147,8 +148,9 @@ int degree_before_switch(const TrainOptions& options);
 /// Names of the presets, the default one first.
 std::vector<std::string> preset_names();
 
-/// The options of a preset: "3dgs" (vanilla: SH of degree 3, single-view gradients), "3dgs-sh1"
-/// (the same with harmonics cut off at the first degree), "flux-paper" (the paper to the letter).
+/// The options of a preset: "flux" (our best), "flux-paper" (the paper to the letter), "3dgs"
+/// (vanilla: SH of degree 3, single-view gradients), "3dgs-sh1" (the same with harmonics cut off at
+/// the first degree).
 Expected<TrainOptions> preset(std::string_view name);
 
 /// Checks every option's range; the error names the option and the range.

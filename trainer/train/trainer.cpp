@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fluxgs/io/compact_glb.h"
 #include "trainer/appearance/adaptive_degree.h"
 #include "trainer/appearance/latent_adam.h"
 #include "trainer/base/indices.h"
@@ -127,23 +128,26 @@ DensifyCounts Trainer::densify() {
   return densify_and_prune(state_, options, extent_, &s);
 }
 
-DensifyCounts Trainer::late_prune() {
+LatePruneReport Trainer::late_prune() {
+  LatePruneReport report{.splats_before = state_.parameters.size(),
+                         .train_psnr_before = mean_psnr(data_.train)};
   const SplatScores s = scores(options_.late_prune == LatePrune::contribution
                                    ? all_indices(data_.train.size())
                                    : sample_cameras(data_.train, options_, state_.random));
-  return prune_late(state_, options_, s);
+  prune_late(state_, options_, s);
+  report.splats_after = state_.parameters.size();
+  report.train_psnr_after = mean_psnr(data_.train);
+  return report;
 }
 
-DensifyCounts Trainer::control_density() {
-  DensifyCounts counts;
+void Trainer::control_density(StepReport& report) {
   const TrainOptions& o = options_;
-  if (due(o.densify_from, o.densify_until, o.densify_interval)) counts = densify();
+  if (due(o.densify_from, o.densify_until, o.densify_interval)) report.densified = densify();
   if (o.densify != Densify::mcmc && due(1, o.densify_until, o.opacity_reset_interval))
     reset_opacity(state_, options_);
   if (o.late_prune != LatePrune::off &&
       due(o.late_prune_from, o.late_prune_until, o.late_prune_interval))
-    counts = late_prune();
-  return counts;
+    report.pruned_late = late_prune();
 }
 
 /// Lets the networks make the colours of the splats that a camera can see.
@@ -256,6 +260,7 @@ SwitchReport Trainer::switch_appearance() {
   SwitchReport report;
   report.train_psnr_before = mean_psnr(data_.train);
   report.test_psnr_before = mean_psnr(data_.test);
+  report.bytes_before = compact_bytes();
   const ViewWeights views =
       view_weights(state_.parameters, train_cameras(), render_options(), threads_);
   report.reduction = reduce_appearance(state_, options_, views,
@@ -263,7 +268,16 @@ SwitchReport Trainer::switch_appearance() {
   state_.switched_at = state_.iteration;
   report.train_psnr_after = mean_psnr(data_.train);
   report.test_psnr_after = mean_psnr(data_.test);
+  report.bytes_after = compact_bytes();
   return report;
+}
+
+/// With the usual steps; 0 where the scene cannot be stored.
+std::size_t Trainer::compact_bytes() const {
+  const SplatCloud scene = cloud();
+  const auto file =
+      encode_compact_glb(scene, {.steps = usual_compact_steps(scene)}, "compact .glb");
+  return file ? file->size() : 0;
 }
 
 StepReport Trainer::step() {
@@ -293,7 +307,7 @@ StepReport Trainer::step() {
   // Before splats are added, which shakes the picture for a moment
   if (state_.iteration == options_.switch_iteration && reduces_appearance(options_))
     report.switched = switch_appearance();
-  report.densified = control_density();
+  control_density(report);
   report.rounded = round();
   return report;
 }

@@ -24,6 +24,13 @@ struct SwitchReport {
   ReductionReport reduction;
   double train_psnr_before = 0, train_psnr_after = 0;  ///< dB, means over the views
   double test_psnr_before = 0, test_psnr_after = 0;    ///< 0 without test views
+  std::size_t bytes_before = 0, bytes_after = 0;       ///< of compact files with the usual steps
+};
+
+/// What splats that were removed late were worth.
+struct LatePruneReport {
+  std::size_t splats_before = 0, splats_after = 0;
+  double train_psnr_before = 0, train_psnr_after = 0;
 };
 
 /// What rounding did to the pictures.
@@ -38,8 +45,9 @@ struct StepReport {
   double loss = 0;
   PhotometricSums sums;
   RasterCounts raster;
-  DensifyCounts densified;                ///< zero at most steps
-  std::optional<SwitchReport> switched;   ///< at the step after which harmonics were reduced
+  DensifyCounts densified;               ///< zero at most steps
+  std::optional<SwitchReport> switched;  ///< at the step after which harmonics were reduced
+  std::optional<LatePruneReport> pruned_late;
   std::optional<RoundingReport> rounded;  ///< at the step after which rounding began, or failed
 };
 
@@ -87,10 +95,11 @@ class Trainer {
   LearningRates rates() const;
   RenderOptions render_options() const;
   bool due(int from, int until, int interval) const;
-  DensifyCounts control_density();
+  std::size_t compact_bytes() const;
+  void control_density(StepReport& report);
   TrainOptions options_for_growth() const;
   DensifyCounts densify();
-  DensifyCounts late_prune();
+  LatePruneReport late_prune();
   SplatScores scores(const std::vector<std::uint32_t>& views);
 
   const Dataset& data_;

@@ -59,8 +59,9 @@ TEST(Command, TrainsEvaluatesRendersConvertsAndInforms) {
   const test::TempFolder folder;
   const auto scene = folder / "scene.glb", report = folder / "report.json";
   const auto exact = folder / "exact.ply";
-  const Outcome trained = fluxgs(train(
-      scene, fmt::format("--iterations 60 --json {} --exact {}", quoted(report), quoted(exact))));
+  const Outcome trained =
+      fluxgs(train(scene, fmt::format("--iterations 60 --sh-target 3 --json {} --exact {}",
+                                      quoted(report), quoted(exact))));
   ASSERT_EQ(trained.status, 0) << trained.err;
   EXPECT_EQ(trained.out, "");
   const json run = json::parse(text_of(report));

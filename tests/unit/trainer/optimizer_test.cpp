@@ -85,6 +85,7 @@ TEST(Parameters, CloudAndBack) {
 }
 
 TEST(TrainOptionsTest, PresetsAreValidAndUnknownOnesNamed) {
+  EXPECT_EQ(preset_names(), (std::vector<std::string>{"flux", "flux-paper", "3dgs", "3dgs-sh1"}));
   for (const std::string& name : preset_names()) {
     const auto options = preset(name);
     ASSERT_TRUE(options) << name;
@@ -119,6 +120,51 @@ TEST(TrainOptionsTest, WhatDependsOnTheLengthFollowsIt) {
   EXPECT_EQ(resolved(options).switch_iteration, 3000);  // as in the paper
   options.sh_target = ShTarget::adaptive;
   EXPECT_EQ(resolved(options).switch_iteration, 21000);
+}
+
+TEST(TrainOptionsTest, WhatEndsWithTheRunFollowsItsLength) {
+  for (const int iterations : {600, 3000, 7000, 30000}) {
+    TrainOptions flux = preset("flux").value();
+    flux.iterations = iterations;
+    const TrainOptions o = resolved(flux);
+    EXPECT_LT(o.densify_until, o.switch_iteration);
+    EXPECT_LT(o.switch_iteration, o.round_from);
+    EXPECT_LT(o.round_from, iterations);
+    EXPECT_GE(o.densify_interval, 50);
+  }
+}
+
+TEST(TrainOptionsTest, RoundingWaitsForWhatChangesTheScene) {
+  TrainOptions o;
+  o.iterations = 100;
+  o.rounding = Switch::on;
+  o.round_from = 10;
+  o.densify_until = 60;
+  EXPECT_EQ(resolved(o).round_from, 61);
+  o.sh_target = ShTarget::adaptive;
+  o.switch_iteration = 80;
+  EXPECT_EQ(resolved(o).round_from, 81);
+}
+
+TEST(TrainOptionsTest, PartsThatNeedEachOtherAreCheckedByName) {
+  const auto refused = [](const TrainOptions& o, const char* name) {
+    const auto valid = validate(o);
+    return !valid && valid.error().message().find(name) != std::string::npos;
+  };
+  TrainOptions o;
+  o.phi = Switch::on;
+  EXPECT_TRUE(refused(o, "--phi"));
+  o.sh_target = ShTarget::degree_1;
+  EXPECT_TRUE(validate(o));
+  o.sh_degree = 0;
+  EXPECT_TRUE(refused(o, "--phi"));
+  o = {};
+  o.sh_reduce = ShReduction::energy;
+  EXPECT_TRUE(refused(o, "--sh-reduce"));
+  o = {};
+  o.sh_target = ShTarget::adaptive;
+  o.sh_reduce = ShReduction::truncate;
+  EXPECT_TRUE(refused(o, "--sh-target"));
 }
 
 TEST(TrainOptionsTest, RangesAreCheckedByName) {

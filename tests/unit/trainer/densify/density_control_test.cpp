@@ -231,14 +231,5 @@ TEST(LatePrune, RemovesTheLeastPartOfThePictures) {
   EXPECT_EQ(state.parameters.row(row::position)[1], last);
 }
 
-TEST(LatePrune, KeepsTheLargestContributions) {
-  TrainState state = state_of({0, 0, 0}, std::vector<float>(3, 0.005f));
-  const float kept = state.parameters.row(row::position)[1];
-  EXPECT_EQ(prune_to(state, 1, scores_of({0, 0, 0}, {0, 0, 0}, {1, 3, 2})).pruned, 2u);
-  ASSERT_EQ(state.parameters.size(), 1u);
-  EXPECT_EQ(state.parameters.row(row::position)[0], kept);
-  EXPECT_EQ(prune_to(state, 5, scores_of({0}, {0}, {1})).pruned, 0u);
-}
-
 }  // namespace
 }  // namespace fluxgs
