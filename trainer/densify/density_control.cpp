@@ -66,8 +66,8 @@ std::vector<std::uint32_t> growing(const TrainState& state, const TrainOptions& 
 bool oversized(const TrainState& state, std::size_t i, const TrainOptions& options, double extent) {
   const double radius = static_cast<double>(state.statistics.row(statistic::radius)[i]);
   return (options.prune_screen_radius > 0 && radius > options.prune_screen_radius) ||
-         static_cast<double>(largest_scale(state.parameters, i)) >
-             options.prune_world_size * extent;
+         (options.prune_world_size > 0 && static_cast<double>(largest_scale(state.parameters, i)) >
+                                              options.prune_world_size * extent);
 }
 
 /// Marks transparent and oversized splats.
@@ -184,16 +184,12 @@ DensifyCounts carry_out(TrainState& state, const TrainOptions& options,
   return counts;
 }
 
-/// Limits opacities and takes their share away.
-void fade(TrainState& state, const TrainOptions& options) {
-  float* logits = state.parameters.row(row::opacity);
-  const float limit = logit(options.opacity_cap);
-  for (std::size_t i = 0; i < state.parameters.size(); ++i) {
-    if (options.opacity_cap < 1) logits[i] = std::min(logits[i], limit);
-    if (!(options.opacity_decay > 0)) continue;
-    const double opacity = 1 / (1 + std::exp(-static_cast<double>(logits[i])));
-    logits[i] = logit(std::max((1 - options.opacity_decay) * opacity, 1e-6));
-  }
+void cap_opacity(TrainState& state, double cap) {
+  if (cap >= 1) return;
+  float* opacity = state.parameters.row(row::opacity);
+  const float limit = logit(cap);
+  for (std::size_t i = 0; i < state.parameters.size(); ++i)
+    opacity[i] = std::min(opacity[i], limit);
 }
 
 /// Indices by contribution, the least first; ties by index.
@@ -209,7 +205,7 @@ std::vector<std::uint32_t> by_contribution(const SplatScores& scores) {
 DensifyCounts densify_and_prune(TrainState& state, const TrainOptions& options, double extent,
                                 const SplatScores* scores) {
   const DensifyCounts counts = carry_out(state, options, decide(state, options, extent, scores));
-  fade(state, options);
+  cap_opacity(state, options.opacity_cap);
   return counts;
 }
 

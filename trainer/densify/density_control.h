@@ -18,8 +18,7 @@ void gather_statistics(TrainState& state, const Rasterizer& rasterizer);
 
 /// Clones small and splits large splats whose mean gradient is above the threshold (and, if
 /// `scores` are given, whose S⁺ is above its quantile), the first by rank where there is room for
-/// some only; removes transparent and oversized ones; limits opacities and lets
-/// them decay; and starts the statistics
+/// some only; removes transparent and oversized ones; limits opacities; and starts the statistics
 /// anew. With `target_splats`, as many are added as lead there by the last densification, whatever
 /// their gradients. `extent` is the scene's size. `scores`: of the splats as they are now; may be
 /// null where options ask for none.

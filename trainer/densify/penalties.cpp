@@ -10,7 +10,7 @@ constexpr std::size_t kPiece = 1024;  // splats
 }  // namespace
 
 bool has_penalties(const TrainOptions& options) {
-  return options.opacity_weight > 0 || options.scale_weight > 0 || options.sh_weight > 0;
+  return options.opacity_weight > 0 || options.scale_weight > 0;
 }
 
 void add_penalties(const PlanarFloats& parameters, const std::vector<std::uint8_t>& visible,
@@ -18,7 +18,6 @@ void add_penalties(const PlanarFloats& parameters, const std::vector<std::uint8_
   const double n = static_cast<double>(parameters.size());
   const auto opacity = static_cast<float>(options.opacity_weight / n);
   const auto scale = static_cast<float>(options.scale_weight / (3 * n));
-  const auto harmonics = static_cast<float>(2 * options.sh_weight / n);
   threads.for_pieces(parameters.size(), kPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (!visible[i]) continue;
@@ -28,10 +27,6 @@ void add_penalties(const PlanarFloats& parameters, const std::vector<std::uint8_
         gradient.row(row::log_scale + c)[i] +=
             scale * std::exp(parameters.row(row::log_scale + c)[i]);
     }
-    if (!(harmonics > 0)) return;
-    for (int r = row::sh_rest; r < parameters.rows(); ++r)
-      for (std::size_t i = begin; i < end; ++i)
-        if (visible[i]) gradient.row(r)[i] += harmonics * parameters.row(r)[i];
   });
 }
 

@@ -1,5 +1,5 @@
 // A price on opacity and size, so that splats that pictures do without fade away (Kheradmand et al.
-// 2024, section 3.5), and on harmonics, so that only those grow that many pixels ask for.
+// 2024, section 3.5).
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@ namespace fluxgs {
 
 bool has_penalties(const TrainOptions& options);
 
-/// Adds the derivatives of opacity_weight × mean opacity + scale_weight × mean standard deviation +
-/// sh_weight × mean Σ c² of the higher bands to the gradients of visible splats.
+/// Adds the derivatives of opacity_weight × mean opacity + scale_weight × mean standard deviation
+/// to the gradients of visible splats.
 void add_penalties(const PlanarFloats& parameters, const std::vector<std::uint8_t>& visible,
                    const TrainOptions& options, PlanarFloats& gradient, const Threads& threads);
 

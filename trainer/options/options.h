@@ -53,9 +53,6 @@ struct TrainOptions {
   double opacity_rate = 0.025;
   double log_scale_rate = 5e-3;
   double rotation_rate = 1e-3;
-  /// All rates but that of positions fall to this × theirs, log-linear from where densification
-  /// ends to the last step. 1: they stay, as in 3DGS.
-  double final_rate = 1;
 
   // Adam
   double beta1 = 0.9, beta2 = 0.999, epsilon = 1e-15;
@@ -63,7 +60,6 @@ struct TrainOptions {
   double lambda_dssim = 0.2;  ///< weight of 1 − SSIM in the loss, 0…1
   double opacity_weight = 0;  ///< of the mean opacity in the loss (Kheradmand et al. 2024)
   double scale_weight = 0;    ///< of the mean standard deviation in the loss, the same
-  double sh_weight = 0;       ///< of the mean Σ c² of all coefficients but the constant one
 
   // Coarse to fine: photos are first halved `coarse_levels` times, then once less, …
   int coarse_levels = 0;  ///< 0…4
@@ -102,11 +98,10 @@ struct TrainOptions {
   /// release of 3DGS, which clears its radii before it compares them. 20, the value in the paper's
   /// code, costs 2.6 dB on the quickstart's capture at 7,000 iterations: walls are large splats.
   double prune_screen_radius = 0;
-  double prune_world_size = 0.1;      ///< × scene extent; applies after the first opacity reset
+  double prune_world_size = 0.1;      ///< × scene extent; after the first opacity reset; 0: never
   int opacity_reset_interval = 3000;  ///< iterations; 0: never
   double opacity_reset_to = 0.01;
-  double opacity_cap = 1;    ///< opacities are limited to this after each densification
-  double opacity_decay = 0;  ///< … and this share of each is taken away (Rota Bulò et al. 2024)
+  double opacity_cap = 1;  ///< opacities are limited to this after each densification
 
   // Late pruning, when no splats are added any more
   LatePrune late_prune = LatePrune::off;

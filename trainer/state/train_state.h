@@ -45,8 +45,8 @@ struct TrainState {
   std::vector<std::uint8_t> degrees;
   std::optional<NetworkState> networks;
   std::optional<RoundingState> rounding;
-  int switched_at = 0;  ///< the iteration after which the harmonics were reduced; 0: not yet
-  int iteration = 0;    ///< steps done
+  int switched_at = 0;    ///< the iteration after which the harmonics were reduced; 0: not yet
+  int iteration = 0;      ///< steps done
   double most_pairs = 0;  ///< most splat–tile pairs for each visible splat, of all steps
   Random random;
   std::vector<std::uint32_t> view_order;  ///< a random permutation of the training photos

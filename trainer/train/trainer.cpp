@@ -89,15 +89,8 @@ LearningRates Trainer::rates() const {
   const double t = std::min(1.0, static_cast<double>(state_.iteration) / options_.position_decay);
   const double position = std::exp((1 - t) * std::log(std::max(options_.position_rate, 1e-30)) +
                                    t * std::log(options_.position_rate_final));
-  const double rest = static_cast<double>(state_.iteration - options_.densify_until) /
-                      std::max(options_.iterations - options_.densify_until, 1);
-  const double factor = std::pow(options_.final_rate, std::clamp(rest, 0.0, 1.0));
-  return {position * extent_,
-          factor * options_.log_scale_rate,
-          factor * options_.rotation_rate,
-          factor * options_.opacity_rate,
-          factor * options_.sh_dc_rate,
-          factor * options_.sh_rest_rate};
+  return {position * extent_,    options_.log_scale_rate, options_.rotation_rate,
+          options_.opacity_rate, options_.sh_dc_rate,     options_.sh_rest_rate};
 }
 
 bool Trainer::due(int from, int until, int interval) const {

@@ -70,7 +70,7 @@ TEST(Densify, PrunesTransparentAndOversizedSplats) {
   state.parameters.row(row::opacity)[1] = -6;        // sigmoid(−6) = 0.0025 < 0.005
   state.statistics.row(statistic::radius)[3] = 21;   // > 20 px
   state.iteration = options.opacity_reset_interval;  // sizes do not count yet
-  TrainState later = state, any_radius = state;
+  TrainState later = state, any_radius = state, any_size = state;
   EXPECT_EQ(densify_and_prune(state, options, 1.0, nullptr).pruned, 1u);
   later.iteration = options.opacity_reset_interval + 1;
   EXPECT_EQ(densify_and_prune(later, options, 1.0, nullptr).pruned, 3u);
@@ -78,6 +78,9 @@ TEST(Densify, PrunesTransparentAndOversizedSplats) {
   any_radius.iteration = options.opacity_reset_interval + 1;
   options.prune_screen_radius = 0;
   EXPECT_EQ(densify_and_prune(any_radius, options, 1.0, nullptr).pruned, 2u);
+  any_size.iteration = options.opacity_reset_interval + 1;
+  options.prune_world_size = 0;
+  EXPECT_EQ(densify_and_prune(any_size, options, 1.0, nullptr).pruned, 1u);
 }
 
 TEST(Densify, NeverExceedsTheLimitAndPrefersLargeGradients) {
