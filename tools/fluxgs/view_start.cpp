@@ -22,9 +22,7 @@ NamedUp choose_up(const SplatCloud& cloud, const std::optional<Dataset>& data,
                   const std::optional<glm::dvec3>& given) {
   if (given) return {*given, "as given"};
   if (data) {
-    std::vector<Camera> cameras;
-    for (const Photo& photo : data->train) cameras.push_back(photo.camera);
-    const camera::UpAxis up = camera::up_of_cameras(cameras);
+    const camera::UpAxis up = camera::up_of_cameras(cameras_of(data->train));
     return {up.direction, fmt::format("from the photos, confidence {:.2f}", up.confidence)};
   }
   const camera::UpAxis up = camera::up_of_cloud(cloud);

@@ -1,10 +1,10 @@
 #include "trainer/compress/rounding.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "fluxgs/io/gltf.h"
 #include "trainer/compress/contribution.h"
+#include "trainer/data/dataset.h"
 
 namespace fluxgs {
 namespace {
@@ -19,13 +19,6 @@ void add(PlanarFloats& to, const PlanarFloats& what, float sign) {
 }
 
 }  // namespace
-
-std::vector<Camera> spread_cameras(const std::vector<Camera>& cameras, std::size_t count) {
-  std::vector<Camera> chosen;
-  const std::size_t all = cameras.size(), most = std::min(all, count);
-  for (std::size_t i = 0; i < most; ++i) chosen.push_back(cameras[(2 * i + 1) * all / (2 * most)]);
-  return chosen;
-}
 
 Expected<CompactTrial> compact_within(const SplatCloud& cloud, const std::vector<Camera>& cameras,
                                       const RenderOptions& render, double decibels,

@@ -18,9 +18,6 @@
 
 namespace fluxgs {
 
-/// At most `count` of the cameras, evenly spread.
-std::vector<Camera> spread_cameras(const std::vector<Camera>& cameras, std::size_t count);
-
 /// The smallest compact file found whose pictures are `decibels` from those of `cloud` (finite,
 /// some splats), over a dozen of the cameras. Splats weigh by their contributions to all of them.
 /// `start`: steps to begin with and what is not searched for.

@@ -92,6 +92,19 @@ Expected<void> check_options(const LoadOptions& options) {
 
 }  // namespace
 
+std::vector<Camera> cameras_of(const std::vector<Photo>& photos) {
+  std::vector<Camera> cameras;
+  for (const Photo& photo : photos) cameras.push_back(photo.camera);
+  return cameras;
+}
+
+std::vector<Camera> spread_cameras(const std::vector<Camera>& cameras, std::size_t count) {
+  std::vector<Camera> chosen;
+  const std::size_t all = cameras.size(), most = std::min(all, count);
+  for (std::size_t i = 0; i < most; ++i) chosen.push_back(cameras[(2 * i + 1) * all / (2 * most)]);
+  return chosen;
+}
+
 Expected<Dataset> load_dataset(const fs::path& folder, const LoadOptions& options) {
   if (const auto ok = check_options(options); !ok) return std::unexpected(ok.error());
   std::error_code error;

@@ -43,6 +43,11 @@ struct Dataset {
   std::vector<std::string> warnings;      ///< one line each, for the user
 };
 
+std::vector<Camera> cameras_of(const std::vector<Photo>& photos);
+
+/// At most `count` of the cameras, evenly spread over them.
+std::vector<Camera> spread_cameras(const std::vector<Camera>& cameras, std::size_t count);
+
 /// Load a folder, the first of these that it holds:
 ///   - a COLMAP model (binary or text) in sparse/0, sparse or the folder itself, its images in
 ///     images/ or the folder itself;

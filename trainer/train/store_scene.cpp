@@ -54,8 +54,7 @@ Expected<StoredScene> store_scene(const Trainer& trainer, const std::vector<Phot
   }
   if (state.rounding) return store_rounded(state);
 
-  std::vector<Camera> cameras;
-  for (const Photo& photo : photos) cameras.push_back(photo.camera);
+  const std::vector<Camera> cameras = cameras_of(photos);
   const double loss = trainer.stored_psnr();
   const auto smallest = [&](const Candidate& c) {
     return compact_within(c.cloud, cameras, trainer.options().render, loss, c.options, threads,

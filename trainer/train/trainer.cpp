@@ -211,18 +211,12 @@ double Trainer::stored_psnr() const {
   return psnr_of_mse(mse_of_decibels(mse, options_.store_loss));
 }
 
-std::vector<Camera> Trainer::train_cameras() const {
-  std::vector<Camera> cameras;
-  for (const Photo& photo : data_.train) cameras.push_back(photo.camera);
-  return cameras;
-}
-
 /// Finds the steps and rounds for the first time.
 RoundingReport Trainer::begin_rounding() {
   RoundingReport report;
   report.train_psnr_before = mean_psnr(data_.train);
   const SplatCloud exact = cloud();
-  const auto found = compact_within(exact, train_cameras(), options_.render, stored_psnr(),
+  const auto found = compact_within(exact, cameras_of(data_.train), options_.render, stored_psnr(),
                                     {.steps = usual_compact_steps(exact)}, threads_, {});
   if (!found) return {.error = found.error()};
   state_.rounding = RoundingState{found->options.steps, found->options.weights, {}};
@@ -255,7 +249,7 @@ SwitchReport Trainer::switch_appearance() {
   report.test_psnr_before = mean_psnr(data_.test);
   report.bytes_before = compact_bytes();
   const ViewWeights views =
-      view_weights(state_.parameters, train_cameras(), render_options(), threads_);
+      view_weights(state_.parameters, cameras_of(data_.train), render_options(), threads_);
   report.reduction = reduce_appearance(state_, options_, views,
                                        std::pow(10, -report.train_psnr_before / 10), threads_);
   state_.switched_at = state_.iteration;

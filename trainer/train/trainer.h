@@ -88,7 +88,6 @@ class Trainer {
   void optimize_networks(const AdamConstants& constants);
   std::vector<std::uint8_t> visible_of_degree(int degree) const;
   SwitchReport switch_appearance();
-  std::vector<Camera> train_cameras() const;
   std::optional<RoundingReport> round();
   RoundingReport begin_rounding();
   int coarse_level() const;

@@ -137,9 +137,7 @@ TEST(Rounding, TrainsWithTheNumbersOfTheFile) {
   const Told plain = run(unaware);
   ASSERT_FALSE(plain.state.rounding);
   const auto& photos = small_capture().train;
-  std::vector<Camera> cameras;
-  for (const Photo& photo : photos) cameras.push_back(photo.camera);
-  const SceneError plain_error(plain.cloud, cameras, options.render, threads);
+  const SceneError plain_error(plain.cloud, cameras_of(photos), options.render, threads);
   const CompactSearch search(plain.cloud, plain_error, {.steps = usual_compact_steps(plain.cloud)});
   const auto rounded_after = search.within_bytes(told.stored->file.size());
   ASSERT_TRUE(rounded_after);
