@@ -7,12 +7,10 @@
 #include "fluxgs/render_options.h"
 #include "fluxgs/splat_cloud.h"
 #include "trainer/base/parallel.h"
+#include "trainer/compress/scene_error.h"
 #include "trainer/data/dataset.h"
 
 namespace fluxgs::cli {
-
-/// How many pictures tell the error of a scene to a few hundredths of a decibel.
-inline constexpr int kMeasuringViews = 12;
 
 /// At most kMeasuringViews cameras, evenly spread over the training photos; without `data`, on an
 /// orbit around the scene, 640x480.

@@ -347,7 +347,9 @@ Expected<void> write_results(const TrainSettings& settings, const Run& run, cons
     return evaluate(run.data.test, cpu_view_renderer(scene, run.options.render, threads), threads,
                     show_progress("views"));
   };
-  const auto score = score_of(*cloud), before = score_of(trainer.cloud());
+  const auto score = score_of(*cloud);
+  const bool stored = report.contains("bytes");
+  const auto before = stored ? score_of(trainer.cloud()) : score;
   if (!score) return std::unexpected(score.error());
   if (!before) return std::unexpected(before.error());
   report["psnr"] = score->psnr;

@@ -10,7 +10,6 @@ namespace fluxgs {
 namespace {
 
 constexpr const char* kName = "compact .glb";
-constexpr std::size_t kMeasuringViews = 12;  // tell an error to a few hundredths of a decibel
 
 /// to += sign·what.
 void add(PlanarFloats& to, const PlanarFloats& what, float sign) {

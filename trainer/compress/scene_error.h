@@ -12,6 +12,9 @@
 
 namespace fluxgs {
 
+/// How many pictures tell the error of a scene to a few hundredths of a decibel.
+inline constexpr int kMeasuringViews = 12;
+
 /// 10·log₁₀(1/mse): decibels for colours of 0…1; infinity for 0.
 double psnr_of_mse(double mse);
 

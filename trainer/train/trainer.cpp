@@ -16,6 +16,21 @@
 #include "trainer/train/memory_budget.h"
 
 namespace fluxgs {
+namespace {
+
+/// Of the visible splats; of few it would say nothing.
+double pairs_of_a_splat(const RasterCounts& counts) {
+  if (counts.visible < 1000) return 0;
+  return static_cast<double>(counts.tile_pairs) / static_cast<double>(counts.visible);
+}
+
+/// dB between pictures of a scene and of a file that costs `loss` dB of its PSNR.
+double psnr_of_file(double psnr, double loss) {
+  return psnr_of_mse(mse_of_decibels(std::pow(10, -psnr / 10), loss));
+}
+
+}  // namespace
+
 double scene_extent(const std::vector<Photo>& photos) {
   glm::dvec3 mean(0);
   for (const Photo& p : photos) mean += p.camera.center() / static_cast<double>(photos.size());
@@ -51,12 +66,6 @@ Trainer::Trainer(const Dataset& data, const TrainOptions& options, TrainState st
       rasterizer_(make_cpu_rasterizer(threads, times)),
       loss_(threads),
       networks_(threads) {}
-
-/// Of the visible splats; of few it would say nothing.
-double pairs_of_a_splat(const RasterCounts& counts) {
-  if (counts.visible < 1000) return 0;
-  return static_cast<double>(counts.tile_pairs) / static_cast<double>(counts.visible);
-}
 
 const Photo& Trainer::next_photo() {
   if (state_.next_view >= state_.view_order.size()) {
@@ -207,8 +216,7 @@ double Trainer::mean_psnr(const std::vector<Photo>& photos) const {
 }
 
 double Trainer::stored_psnr() const {
-  const double mse = std::pow(10, -mean_psnr(data_.train) / 10);
-  return psnr_of_mse(mse_of_decibels(mse, options_.store_loss));
+  return psnr_of_file(mean_psnr(data_.train), options_.store_loss);
 }
 
 /// Finds the steps and rounds for the first time.
@@ -216,7 +224,8 @@ RoundingReport Trainer::begin_rounding() {
   RoundingReport report;
   report.train_psnr_before = mean_psnr(data_.train);
   const SplatCloud exact = cloud();
-  const auto found = compact_within(exact, cameras_of(data_.train), options_.render, stored_psnr(),
+  const auto found = compact_within(exact, cameras_of(data_.train), options_.render,
+                                    psnr_of_file(report.train_psnr_before, options_.store_loss),
                                     {.steps = usual_compact_steps(exact)}, threads_, {});
   if (!found) return {.error = found.error()};
   state_.rounding = RoundingState{found->options.steps, found->options.weights, {}};
