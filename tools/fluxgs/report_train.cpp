@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 struct TrainReport {
   std::vector<std::string> data;  // and what came after "--", until it is taken apart
   std::string out, preset, unused;
-  std::vector<std::string> only, common;
+  std::vector<std::string> only, common, known;
   int seeds = 3;
   SweepMeasures measures;
   bool retry = false, list = false, as_json = false;
@@ -44,6 +44,7 @@ std::string command_of(const TrainReport& s) {
   add({"-o", s.out});
   if (!s.only.empty()) add({"--only", fmt::format("{}", fmt::join(s.only, ","))});
   if (!s.preset.empty()) add({"--preset", s.preset});
+  if (!s.known.empty()) add({"--known", fmt::format("{}", fmt::join(s.known, ","))});
   const SweepMeasures usual;
   if (s.seeds != TrainReport().seeds) add({"--seeds", fmt::format("{}", s.seeds)});
   if (s.measures.frames != usual.frames) add({"--frames", fmt::format("{}", s.measures.frames)});
@@ -128,6 +129,8 @@ Expected<void> report(const TrainReport& s) {
                          .retry = s.retry,
                          // This very program, even if another was built in its place meanwhile
                          .program = "/proc/self/exe"};
+  for (const std::string& file : s.known)
+    if (auto added = settings.known.add(file); !added) return added;
   std::iota(settings.seeds.begin(), settings.seeds.end(), 1);
   settings.measures.flip = flip.has_value();
   auto table = run_sweep(settings);
@@ -176,6 +179,10 @@ void add_options(CLI::App& command, TrainReport& s) {
   command.add_option("--frames", s.measures.frames, "frames to time (0: none)")
       ->check(CLI::Range(0, 100'000))
       ->capture_default_str();
+  command
+      .add_option("--known", s.known, "reports (.json) of other sweeps whose runs are taken over")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   command.add_flag("--retry", s.retry, "also the runs that failed before");
   command.add_flag("--list", s.list, "print the rows and do nothing");
   command.add_flag("--json", s.as_json, "print one JSON object instead of Markdown");
@@ -190,10 +197,10 @@ void add_report_train(CLI::App& app, Action& action) {
   command->footer(
       "Writes report.md, report.json and a picture of each group to OUT, and every run to\n"
       "OUT/SCENE/ROW/seed-N. What is finished there is not run again; Ctrl-C saves, and the same\n"
-      "command goes on. Frame times and minutes mean something on an idle machine only.\n"
-      "Example: fluxgs report train captures/garden -o sweep --only presets,cameras -- "
-      "--iterations "
-      "7000 --downscale 2");
+      "command goes on. --known takes over what others have finished, perhaps on other machines.\n"
+      "Frame times and minutes mean something on an idle machine only.\n"
+      "Example: fluxgs report train captures/garden -o sweep --only presets,cameras "
+      "-- --iterations 7000 --downscale 2");
   add_options(*command, *s);
   command->callback([s, &action] {
     take_apart(*s);

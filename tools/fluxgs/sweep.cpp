@@ -9,16 +9,15 @@
 #include <system_error>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "tools/fluxgs/sweep_progress.h"
-#include "trainer/train/checkpoint.h"
 
 namespace fluxgs::cli {
 namespace {
 
 namespace fs = std::filesystem;
+using nlohmann::json;
 
 /// The output folder for one sweep alone. Children inherit the lock: should this program be killed,
 /// the training that is still at work keeps it.
@@ -72,20 +71,12 @@ Expected<std::vector<SweepScene>> scenes_of(const SweepSettings& s) {
   return scenes;
 }
 
-/// What a row means to the trainer; the text itself if the trainer is going to refuse it.
-std::string identity_of(const SweepRow& row, const std::vector<std::string>& common) {
-  const std::vector<std::string> options = merged_options(common, row.options);
-  const auto meaning = meaning_of(row.preset, options);
-  return meaning ? options_json(*meaning).dump()
-                 : fmt::format("{} {}", row.preset, fmt::join(options, " "));
-}
-
 /// For each row the first of the same meaning, whose runs are its own.
-std::vector<SweepRow> representatives_of(const SweepSettings& s) {
-  std::map<std::string, SweepRow> first;
+std::vector<SweepRow> representatives_of(const SweepTable& table) {
+  std::map<json, SweepRow> first;
   std::vector<SweepRow> rows;
-  for (const SweepRow& row : s.rows)
-    rows.push_back(first.try_emplace(identity_of(row, s.common), row).first->second);
+  for (std::size_t i = 0; i < table.rows.size(); ++i)
+    rows.push_back(first.try_emplace(table.meanings[i], table.rows[i]).first->second);
   return rows;
 }
 
@@ -141,13 +132,20 @@ Expected<SweepTable> run_sweep(const SweepSettings& s) {
   table.outcomes.resize(table.scenes.size() * table.rows.size() * table.seeds.size());
 
   std::vector<std::pair<std::size_t, SweepRun>> runs;  // places in the table
-  const std::vector<SweepRow> representatives = representatives_of(s);
+  for (const SweepRow& row : s.rows) table.meanings.push_back(training_meaning(row, s.common));
+  const std::vector<SweepRow> representatives = representatives_of(table);
   table.notes = notes_of_sharing(s.rows, representatives);
   double iterations = 0;
   for (std::size_t seed = 0; seed < s.seeds.size(); ++seed)
     for (std::size_t scene = 0; scene < table.scenes.size(); ++scene)
       for (std::size_t row = 0; row < s.rows.size(); ++row) {
-        runs.emplace_back(table.index(scene, row, seed),
+        const std::size_t place = table.index(scene, row, seed);
+        if (const RunOutcome* known =
+                s.known.find(table.scenes[scene].hash, table.meanings[row], s.seeds[seed])) {
+          table.outcomes[place] = *known;
+          continue;
+        }
+        runs.emplace_back(place,
                           run_of(s, table.scenes[scene], representatives[row], s.seeds[seed]));
         iterations += runs.back().second.iterations;
       }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fluxgs/error.h"
+#include "tools/fluxgs/sweep_known.h"
 #include "tools/fluxgs/sweep_rows.h"
 #include "tools/fluxgs/sweep_run.h"
 #include "tools/fluxgs/sweep_table.h"
@@ -21,15 +22,16 @@ struct SweepSettings {
   std::vector<std::uint64_t> seeds;
   std::vector<std::string> common;  ///< options of `train` for every run; a row's own come first
   SweepMeasures measures = {};
+  KnownRuns known = {};  ///< that need not be done again
   bool retry = false;
   std::filesystem::path program;  ///< fluxgs
 };
 
-/// Does every run that is not there yet, all rows with the first seed first. Rows that mean the
-/// same to the trainer share their runs, which have the name of the first of them. An interrupt
-/// ends it after the training at work has saved its checkpoint; runs that fail are part of the
-/// table. Errors: data sets that cannot be read, an output folder that cannot be written or in
-/// which another sweep is at work.
+/// Does every run that is neither known nor there yet, all rows with the first seed first. Rows
+/// that mean the same to the trainer share their runs, which have the name of the first of them. An
+/// interrupt ends it after the training at work has saved its checkpoint; runs that fail are part
+/// of the table. Errors: data sets that cannot be read, an output folder that cannot be written or
+/// in which another sweep is at work.
 Expected<SweepTable> run_sweep(const SweepSettings& settings);
 
 }  // namespace fluxgs::cli

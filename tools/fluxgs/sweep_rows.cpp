@@ -147,6 +147,17 @@ Options merged_options(const Options& common, const Options& changes) {
   return merged;
 }
 
+Options picked_options(const Options& options, std::initializer_list<std::string_view> names) {
+  Options kept;
+  bool keep = false;
+  for (const std::string& word : options) {
+    if (word.starts_with("--"))
+      keep = std::ranges::count(names, std::string_view(word).substr(0, word.find('='))) > 0;
+    if (keep) kept.push_back(word);
+  }
+  return kept;
+}
+
 Expected<TrainOptions> meaning_of(const std::string& name, const Options& options) {
   auto meaning = preset(name);
   if (!meaning) return meaning;

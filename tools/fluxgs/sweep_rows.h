@@ -1,8 +1,10 @@
 // What an ablation compares: presets, and a preset with some of its options changed.
 #pragma once
 
+#include <initializer_list>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "fluxgs/error.h"
@@ -41,6 +43,10 @@ Expected<std::vector<SweepRow>> chosen_sweep_rows(const std::vector<std::string>
 /// The options of `train` in both lists, those that `changes` sets with its values alone.
 std::vector<std::string> merged_options(const std::vector<std::string>& common,
                                         const std::vector<std::string>& changes);
+
+/// Those of the options that have one of these names, with their values.
+std::vector<std::string> picked_options(const std::vector<std::string>& options,
+                                        std::initializer_list<std::string_view> names);
 
 /// What these options of `train` mean, every constant of the method resolved. Options that are not
 /// of the method are passed over. Errors: unknown preset, values that are refused.

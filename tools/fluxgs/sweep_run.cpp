@@ -42,18 +42,6 @@ Options joined(std::initializer_list<Options> parts) {
   return all;
 }
 
-/// Those of the options that have one of these names, with their values.
-Options picked(const Options& options, std::initializer_list<std::string_view> names) {
-  Options kept;
-  bool keep = false;
-  for (const std::string& word : options) {
-    if (word.starts_with("--"))
-      keep = std::ranges::count(names, std::string_view(word).substr(0, word.find('='))) > 0;
-    if (keep) kept.push_back(word);
-  }
-  return kept;
-}
-
 fs::path checkpoint_of(const SweepRun& run) { return run.folder / "scene.glb.ckpt"; }
 
 Step train_step(const SweepRun& run) {
@@ -70,9 +58,10 @@ Step train_step(const SweepRun& run) {
             .product = report};
   std::error_code ignored;
   if (fs::exists(checkpoint_of(run), ignored))
-    step.arguments = joined({files,
-                             {"--resume", checkpoint_of(run).string()},
-                             picked(options, {"--threads", "--backend", "--checkpoint-every"})});
+    step.arguments =
+        joined({files,
+                {"--resume", checkpoint_of(run).string()},
+                picked_options(options, {"--threads", "--backend", "--checkpoint-every"})});
   else
     step.arguments =
         joined({files, {"--preset", run.preset, "--seed", fmt::format("{}", run.seed)}, options});
@@ -80,7 +69,8 @@ Step train_step(const SweepRun& run) {
 }
 
 std::vector<Step> measuring_steps(const SweepRun& run, const SweepMeasures& measures) {
-  const Options data_options = picked(run.options, {"--downscale", "--background", "--threads"});
+  const Options data_options =
+      picked_options(run.options, {"--downscale", "--background", "--threads"});
   const Options data = joined({{"--data", run.data}, data_options});
   const std::string stored = (run.folder / "scene.glb").string();
   const auto add = [&](std::string name, Options files, const Options& options, Step step) {

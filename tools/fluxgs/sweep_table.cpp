@@ -180,6 +180,7 @@ json sweep_json(const SweepTable& t) {
       };
       json result = row_json(t.rows[row]);
       result["scene"] = t.scenes[scene].name;
+      if (row < t.meanings.size()) result["meaning"] = t.meanings[row];
       result["statistics"] = statistics_json(statistics, row);
       result["runs"] = runs_json(t, scene, row);
       results.push_back(std::move(result));

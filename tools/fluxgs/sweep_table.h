@@ -41,6 +41,7 @@ struct SweepTable {
   std::vector<std::string> notes = {};
   std::vector<SweepScene> scenes = {};
   std::vector<SweepRow> rows = {};
+  std::vector<nlohmann::json> meanings = {};  ///< training_meaning() of each row
   std::vector<std::uint64_t> seeds = {};
   std::vector<RunOutcome> outcomes = {};  ///< scenes × rows × seeds, seeds fastest
   bool interrupted = false;

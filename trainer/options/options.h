@@ -61,6 +61,10 @@ struct TrainOptions {
   double opacity_weight = 0;  ///< of the mean opacity in the loss (Kheradmand et al. 2024)
   double scale_weight = 0;    ///< of the mean standard deviation in the loss, the same
 
+  /// Splats hidden at random in each step: this / the number of training views of them, 0.2 at
+  /// most, at the end of the run, none at its start (Park et al. 2025). 0: off
+  double dropout = 0;
+
   // Coarse to fine: photos are first halved `coarse_levels` times, then once less, …
   int coarse_levels = 0;  ///< 0…4
   int coarse_until = 0;   ///< iteration of the first full size; 0: 3/10 of the run

@@ -283,6 +283,8 @@ StepReport Trainer::step() {
 
   StepReport report;
   shade(photo.camera, render);
+  dropout_.hide(state_.parameters, dropout_share(options_, data_.train.size(), state_.iteration),
+                state_.random);
   rasterizer_->forward(state_.parameters, photo.camera, render);
   report.raster = rasterizer_->counts();
   state_.most_pairs = std::max(state_.most_pairs, pairs_of_a_splat(report.raster));
@@ -293,6 +295,7 @@ StepReport Trainer::step() {
     report.loss = report.sums.loss(options_.lambda_dssim);
   }
   rasterizer_->backward(state_.parameters, loss_.gradient());
+  dropout_.restore(state_.parameters, rasterizer_->gradient().row(row::opacity));
   optimize();
 
   StageTimer timer(times_, Stage::densify);

@@ -15,6 +15,7 @@
 #include "trainer/options/options.h"
 #include "trainer/raster/rasterizer.h"
 #include "trainer/state/train_state.h"
+#include "trainer/train/dropout.h"
 #include "trainer/train/reduce_appearance.h"
 
 namespace fluxgs {
@@ -110,6 +111,7 @@ class Trainer {
   PhotoPyramid photos_;
   std::unique_ptr<Rasterizer> rasterizer_;
   PhotometricLoss loss_;
+  Dropout dropout_;
   PlanarImage target_;
   AppearancePass networks_;
   PlanarFloats latent_gradient_;

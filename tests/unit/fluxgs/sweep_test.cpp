@@ -20,6 +20,7 @@
 #include "tools/capture/capture.h"
 #include "tools/fluxgs/flip.h"
 #include "tools/fluxgs/read_json.h"
+#include "tools/fluxgs/report.h"
 #include "tools/fluxgs/sweep.h"
 #include "tools/fluxgs/sweep_plot.h"
 
@@ -244,8 +245,45 @@ TEST(Sweep, InterruptedItGoesOnWithTheSameCommand) {
   }
 }
 
+TEST(Sweep, RunsOfAnotherReportAreTakenOver) {
+  const test::TempFolder folder;
+  SweepSettings settings = tiny_settings(folder / "first", {row("good", {})});
+  settings.seeds = {1};
+  const auto first = run_sweep(settings);
+  ASSERT_TRUE(first) << first.error().message();
+  const std::string report = (folder / "report.json").string();
+  ASSERT_TRUE(write_json(report, sweep_json(*first)));
+
+  settings.out = folder / "second";
+  ASSERT_TRUE(settings.known.add(report));
+  settings.rows = {row("another-name", {}), row("other", {"--opacity-rate", "0.03"})};
+  const auto second = run_sweep(settings);
+  ASSERT_TRUE(second) << second.error().message();
+  EXPECT_EQ(second->at(0, 0, 0).values, first->at(0, 0, 0).values);
+  EXPECT_FALSE(fs::exists(folder / "second/spheres/another-name"));
+  EXPECT_TRUE(fs::exists(folder / "second/spheres/other/seed-1/train.json"));
+  EXPECT_NE(second->at(0, 1, 0).values, first->at(0, 0, 0).values);
+
+  // Neither another seed nor photos of another size are the same run
+  const json meaning = training_meaning(settings.rows[0], settings.common);
+  const std::string& hash = first->scenes[0].hash;
+  EXPECT_TRUE(settings.known.find(hash, meaning, 1));
+  EXPECT_FALSE(settings.known.find(hash, meaning, 2));
+  EXPECT_FALSE(settings.known.find("0123", meaning, 1));
+  settings.common.insert(settings.common.end(), {"--downscale", "2"});
+  EXPECT_FALSE(settings.known.find(hash, training_meaning(settings.rows[0], settings.common), 1));
+}
+
 TEST(Sweep, BadUseIsOneLine) {
   const test::TempFolder folder;
+  std::ofstream(folder / "odd.json") << R"({"versions": {"fluxgs": "0.0.0"}})";
+  expect_error(fluxgs(report_train(folder / "out", "--known " + quoted(folder / "odd.json"))),
+               {"odd.json", "versions", "0.0.0"});
+  std::ofstream(folder / "odd.json") << R"({"scenes": []})";
+  expect_error(fluxgs(report_train(folder / "out", "--known " + quoted(folder / "odd.json"))),
+               {"odd.json", "report train"});
+  expect_error(fluxgs(report_train(folder / "out", "--known " + quoted(folder / "none.json"))),
+               {"none.json"});
   expect_error(fluxgs(report_train(folder / "out", "--only nothing")), {"--only", "nothing"});
   expect_error(
       fluxgs(fmt::format("report train {} -o {}", quoted(folder / "no"), quoted(folder / "out"))),

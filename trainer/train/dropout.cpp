@@ -1,0 +1,52 @@
+#include "trainer/train/dropout.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fluxgs {
+namespace {
+
+constexpr double kMostHidden = 0.2;  // as the authors use
+constexpr float kHidden = -30;       // a logit far below what is drawn
+
+float sigmoid(float logit) { return 1 / (1 + std::exp(-logit)); }
+
+/// The logit of `scale` × the opacity of another, up to kOpaque; opaquer ones stay as they are.
+float magnified(float logit, float scale) {
+  const float opacity = sigmoid(logit), most = static_cast<float>(Dropout::kOpaque);
+  if (opacity >= most) return logit;
+  const float more = std::min(opacity * scale, most);
+  return more > 0 ? std::log(more / (1 - more)) : logit;
+}
+
+}  // namespace
+
+double dropout_share(const TrainOptions& options, std::size_t views, int iteration) {
+  const double most =
+      std::min(options.dropout / static_cast<double>(std::max<std::size_t>(views, 1)), kMostHidden);
+  return most * iteration / std::max(options.iterations, 1);
+}
+
+void Dropout::hide(PlanarFloats& parameters, double share, Random& random) {
+  logits_.clear();
+  if (share <= 0) return;
+  float* logits = parameters.row(row::opacity);
+  logits_.assign(logits, logits + parameters.size());
+  const auto scale = static_cast<float>(1 / (1 - share));
+  for (std::size_t i = 0; i < logits_.size(); ++i)
+    logits[i] = uniform(random) < share ? kHidden : magnified(logits[i], scale);
+}
+
+void Dropout::restore(PlanarFloats& parameters, float* opacity_gradient) {
+  float* logits = parameters.row(row::opacity);
+  for (std::size_t i = 0; i < logits_.size(); ++i) {
+    if (logits[i] == logits_[i]) continue;
+    // With o′ = s·o: do′/dl = s·o·(1 − o) = o′·(1 − o), where o′·(1 − o′) was taken. Where o′ is
+    // limited it does not change; the slope just before the limit lets opacities come back.
+    opacity_gradient[i] *= (1 - sigmoid(logits_[i])) / (1 - sigmoid(logits[i]));
+    logits[i] = logits_[i];
+  }
+  logits_.clear();
+}
+
+}  // namespace fluxgs
