@@ -6,6 +6,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "trainer/base/indices.h"
+#include "trainer/base/logistic.h"
 
 namespace fluxgs {
 namespace {
@@ -16,8 +17,6 @@ float largest_scale(const PlanarFloats& p, std::size_t i) {
   return std::exp(std::max(
       {p.row(row::log_scale)[i], p.row(row::log_scale + 1)[i], p.row(row::log_scale + 2)[i]}));
 }
-
-float logit(double p) { return static_cast<float>(std::log(p / (1 - p))); }
 
 /// Mean gradient of splat i since the last densification.
 float mean_gradient(const TrainState& state, std::uint32_t i) {
@@ -75,7 +74,7 @@ void mark_pruned(const TrainState& state, const TrainOptions& options, double ex
                  const SplatScores* scores, std::vector<Fate>& fates) {
   if (options.prune == Prune::none) return;
   const PlanarFloats& p = state.parameters;
-  const float least = logit(std::max(options.prune_opacity, 1e-9));
+  const auto least = static_cast<float>(logit(std::max(options.prune_opacity, 1e-9)));
   const bool moderate = options.prune == Prune::multiview && scores;
   const float quantile =
       moderate ? score_quantile(scores->minus, *scores, options.quantile_minus, options.score_share)
@@ -134,8 +133,9 @@ void shift_along_longest(PlanarFloats& p, std::size_t i, double side) {
   for (int c = 0; c < 3; ++c)
     p.row(row::log_scale + c)[i] +=
         static_cast<float>(std::log(c == longest ? kLength : kThickness));
-  const double opacity = 1 / (1 + std::exp(-static_cast<double>(p.row(row::opacity)[i])));
-  p.row(row::opacity)[i] = logit(std::clamp(kOpacity * opacity, 1e-6, 1 - 1e-6));
+  const double opacity = sigmoid(static_cast<double>(p.row(row::opacity)[i]));
+  p.row(row::opacity)[i] =
+      static_cast<float>(logit(std::clamp(kOpacity * opacity, 1e-6, 1 - 1e-6)));
 }
 
 }  // namespace
@@ -187,7 +187,7 @@ DensifyCounts carry_out(TrainState& state, const TrainOptions& options,
 void cap_opacity(TrainState& state, double cap) {
   if (cap >= 1) return;
   float* opacity = state.parameters.row(row::opacity);
-  const float limit = logit(cap);
+  const auto limit = static_cast<float>(logit(cap));
   for (std::size_t i = 0; i < state.parameters.size(); ++i)
     opacity[i] = std::min(opacity[i], limit);
 }
@@ -215,7 +215,7 @@ DensifyCounts prune_late(TrainState& state, const TrainOptions& options,
   std::vector<Fate> fates(size, Fate::keep);
   std::size_t left = size > options.target_splats ? size - options.target_splats : 0;
   if (options.late_prune == LatePrune::opacity) {
-    const float least = logit(std::max(options.late_prune_opacity, 1e-9));
+    const auto least = static_cast<float>(logit(std::max(options.late_prune_opacity, 1e-9)));
     const float quantile =
         score_quantile(scores.minus, scores, options.quantile_minus, options.score_share);
     for (std::size_t i = 0; i < size && left > 0; ++i)
@@ -235,7 +235,7 @@ DensifyCounts prune_late(TrainState& state, const TrainOptions& options,
 }
 
 void reset_opacity(TrainState& state, const TrainOptions& options) {
-  const float limit = logit(options.opacity_reset_to);
+  const auto limit = static_cast<float>(logit(options.opacity_reset_to));
   float* opacity = state.parameters.row(row::opacity);
   for (std::size_t i = 0; i < state.parameters.size(); ++i) {
     opacity[i] = std::min(opacity[i], limit);

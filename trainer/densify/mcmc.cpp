@@ -6,15 +6,13 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "trainer/base/indices.h"
+#include "trainer/base/logistic.h"
 
 namespace fluxgs {
 namespace {
 
 constexpr std::size_t kPiece = 1024;  // splats
 constexpr int kMaxCopies = 51;        // in one place; as the first release of the method does
-
-double sigmoid(double x) { return 1 / (1 + std::exp(-x)); }
-double logit(double p) { return std::log(p / (1 - p)); }
 
 double opacity_of(const PlanarFloats& p, std::size_t i) {
   return sigmoid(static_cast<double>(p.row(row::opacity)[i]));

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "trainer/base/logistic.h"
+
 namespace fluxgs {
 namespace {
 
@@ -21,7 +23,7 @@ void add_penalties(const PlanarFloats& parameters, const std::vector<std::uint8_
   threads.for_pieces(parameters.size(), kPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (!visible[i]) continue;
-      const float o = 1 / (1 + std::exp(-parameters.row(row::opacity)[i]));
+      const float o = sigmoid(parameters.row(row::opacity)[i]);
       gradient.row(row::opacity)[i] += opacity * o * (1 - o);
       for (int c = 0; c < 3; ++c)
         gradient.row(row::log_scale + c)[i] +=

@@ -6,6 +6,7 @@
 #include <nanoflann.hpp>
 
 #include "fluxgs/math/spherical_harmonics.h"
+#include "trainer/base/logistic.h"
 
 namespace fluxgs {
 namespace {
@@ -48,13 +49,13 @@ SplatCloud splats_from_points(const PointCloud& points, double opacity, const Th
   if (count == 0) return cloud;
   const Points adaptor{points.positions};
   const Tree tree(3, adaptor, nanoflann::KDTreeSingleIndexAdaptorParams(10));
-  const float logit = static_cast<float>(std::log(opacity / (1 - opacity)));
+  const auto opacity_logit = static_cast<float>(logit(opacity));
   threads.for_pieces(count, 512, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       cloud.positions[i] = points.positions[i];
       cloud.log_scales[i] =
           glm::vec3(0.5f * std::log(mean_squared_distance(tree, points.positions[i], count)));
-      cloud.opacity_logits[i] = logit;
+      cloud.opacity_logits[i] = opacity_logit;
       cloud.sh_dc[i] = (points.colors[i] - 0.5f) / static_cast<float>(math::kSh0);
     }
   });

@@ -3,20 +3,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include "trainer/base/logistic.h"
+
 namespace fluxgs {
 namespace {
 
 constexpr double kMostHidden = 0.2;  // as the authors use
 constexpr float kHidden = -30;       // a logit far below what is drawn
 
-float sigmoid(float logit) { return 1 / (1 + std::exp(-logit)); }
-
 /// The logit of `scale` × the opacity of another, up to kOpaque; opaquer ones stay as they are.
-float magnified(float logit, float scale) {
-  const float opacity = sigmoid(logit), most = static_cast<float>(Dropout::kOpaque);
-  if (opacity >= most) return logit;
+float magnified(float opacity_logit, float scale) {
+  const float opacity = sigmoid(opacity_logit), most = static_cast<float>(Dropout::kOpaque);
+  if (opacity >= most) return opacity_logit;
   const float more = std::min(opacity * scale, most);
-  return more > 0 ? std::log(more / (1 - more)) : logit;
+  return more > 0 ? logit(more) : opacity_logit;
 }
 
 }  // namespace
