@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 #include "support/scenes.h"
 #include "tools/reference/reference_gradient.h"
@@ -16,6 +17,13 @@ struct Rendered {
   PlanarImage color;
   PlanarFloats gradient;
   std::vector<std::uint8_t> visible;
+  std::uint64_t rejected = 0;
+};
+
+/// A loss's gradient at one pixel, channel 1, instead of what it would be there.
+struct BadPixel {
+  int x = 0, y = 0;
+  float value = 0;
 };
 
 /// ∂L/∂colour for a loss that weighs every pixel differently.
@@ -27,7 +35,7 @@ Image<double> pixel_weights(int width, int height) {
 }
 
 Rendered run(const SplatCloud& cloud, const Camera& camera, const RenderOptions& options, Isa isa,
-             int thread_count = 2) {
+             int thread_count = 2, const std::optional<BadPixel>& bad = {}) {
   const Threads threads(thread_count);
   StageTimes times;
   const auto rasterizer =
@@ -39,8 +47,10 @@ Rendered run(const SplatCloud& cloud, const Camera& camera, const RenderOptions&
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x)
       for (int c = 0; c < 3; ++c) weights.row(c, y)[x] = static_cast<float>(w.at(x, y)[c]);
+  if (bad) weights.row(1, bad->y)[bad->x] = bad->value;
   rasterizer->backward(parameters, weights);
-  return {rasterizer->color(), rasterizer->gradient(), rasterizer->visible()};
+  return {rasterizer->color(), rasterizer->gradient(), rasterizer->visible(),
+          rasterizer->rejected_gradients()};
 }
 
 double largest_difference(const PlanarImage& image, const ReferenceImage& reference) {
@@ -199,6 +209,27 @@ TEST_P(CpuRaster, NonFiniteSplatsAreNotDrawn) {
   const Rendered with = run(cloud, camera, {}, GetParam());
   EXPECT_LT(largest_difference(with.color, render_reference(good, camera, {})), 2e-5);
   for (std::size_t i = 50; i < 57; ++i) EXPECT_EQ(with.visible[i], 0) << i;
+}
+
+TEST_P(CpuRaster, PixelsThatAreNotFiniteCostOnlyTheSplatsInThem) {
+  const SplatCloud cloud = test::random_cloud(600, 2, 21, 0.8f, 0.04f);
+  const Camera camera = test::camera_in_front(93, 71);
+  const Rendered clean = run(cloud, camera, {}, GetParam());
+  ASSERT_EQ(clean.rejected, 0u);
+  for (const float value : {std::nanf(""), INFINITY, -INFINITY}) {
+    const Rendered bad = run(cloud, camera, {}, GetParam(), 2, BadPixel{46, 35, value});
+    std::uint64_t lost = 0, seen = 0;
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      lost += clean.visible[i] != bad.visible[i];
+      seen += clean.visible[i];
+      if (!bad.visible[i]) continue;
+      for (int r = 0; r < bad.gradient.rows(); ++r)
+        ASSERT_EQ(bad.gradient.row(r)[i], clean.gradient.row(r)[i]) << "row " << r << ", " << i;
+    }
+    EXPECT_EQ(bad.rejected, lost) << value;
+    EXPECT_GT(lost, 0u) << value;
+    EXPECT_LT(lost, seen / 4) << value << ", of " << seen;
+  }
 }
 
 TEST_P(CpuRaster, SmallAndOddImages) {

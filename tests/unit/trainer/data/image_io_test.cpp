@@ -167,6 +167,19 @@ TEST(ImageIoBadInput, WhatIsNoImageIsNamed) {
   expect_failure(read_image_size(pipe), "pipe.png");
 }
 
+// The only pictures that can hold NaN; bytes, which training takes, cannot.
+TEST(ImageIoBadInput, PicturesOfFloatsAreRefused) {
+  const TempFolder folder;
+  for (const char* kind : {".hdr", ".pfm", ".tiff"}) {
+    std::vector<std::uint8_t> bytes;
+    cv::imencode(kind, cv::Mat(8, 8, CV_32FC3, cv::Scalar(NAN, 1, INFINITY)), bytes);
+    const fs::path file = folder.path() / (std::string("light") + kind);
+    write_text(file, std::string(bytes.begin(), bytes.end()));
+    expect_failure(read_image(file), file.filename().string(), "expected JPEG or PNG");
+    expect_failure(read_image_size(file), file.filename().string(), "expected JPEG or PNG");
+  }
+}
+
 TEST(ImageIoBadInput, HugeSizesAreRefusedFromTheHeader) {
   const TempFolder folder;
   write_image(folder.path() / "a.png", pattern(20, 10));
