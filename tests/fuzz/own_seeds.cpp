@@ -337,6 +337,9 @@ void add_codec(Seeds& seeds) {
           with_count(count, {static_cast<int>(channels), static_cast<int>(count % 2)}, stream);
     }
   }
+  Bytes triples;
+  codec::encode_triples({.planes = {{0, 1, -2, 9}, {3, 3, 3, 3}, {-1, 0, 0, 5}}}, 0.01f, triples);
+  seeds["channels"]["triples"] = with_count(4, {3, 0}, triples);
   for (const std::int32_t spread : {1, 2, 100, 1 << 20}) {
     std::vector<std::int32_t> numbers;
     for (std::int32_t i = 0; i < 50; ++i) numbers.push_back(i * i * 7919 % spread - spread / 2);

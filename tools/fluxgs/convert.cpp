@@ -60,7 +60,7 @@ Expected<CompactTrial> search(const ConvertSettings& s, const SplatCloud& cloud)
   Progress progress("trials", CompactSearch::kUsualTrials, 0);
   int trials = 0;
   CompactOptions start{usual_compact_steps(cloud), s.plain_attributes};
-  if (data != nullptr) start.weights = contributions_to(data->train, cloud, options, threads);
+  if (data != nullptr) start = seen_from(data->train, cloud, std::move(start), options, threads);
   const CompactSearch search(cloud, error, std::move(start), [&](const CompactTrial& t) {
     progress.update(++trials, fmt::format("{} bytes  {}", t.file.size(), decibels(t.psnr())));
   });

@@ -1,8 +1,10 @@
 #include "tools/fluxgs/measuring_views.h"
 
+#include <utility>
+
 #include "tools/fluxgs/orbit.h"
 #include "tools/fluxgs/progress.h"
-#include "trainer/compress/contribution.h"
+#include "trainer/compress/seen_splats.h"
 
 namespace fluxgs::cli {
 
@@ -11,9 +13,11 @@ std::vector<Camera> measuring_views(const SplatCloud& cloud, const Dataset* data
   return spread_cameras(cameras_of(data->train), kMeasuringViews);
 }
 
-std::vector<float> contributions_to(const std::vector<Photo>& photos, const SplatCloud& cloud,
-                                    const RenderOptions& options, const Threads& threads) {
-  return splat_contributions(cloud, cameras_of(photos), options, threads, show_progress("views"));
+CompactOptions seen_from(const std::vector<Photo>& photos, const SplatCloud& cloud,
+                         CompactOptions options, const RenderOptions& render,
+                         const Threads& threads) {
+  return seen_from(cameras_of(photos), cloud, std::move(options), render, threads,
+                   show_progress("views"));
 }
 
 }  // namespace fluxgs::cli

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "fluxgs/camera.h"
+#include "fluxgs/io/compact_glb.h"
 #include "fluxgs/render_options.h"
 #include "fluxgs/splat_cloud.h"
 #include "trainer/base/parallel.h"
@@ -16,8 +17,9 @@ namespace fluxgs::cli {
 /// orbit around the scene, 640x480.
 std::vector<Camera> measuring_views(const SplatCloud& cloud, const Dataset* data);
 
-/// Σ α·T of each splat over all of these photos' views, with a bar if it takes long.
-std::vector<float> contributions_to(const std::vector<Photo>& photos, const SplatCloud& cloud,
-                                    const RenderOptions& options, const Threads& threads);
+/// trainer/compress/seen_splats.h for all of these photos' views, with a bar if it takes long.
+CompactOptions seen_from(const std::vector<Photo>& photos, const SplatCloud& cloud,
+                         CompactOptions options, const RenderOptions& render,
+                         const Threads& threads);
 
 }  // namespace fluxgs::cli

@@ -18,7 +18,6 @@
 #include "tools/fluxgs/progress.h"
 #include "tools/fluxgs/report.h"
 #include "trainer/compress/compact_search.h"
-#include "trainer/compress/contribution.h"
 #include "trainer/train/evaluate.h"
 
 namespace fluxgs::cli {
@@ -266,7 +265,8 @@ Expected<void> report(const CodecReport& s) {
   render.background = s.data.background_color();
   const Bench bench(cloud, views, render, threads);
   CompactOptions options{.steps = usual_compact_steps(cloud)};
-  if (views != nullptr) options.weights = contributions_to(views->train, cloud, render, threads);
+  if (views != nullptr)
+    options = seen_from(views->train, cloud, std::move(options), render, threads);
   const auto rows = all_rows(s, bench, cloud, options);
   if (!rows) return std::unexpected(rows.error());
   auto given = give_report(s.report, to_json(s, cloud, *rows), [&] { print_table(*rows); });

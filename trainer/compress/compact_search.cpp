@@ -19,14 +19,18 @@ constexpr double kFinest = 0x1p-12, kCoarsest = 0x1p12;  // of the steps that th
 constexpr int kBalances = 2, kMostTrials = 24;
 constexpr double kStride = std::numbers::ln2;  // of the logarithm of the coarseness
 constexpr double kCloseEnough = 0.003;         // the same
+constexpr float kExactly = 0x1p-8f;            // of a step, where an error is not to count
 constexpr double kInvisible = 1e-8;            // 80 dB: more bytes are of no use
 constexpr double kExcessThatIsNone = 1e-3;     // 0.1% of the size or of the error
 
-/// An attribute of the codec: its name in AttributeBits, its step, and its array.
+/// An attribute of the codec: its name in AttributeBits, its step, and its array. Rounding
+/// harmonics changes the constant colours (codec/harmonics.h): the error of either is measured
+/// while the other is stored `exactly`, and that of harmonics with both.
 struct Part {
   const char* name;
   void (*scale_step)(CompactSteps&, double);
   void (*take)(SplatCloud& to, const SplatCloud& from);
+  float CompactSteps::* exactly = nullptr;
 };
 
 constexpr Part kParts[] = {
@@ -39,12 +43,14 @@ constexpr Part kParts[] = {
     {"opacity", [](CompactSteps& s, double f) { s.opacity *= static_cast<float>(f); },
      [](SplatCloud& to, const SplatCloud& from) { to.opacity_logits = from.opacity_logits; }},
     {"sh_dc", [](CompactSteps& s, double f) { s.sh_dc *= static_cast<float>(f); },
-     [](SplatCloud& to, const SplatCloud& from) { to.sh_dc = from.sh_dc; }},
+     [](SplatCloud& to, const SplatCloud& from) { to.sh_dc = from.sh_dc; }, &CompactSteps::sh_rest},
     {"sh_rest", [](CompactSteps& s, double f) { s.sh_rest *= static_cast<float>(f); },
      [](SplatCloud& to, const SplatCloud& from) {
        to.sh_degree = from.sh_degree;  // a file does without bands that no splat has
        to.sh_rest = from.sh_rest;
-     }},
+       to.sh_dc = from.sh_dc;
+     },
+     &CompactSteps::sh_dc},
 };
 constexpr std::size_t kPartCount = std::size(kParts);
 
@@ -97,6 +103,25 @@ Expected<CompactTrial> CompactSearch::trial(const CompactSteps& steps) const {
   return result;
 }
 
+/// With only attribute `part` rounded, of a scene that is `stored` with these steps.
+Expected<double> CompactSearch::error_of(std::size_t part, const CompactSteps& steps,
+                                         const SplatCloud& stored) const {
+  const Part& own = kParts[part];
+  SplatCloud one = ordered_;
+  if (own.exactly == nullptr) {
+    own.take(one, stored);
+    return error_.mse(one);
+  }
+  CompactOptions options = options_;
+  options.steps = steps;
+  options.steps.*own.exactly *= kExactly;
+  options.steps = at_least(options.steps, finest_position_);
+  const auto alone = store(cloud_, options);
+  if (!alone) return std::unexpected(alone.error());
+  own.take(one, alone->scene.cloud);
+  return error_.mse(one);
+}
+
 Expected<CompactSteps> CompactSearch::balanced(const CompactSteps& steps) const {
   CompactOptions options = options_;
   options.steps = steps;
@@ -115,9 +140,7 @@ Expected<CompactSteps> CompactSearch::balanced(const CompactSteps& steps) const 
     if (!stored->scene.attribute_bits.contains(part.name)) continue;
     bits[p] = 2 * (finer->scene.attribute_bits.at(part.name) -
                    stored->scene.attribute_bits.at(part.name));
-    SplatCloud one = ordered_;
-    part.take(one, stored->scene.cloud);
-    const auto mse = error_.mse(one);
+    const auto mse = error_of(p, steps, stored->scene.cloud);
     if (!mse) return std::unexpected(mse.error());
     if (!(bits[p] > 1e-3 && *mse > 0)) continue;
     gain[p] = *mse / bits[p];

@@ -62,6 +62,8 @@ class CompactSearch {
   Expected<std::optional<CompactTrial>> solve(const CompactSteps& steps, const Goal& goal,
                                               CompactTrial& last) const;
   Expected<CompactTrial> reach(const Goal& goal, CompactTrial& last) const;
+  Expected<double> error_of(std::size_t part, const CompactSteps& steps,
+                            const SplatCloud& stored) const;
 
   const SplatCloud& cloud_;
   SplatCloud ordered_;  ///< as in the file

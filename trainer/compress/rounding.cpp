@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "fluxgs/io/gltf.h"
-#include "trainer/compress/contribution.h"
+#include "trainer/compress/seen_splats.h"
 #include "trainer/data/dataset.h"
 
 namespace fluxgs {
@@ -23,7 +23,7 @@ Expected<CompactTrial> compact_within(const SplatCloud& cloud, const std::vector
                                       const RenderOptions& render, double decibels,
                                       CompactOptions start, const Threads& threads,
                                       const std::function<void(const CompactTrial&)>& on_trial) {
-  start.weights = splat_contributions(cloud, cameras, render, threads);
+  start = seen_from(cameras, cloud, std::move(start), render, threads);
   const SceneError error(cloud, spread_cameras(cameras, kMeasuringViews), render, threads);
   return CompactSearch(cloud, error, std::move(start), on_trial).within_loss(decibels);
 }
@@ -36,8 +36,9 @@ Expected<std::vector<std::byte>> round_parameters(TrainState& state) {
   SplatCloud cloud = to_cloud(exact, degree);
   // Offsets must be between quaternions that mean the same of four half turns
   canonicalize_rotations(cloud);
-  auto file =
-      encode_compact_glb(cloud, {.steps = rounding.steps, .weights = rounding.weights}, kName);
+  const CompactOptions options{
+      .steps = rounding.steps, .weights = rounding.weights, .sh_factors = rounding.sh_factors};
+  auto file = encode_compact_glb(cloud, options, kName);
   if (!file) return std::unexpected(file.error());
   const auto stored = read_glb(*file, kName);
   if (!stored) return std::unexpected(stored.error());

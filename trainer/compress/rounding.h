@@ -19,8 +19,9 @@
 namespace fluxgs {
 
 /// The smallest compact file found whose pictures are `decibels` from those of `cloud` (finite,
-/// some splats), over a dozen of the cameras. Splats weigh by their contributions to all of them.
-/// `start`: steps to begin with and what is not searched for.
+/// some splats), over a dozen of the cameras. Splats weigh by their contributions to all of them,
+/// and their harmonics by the directions from which they are seen. `start`: steps to begin with and
+/// what is not searched for.
 Expected<CompactTrial> compact_within(const SplatCloud& cloud, const std::vector<Camera>& cameras,
                                       const RenderOptions& render, double decibels,
                                       CompactOptions start, const Threads& threads,

@@ -3,10 +3,16 @@
 namespace fluxgs {
 namespace {
 
+/// `columns` entries a splat.
 template <class T>
-std::vector<T> gather(const std::vector<T>& from, const std::vector<std::uint32_t>& order) {
-  std::vector<T> result(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) result[i] = from[order[i]];
+std::vector<T> gather(const std::vector<T>& from, const std::vector<std::uint32_t>& order,
+                      std::size_t columns = 1) {
+  std::vector<T> result;
+  result.reserve(columns * order.size());
+  for (const std::uint32_t i : order) {
+    const auto first = from.begin() + static_cast<std::ptrdiff_t>(i * columns);
+    result.insert(result.end(), first, first + static_cast<std::ptrdiff_t>(columns));
+  }
   return result;
 }
 
@@ -27,6 +33,8 @@ void rearrange(TrainState& state, const std::vector<std::uint32_t>& order,
   if (!state.degrees.empty()) state.degrees = gather(state.degrees, order);
   if (state.rounding) {
     state.rounding->weights = gather(state.rounding->weights, order);
+    state.rounding->sh_factors =
+        gather(state.rounding->sh_factors, order, sh_factor_size(sh_degree_of(state.parameters)));
     if (state.rounding->offsets.size() > 0)
       state.rounding->offsets = state.rounding->offsets.gather(order);
   }

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "fluxgs/io/compact_glb.h"
 #include "trainer/model/parameters.h"
 
 namespace fluxgs {
@@ -34,9 +35,12 @@ double fixed_bytes(const Dataset& data, const TrainOptions& options) {
 }
 
 double bytes_per_splat(const TrainOptions& options, double pairs) {
-  // Parameters, two moments, gradients, and a copy of one of them
-  const double rows = 5.0 * row::count(degree_before_switch(options));
-  return rows * sizeof(float) + kPerSplat + kPerPair * pairs;
+  // Parameters, two moments, gradients, and a copy of one of them; what rounding knows of the
+  // views, and a copy of that
+  const int degree = degree_before_switch(options);
+  double floats = 5.0 * row::count(degree);
+  if (options.rounding == Switch::on) floats += 2.0 * static_cast<double>(sh_factor_size(degree));
+  return floats * sizeof(float) + kPerSplat + kPerPair * pairs;
 }
 
 }  // namespace

@@ -224,11 +224,14 @@ RoundingReport Trainer::begin_rounding() {
   RoundingReport report;
   report.train_psnr_before = mean_psnr(data_.train);
   const SplatCloud exact = cloud();
-  const auto found = compact_within(exact, cameras_of(data_.train), options_.render,
-                                    psnr_of_file(report.train_psnr_before, options_.store_loss),
-                                    {.steps = usual_compact_steps(exact)}, threads_, {});
+  auto found = compact_within(exact, cameras_of(data_.train), options_.render,
+                              psnr_of_file(report.train_psnr_before, options_.store_loss),
+                              {.steps = usual_compact_steps(exact)}, threads_, {});
   if (!found) return {.error = found.error()};
-  state_.rounding = RoundingState{found->options.steps, found->options.weights, {}};
+  state_.rounding = RoundingState{found->options.steps,
+                                  std::move(found->options.weights),
+                                  std::move(found->options.sh_factors),
+                                  {}};
   const auto file = round_parameters(state_);
   if (!file) {
     state_.rounding.reset();

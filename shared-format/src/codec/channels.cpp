@@ -21,7 +21,8 @@ constexpr float kLargestInHeader = 1e30f;  // so that no sum of products overflo
 struct Transform {
   float step = 1;
   std::vector<float> mean;
-  std::vector<float> basis;  ///< channels², column by column; empty: none
+  std::vector<float> basis;      ///< channels², column by column; empty: none
+  std::vector<float> axes = {};  ///< instead: 3², the same for all triples of channels
 };
 
 /// Multiples of the step, not yet whole, channel by channel.
@@ -132,20 +133,22 @@ Expected<Choice> choose(const Channels& input, float step) {
   return other && other->bits < best->bits ? other : best;
 }
 
-constexpr std::uint8_t kHasBasis = 1;
+enum Kind : std::uint8_t { kPlain, kHasBasis, kHasAxes };
 
 Expected<Transform> take_transform(Reader& in, std::size_t channels) {
   const auto stored = in.take_varint();
   if (stored && *stored != channels)
     return fail("", "", fmt::format("has {} channels, expected {}", *stored, channels));
-  const auto flags = in.take<std::uint8_t>();
+  const auto kind = in.take<std::uint8_t>();
   const auto step = in.take<float>();
-  if (!stored || !flags || !step) return fail("", "", "is cut off in its header");
-  if (!(std::isfinite(*step) && *step > 0) || *flags > kHasBasis)
+  if (!stored || !kind || !step) return fail("", "", "is cut off in its header");
+  if (!(std::isfinite(*step) && *step > 0) || *kind > kHasAxes ||
+      (*kind == kHasAxes && channels % 3 != 0))
     return fail("", "", "its header is damaged");
   Transform t{.step = *step, .mean = std::vector<float>(channels), .basis = {}};
-  t.basis.resize(*flags & kHasBasis ? channels * channels : 0);
-  for (auto* list : {&t.mean, &t.basis})
+  t.basis.resize(*kind == kHasBasis ? channels * channels : 0);
+  t.axes.resize(*kind == kHasAxes ? 9 : 0);
+  for (auto* list : {*kind == kHasAxes ? &t.axes : &t.mean, &t.basis})
     for (float& value : *list) {
       const auto number = in.take<float>();
       if (!number) return fail("", "", "is cut off in its header");
@@ -159,25 +162,34 @@ Expected<Transform> take_transform(Reader& in, std::size_t channels) {
 constexpr std::size_t kBlock =
     64;  // splats that are restored together: loops that compilers vectorise
 
-/// x = mean + basis·(step·k) for the splats from `first` on, `count` ≤ kBlock of them; x, for which
+using Block = std::array<float, kBlock>;
+
+/// z = step·k.
+void scale_block(std::span<const float> steps, const float* k, Block& z) {
+  for (std::size_t i = 0; i < steps.size(); ++i) z[i] = k[i] * steps[i];
+}
+
+/// to += factor·from.
+void add_block(float factor, const Block& from, std::size_t count, Block& to) {
+  for (std::size_t i = 0; i < count; ++i) to[i] += factor * from[i];
+}
+
+/// x = mean + basis·(step·k) for the splats from `first` on, kBlock of them at most; x, for which
 /// there is room, takes the place of k.
 void restore_block(const Transform& t, std::span<const float> steps, std::span<float> values,
-                   std::size_t splats, std::size_t first,
-                   std::array<std::array<float, kBlock>, kMostChannels>& x) {
+                   std::size_t splats, std::size_t first, std::array<Block, kMostChannels>& x) {
   const std::size_t n = t.mean.size(), count = steps.size();
-  std::array<float, kBlock> z;
+  Block z;
   for (std::size_t c = 0; c < n; ++c) x[c].fill(t.mean[c]);
   for (std::size_t c = 0; c < n; ++c) {
-    const float* k = &values[c * splats + first];
-    for (std::size_t i = 0; i < count; ++i) z[i] = k[i] * steps[i];
-    if (t.basis.empty()) {
-      for (std::size_t i = 0; i < count; ++i) x[c][i] += z[i];
-      continue;
-    }
-    for (std::size_t to = 0; to < n; ++to) {
-      const float factor = t.basis[c * n + to];
-      for (std::size_t i = 0; i < count; ++i) x[to][i] += factor * z[i];
-    }
+    scale_block(steps, &values[c * splats + first], z);
+    if (!t.basis.empty())
+      for (std::size_t to = 0; to < n; ++to) add_block(t.basis[c * n + to], z, count, x[to]);
+    else if (!t.axes.empty())
+      for (std::size_t to = 0; to < 3; ++to)
+        add_block(t.axes[c % 3 * 3 + to], z, count, x[c / 3 * 3 + to]);
+    else
+      add_block(1, z, count, x[c]);
   }
   for (std::size_t c = 0; c < n; ++c)
     std::copy_n(x[c].begin(), count,
@@ -187,7 +199,7 @@ void restore_block(const Transform& t, std::span<const float> steps, std::span<f
 void restore(const Transform& t, std::span<const float> coarseness, std::span<float> values,
              std::size_t splats) {
   std::array<float, kBlock> steps;
-  std::array<std::array<float, kBlock>, kMostChannels> x;
+  std::array<Block, kMostChannels> x;
   for (std::size_t first = 0; first < splats; first += kBlock) {
     const std::size_t count = std::min(kBlock, splats - first);
     for (std::size_t i = 0; i < count; ++i)
@@ -204,7 +216,7 @@ Expected<void> encode_channels(const Channels& input, float step, const Rounding
   if (!choice) return std::unexpected(choice.error());
   const Transform& t = choice->transform;
   put_varint(out, input.channels);
-  put(out, static_cast<std::uint8_t>(t.basis.empty() ? 0 : kHasBasis));
+  put(out, static_cast<std::uint8_t>(t.basis.empty() ? kPlain : kHasBasis));
   put(out, t.step);
   for (const auto* list : {&t.mean, &t.basis})
     for (const float value : *list) put(out, value);
@@ -214,6 +226,17 @@ Expected<void> encode_channels(const Channels& input, float step, const Rounding
     encode_values(round_cheaply(choice->planes[c], predicted, rounding), out);
   }
   return {};
+}
+
+void encode_triples(const Triples& triples, float step, Bytes& out) {
+  put_varint(out, triples.planes.size());
+  put(out, static_cast<std::uint8_t>(kHasAxes));
+  put(out, step);
+  for (const float value : triples.axes) put(out, value);
+  for (const auto& plane : triples.planes) {
+    put(out, std::uint8_t{0});  // not predicted
+    encode_values(plane, out);
+  }
 }
 
 Expected<double> channels_bits(const Channels& input, float step) {

@@ -2,7 +2,9 @@
 // predicted from the splats before, entropy coded.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -35,11 +37,21 @@ Expected<void> encode_channels(const Channels& input, float step, const Rounding
 /// Bits that encode_channels would take, rounding to the nearest, without the few for tables.
 Expected<double> channels_bits(const Channels& input, float step);
 
-/// Reads what encode_channels wrote for `splats` splats of `channels` channels into `values`,
-/// already of that size; unlike Channels, these go channel by channel. `coarseness` is that of the
-/// encoder; where it differs in its last bits, so do the values, and no more. Returns the step, or
-/// an error (without a file's name): cut, damaged, another number of channels, or numbers that are
-/// not finite.
+/// Numbers of three channels that belong together, such as red, green and blue: turned by an
+/// orthogonal matrix, column by column, and already whole.
+struct Triples {
+  std::array<float, 9> axes = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  std::vector<std::vector<std::int32_t>> planes = {};  ///< multiples of the step, by channel
+};
+
+/// Appends them as a stream that decode_channels reads, with a mean of zero.
+void encode_triples(const Triples& triples, float step, Bytes& out);
+
+/// Reads what encode_channels or encode_triples wrote for `splats` splats of `channels` channels
+/// into `values`, already of that size; unlike Channels, these go channel by channel. `coarseness`
+/// is that of the encoder; where it differs in its last bits, so do the values, and no more.
+/// Returns the step, or an error (without a file's name): cut, damaged, another number of channels,
+/// or numbers that are not finite.
 Expected<float> decode_channels(Reader& in, std::size_t channels, std::span<const float> coarseness,
                                 std::span<float> values);
 

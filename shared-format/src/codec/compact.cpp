@@ -4,11 +4,13 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "codec/channels.h"
+#include "codec/harmonics.h"
 #include "codec/importance.h"
 #include "codec/morton.h"
 #include "codec/positions.h"
@@ -214,16 +216,31 @@ Expected<void> decode_section(Attribute attribute, std::span<const std::byte> se
   return {};
 }
 
-std::vector<float> energy_in_order(std::span<const float> energy,
-                                   const std::vector<std::uint32_t>& order) {
+/// Numbers of splats, as many of each, in another order.
+std::vector<float> in_order(std::span<const float> numbers,
+                            const std::vector<std::uint32_t>& order) {
+  const std::size_t each = order.empty() ? 0 : numbers.size() / order.size();
   std::vector<float> result;
-  if (energy.empty()) return result;
-  result.reserve(energy.size());
+  result.reserve(numbers.size());
   for (const std::uint32_t i : order) {
-    const auto own = energy.subspan(i * kEnergyChannels, kEnergyChannels);
+    const auto own = numbers.subspan(i * each, each);
     result.insert(result.end(), own.begin(), own.end());
   }
   return result;
+}
+
+/// The section sh_rest of colours that are rounded together (harmonics.h); those of degree 0
+/// become what goes best with it.
+Expected<Bytes> encode_rest(const Channels& rest, std::span<const float> factors, float step,
+                            const Rounding& rounding, std::vector<glm::vec3>& sh_dc) {
+  std::vector<float> dc;
+  for (const glm::vec3& v : sh_dc) put_vec3(dc, v);
+  Bytes section;
+  if (auto ok = encode_harmonics(rest, factors, step, rounding, dc, section); !ok)
+    return in_attribute(kRest, ok.error());
+  for (std::size_t i = 0; i < sh_dc.size(); ++i)
+    sh_dc[i] = {dc[3 * i], dc[3 * i + 1], dc[3 * i + 2]};
+  return section;
 }
 
 }  // namespace
@@ -242,21 +259,33 @@ Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactOptions& op
   Bytes out, section;
   if (cloud.size() == 0) return out;
   const auto order = morton_order(cloud.positions);
-  Content exact{in_order(cloud, order), !energy.empty(), energy_in_order(energy, order)};
+  Content exact{fluxgs::in_order(cloud, order), !energy.empty(), in_order(energy, order)};
   if (auto ok = encode_positions(exact.cloud.positions, options.steps.position, section); !ok)
     return std::unexpected(ok.error());
   put_section(out, section);
   Content decoded = exact;
+  std::optional<Bytes> rest;
   for (const Attribute attribute : attributes_of(exact.has_energy, cloud.sh_degree)) {
     const auto coarseness = decoded.coarseness_of(attribute);
+    const auto weights = rounding_weights(options.weights, order, coarseness);
+    const Rounding rounding{options.rate_weight * factor_of(attribute, rates), weights};
+    if (attribute == kDc && cloud.sh_degree > 0 && !options.sh_factors.empty()) {
+      auto made = encode_rest(
+          {channels_of(kRest, cloud.sh_degree), values_of(kRest, exact), coarseness},
+          in_order(options.sh_factors, order), options.steps.sh_rest, rounding, exact.cloud.sh_dc);
+      if (!made) return std::unexpected(made.error());
+      rest = std::move(*made);
+    }
+    if (attribute == kRest && rest) {
+      put_section(out, *rest);
+      continue;
+    }
     Stepped numbers = attribute == kScale
                           ? roots_of(exact.cloud.log_scales, options.steps.log_scale)
                           : Stepped{values_of(attribute, exact), step_of(attribute, options.steps)};
     const Channels input{channels_of(attribute, cloud.sh_degree), std::move(numbers.values),
                          coarseness};
-    const auto weights = rounding_weights(options.weights, order, coarseness);
     section.clear();
-    const Rounding rounding{options.rate_weight * factor_of(attribute, rates), weights};
     if (auto ok = encode_channels(input, numbers.step, rounding, section); !ok)
       return in_attribute(attribute, ok.error());
     put_section(out, section);

@@ -9,27 +9,6 @@
 namespace fluxgs::codec {
 namespace {
 
-constexpr std::int32_t kReach = 2048;  // beyond it a number's neighbours are about as rare
-constexpr int kPasses = 2;  // choices change how often numbers occur, which changes choices
-
-/// Bits of each number of −kReach…kReach, if they occur as often as in `numbers`.
-class Prices {
- public:
-  explicit Prices(const std::vector<std::int32_t>& numbers) : bits_(2 * kReach + 1) {
-    std::vector<double> counts(bits_.size(), 0.1);  // what did not occur has its price, too
-    double total = 0.1 * static_cast<double>(counts.size());
-    for (const std::int32_t n : numbers)
-      if (knows(n)) counts[index(n)] += 1, total += 1;
-    std::ranges::transform(counts, bits_.begin(), [&](double c) { return std::log2(total / c); });
-  }
-  static bool knows(std::int32_t n) { return -kReach <= n && n <= kReach; }
-  double operator()(std::int32_t n) const { return bits_[index(n)]; }
-
- private:
-  static std::size_t index(std::int32_t n) { return static_cast<std::size_t>(n + kReach); }
-  std::vector<double> bits_;
-};
-
 std::int32_t nearest(double value) { return static_cast<std::int32_t>(std::lround(value)); }
 
 std::int32_t choose(double value, double weight, double rate_weight, const Prices& prices) {
@@ -57,11 +36,19 @@ std::vector<std::int32_t> walk(std::span<const double> values, bool predicted, c
 
 }  // namespace
 
+Prices::Prices(std::span<const std::int32_t> numbers) : bits_(2 * kReach + 1) {
+  std::vector<double> counts(bits_.size(), 0.1);  // what did not occur has its price, too
+  double total = 0.1 * static_cast<double>(counts.size());
+  for (const std::int32_t n : numbers)
+    if (knows(n)) counts[index(n)] += 1, total += 1;
+  std::ranges::transform(counts, bits_.begin(), [&](double c) { return std::log2(total / c); });
+}
+
 std::vector<std::int32_t> round_cheaply(std::span<const double> values, bool predicted,
                                         const Rounding& rounding) {
   auto numbers = walk(values, predicted, [](double value, std::size_t) { return nearest(value); });
   if (rounding.rate_weight <= 0) return numbers;
-  for (int pass = 0; pass < kPasses; ++pass) {
+  for (int pass = 0; pass < kRoundingPasses; ++pass) {
     const Prices prices(numbers);
     numbers = walk(values, predicted, [&](double value, std::size_t i) {
       const double weight = rounding.weights.empty() ? 1.0 : double{rounding.weights[i]};

@@ -14,6 +14,25 @@ struct Rounding {
   std::span<const float> weights = {};  ///< one for each value, 1 on the average; empty: all 1
 };
 
+/// Bits of whole numbers that occur as often as they do in a list; a little more than in it for
+/// those that do not occur.
+class Prices {
+ public:
+  explicit Prices(std::span<const std::int32_t> numbers);
+  /// Whether n is near enough to zero; beyond, a number's neighbours are about as rare.
+  static bool knows(std::int32_t n) { return -kReach <= n && n <= kReach; }
+  double operator()(std::int32_t n) const { return bits_[index(n)]; }
+
+ private:
+  static constexpr std::int32_t kReach = 2048;
+  static std::size_t index(std::int32_t n) { return static_cast<std::size_t>(n + kReach); }
+  std::vector<double> bits_;
+};
+
+/// How often all numbers are chosen anew, because choices change how often numbers occur, which
+/// changes choices.
+inline constexpr int kRoundingPasses = 2;
+
 /// Whole numbers for `values` as what is coded: themselves or, if `predicted`, their differences
 /// from the prediction by those before. Each is the nearest or the one next to it towards the
 /// cheaper zero, so that it is off by 1.5 at most; which of the two depends on how often the

@@ -2,12 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <numeric>
+
+#include <Eigen/Core>
 
 #include "fluxgs/io/gltf.h"
 #include "support/scenes.h"
+#include "trainer/appearance/sh_fit.h"
+#include "trainer/appearance/sh_reduction.h"
 #include "trainer/compress/compact_search.h"
-#include "trainer/compress/contribution.h"
+#include "trainer/compress/seen_splats.h"
 #include "trainer/train/evaluate.h"
 
 namespace fluxgs {
@@ -55,11 +60,11 @@ TEST(SceneError, ColoursBeyondTheDisplayDoNotCount) {
 }
 
 // Σ over the splats of Σ α·T is what the pictures of a grey scene add up to, over the grey.
-TEST(Contribution, AddsUpToThePicture) {
+TEST(SeenSplats, WeightsAddUpToThePicture) {
   const Threads threads(1);
   SplatCloud cloud = test::random_cloud(400, 2, 3);
   const auto cameras = some_cameras();
-  const auto weights = splat_contributions(cloud, cameras, {}, threads);
+  const auto weights = seen_from(cameras, cloud, {}, {}, threads).weights;
   ASSERT_EQ(weights.size(), cloud.size());
   limit_sh_degree(cloud, 0);
   for (glm::vec3& dc : cloud.sh_dc) dc = glm::vec3(0);  // colour 0.5
@@ -73,7 +78,7 @@ TEST(Contribution, AddsUpToThePicture) {
   EXPECT_NEAR(std::accumulate(weights.begin(), weights.end(), 0.0) / sum, 1, 1e-4);
 }
 
-TEST(Contribution, HiddenSplatsHaveNextToNone) {
+TEST(SeenSplats, HiddenSplatsWeighNextToNothing) {
   const Threads threads(1);
   SplatCloud cloud = test::one_splat({0, 0, 0}, 2, 20);  // opaque
   const SplatCloud behind = test::one_splat({0, 0, 1}, 0.2f, 20);
@@ -81,9 +86,33 @@ TEST(Contribution, HiddenSplatsHaveNextToNone) {
   cloud.positions[1] = behind.positions[0];
   cloud.log_scales[1] = behind.log_scales[0];
   cloud.opacity_logits[1] = 20;
-  const auto weights = splat_contributions(cloud, {test::camera_in_front(32, 32)}, {}, threads);
+  const auto weights = seen_from({test::camera_in_front(32, 32)}, cloud, {}, {}, threads).weights;
   EXPECT_LT(weights[1], 0.02f * weights[0]);
   EXPECT_GT(weights[1], 0);
+}
+
+TEST(SeenSplats, FactorsAreThoseOfTheDirections) {
+  SplatCloud cloud = test::random_cloud(60, 2, 5);
+  cloud.positions[0] = {0, 0, -1e4f};  // no view sees it
+  const PlanarFloats parameters = to_parameters(cloud, 2);
+  const Threads one(1), two(2);
+  const ViewWeights views = view_weights(parameters, some_cameras(), {}, one);
+  const auto factors = sh_factors(parameters, views, one);
+  EXPECT_EQ(factors, sh_factors(parameters, views, two));
+  const std::size_t each = sh_factor_size(2);
+  ASSERT_EQ(factors.size(), 60 * each);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(9, 9);
+    for (Eigen::Index row = 0, at = 0; row < 9; ++row)
+      for (Eigen::Index column = 0; column <= row; ++column, ++at)
+        factor(row, column) = factors[i * each + static_cast<std::size_t>(at)];
+    const SplatViews seen = splat_views(views, parameters, i);
+    Eigen::MatrixXd expected = Eigen::MatrixXd::Identity(9, 9);
+    if (seen.weight > 0)
+      expected = 4 * std::numbers::pi * seen.gram.topLeftCorner(9, 9) + kSpherePrior * expected;
+    EXPECT_LT((factor * factor.transpose() - expected).cwiseAbs().maxCoeff(), 1e-5) << i;
+  }
+  EXPECT_EQ(splat_views(views, parameters, 0).weight, 0);
 }
 
 TEST(CompactSearch, StaysWithinTheLossAndUsesIt) {

@@ -93,6 +93,7 @@ inline void expect_same(const TrainState& a, const TrainState& b) {
   if (a.rounding) {
     EXPECT_EQ(a.rounding->steps.position, b.rounding->steps.position);
     EXPECT_EQ(a.rounding->weights, b.rounding->weights);
+    EXPECT_EQ(a.rounding->sh_factors, b.rounding->sh_factors);
     expect_same(a.rounding->offsets, b.rounding->offsets, "rounding");
   }
   EXPECT_EQ(a.iteration, b.iteration);
