@@ -121,17 +121,19 @@ class HarmonicsRounder {
     return sum;
   }
 
-  /// The nearest number, the one next to it towards zero, or zero.
+  /// The best number from the nearest to zero: where errors are made up for, it may be far from
+  /// both.
   std::int32_t choose(double z, double weight, std::size_t plane) const {
     const auto near = static_cast<std::int32_t>(std::lround(z));
     if (near == 0 || prices_.empty() || !Prices::knows(near)) return near;
-    const Prices& prices = prices_[plane];
-    const auto cost = [&](std::int32_t n) {
-      return weight * (z - n) * (z - n) + rounding_.rate_weight * prices(n);
-    };
+    const auto error = [&](std::int32_t n) { return weight * (z - n) * (z - n); };
+    const auto bits = [&](std::int32_t n) { return rounding_.rate_weight * prices_[plane](n); };
     std::int32_t best = near;
-    for (const std::int32_t n : {near > 0 ? near - 1 : near + 1, 0})
-      if (cost(n) < cost(best)) best = n;
+    double least = error(near) + bits(near);
+    for (std::int32_t n = near; n != 0 && error(n) < least;) {
+      n += near > 0 ? -1 : 1;
+      if (const double cost = error(n) + bits(n); cost < least) least = cost, best = n;
+    }
     return best;
   }
 
