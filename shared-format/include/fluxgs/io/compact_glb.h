@@ -60,6 +60,7 @@ struct CompactNetworks {
   std::vector<float> energy = {};  ///< with Ψ: 12 finite numbers a splat, in the order of the cloud
 };
 
+/// Numbers of a lower triangle over the (degree + 1)² basis functions of a degree 0…3.
 constexpr std::size_t sh_factor_size(int sh_degree) {
   const auto n = static_cast<std::size_t>(sh_rest_count(sh_degree) + 1);
   return n * (n + 1) / 2;
