@@ -59,9 +59,10 @@ Expected<CompactTrial> search(const ConvertSettings& s, const SplatCloud& cloud)
   const SceneError error(cloud, cameras, options, threads);
   Progress progress("trials", CompactSearch::kUsualTrials, 0);
   int trials = 0;
-  CompactOptions start{usual_compact_steps(cloud), s.plain_attributes};
-  if (data != nullptr) start = seen_from(data->train, cloud, std::move(start), options, threads);
-  const CompactSearch search(cloud, error, std::move(start), [&](const CompactTrial& t) {
+  const CompactOptions usual{usual_compact_steps(cloud), s.plain_attributes};
+  const CompactOptions start =
+      data != nullptr ? seen_from(data->train, cloud, usual, options, threads) : usual;
+  const CompactSearch search(cloud, error, start, [&](const CompactTrial& t) {
     progress.update(++trials, fmt::format("{} bytes  {}", t.file.size(), decibels(t.psnr())));
   });
   auto found = s.max_bytes ? search.within_bytes(*s.max_bytes) : search.within_loss(*s.max_loss);
