@@ -338,7 +338,9 @@ void add_codec(Seeds& seeds) {
     }
   }
   Bytes triples;
-  codec::encode_triples({.planes = {{0, 1, -2, 9}, {3, 3, 3, 3}, {-1, 0, 0, 5}}}, 0.01f, triples);
+  const codec::Layout layout{
+      .step = 0.01f, .axes = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .predicted = {0, 0, 0}};
+  codec::encode_whole(layout, {{0, 1, -2, 9}, {3, 3, 3, 3}, {-1, 0, 0, 5}}, triples);
   seeds["channels"]["triples"] = with_count(4, {3, 0}, triples);
   for (const std::int32_t spread : {1, 2, 100, 1 << 20}) {
     std::vector<std::int32_t> numbers;

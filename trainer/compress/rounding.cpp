@@ -36,8 +36,7 @@ Expected<std::vector<std::byte>> round_parameters(TrainState& state) {
   SplatCloud cloud = to_cloud(exact, degree);
   // Offsets must be between quaternions that mean the same of four half turns
   canonicalize_rotations(cloud);
-  const CompactOptions options{
-      .steps = rounding.steps, .weights = rounding.weights, .sh_factors = rounding.sh_factors};
+  const CompactOptions options{.steps = rounding.steps, .costs = rounding.costs};
   auto file = encode_compact_glb(cloud, options, kName);
   if (!file) return std::unexpected(file.error());
   const auto stored = read_glb(*file, kName);

@@ -19,15 +19,15 @@
 namespace fluxgs {
 
 /// The smallest compact file found whose pictures are `decibels` from those of `cloud` (finite,
-/// some splats), over a dozen of the cameras. Splats weigh by their contributions to all of them,
-/// and their harmonics by the directions from which they are seen. `start`: steps to begin with and
+/// some splats), over a dozen of the cameras. Errors cost what they do in the pictures of all of
+/// them. `start`: steps to begin with and
 /// what is not searched for.
 Expected<CompactTrial> compact_within(const SplatCloud& cloud, const std::vector<Camera>& cameras,
                                       const RenderOptions& render, double decibels,
                                       CompactOptions start, const Threads& threads,
                                       const std::function<void(const CompactTrial&)>& on_trial);
 
-/// Rounds the parameters of a state with the steps and weights of its `rounding`: what they are
+/// Rounds the parameters of a state with the steps and costs of its `rounding`: what they are
 /// without their last offsets, if there are any. The splats then have the order of the file, in
 /// which those of equal depth are drawn. Returns the file, which holds exactly this scene. On an
 /// error, which names the attribute, nothing has changed.

@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
 #include "trainer/appearance/sh_fit.h"
 #include "trainer/appearance/sh_reduction.h"
+#include "trainer/compress/error_curvature.h"
 
 namespace fluxgs {
 namespace {
@@ -53,8 +55,12 @@ CompactOptions seen_from(const std::vector<Camera>& cameras, const SplatCloud& c
                          const Threads& threads, const ProgressReport& progress) {
   const PlanarFloats parameters = to_parameters(cloud, cloud.sh_degree);
   const ViewWeights views = view_weights(parameters, cameras, render, threads, progress);
-  options.weights = total_weights(views);
-  if (!options.networks) options.sh_factors = sh_factors(parameters, views, threads);
+  options.costs = {.weights = total_weights(views)};
+  if (options.networks) return options;
+  options.costs.sh_factors = sh_factors(parameters, views, threads);
+  ErrorCurvature curvature = error_curvature(parameters, cameras, render, threads, progress);
+  options.costs.scale = std::move(curvature.scale);
+  options.costs.rotation = std::move(curvature.rotation);
   return options;
 }
 

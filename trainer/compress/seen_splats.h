@@ -18,11 +18,11 @@ namespace fluxgs {
 /// pictures (the contribution of the paper's section on compression).
 std::vector<float> total_weights(const ViewWeights& views);
 
-/// CompactOptions::sh_factors of a cloud with these parameters.
+/// ErrorCosts::sh_factors of a cloud with these parameters.
 std::vector<float> sh_factors(const PlanarFloats& parameters, const ViewWeights& views,
                               const Threads& threads);
 
-/// Options whose weights and, where there are no networks, sh_factors are those of the cameras.
+/// Options whose costs are those of the cameras' pictures; for networks, only the weights.
 CompactOptions seen_from(const std::vector<Camera>& cameras, const SplatCloud& cloud,
                          CompactOptions options, const RenderOptions& render,
                          const Threads& threads, const ProgressReport& progress = {});

@@ -3,16 +3,11 @@
 namespace fluxgs {
 namespace {
 
-/// `columns` entries a splat.
-template <class T>
-std::vector<T> gather(const std::vector<T>& from, const std::vector<std::uint32_t>& order,
-                      std::size_t columns = 1) {
-  std::vector<T> result;
-  result.reserve(columns * order.size());
-  for (const std::uint32_t i : order) {
-    const auto first = from.begin() + static_cast<std::ptrdiff_t>(i * columns);
-    result.insert(result.end(), first, first + static_cast<std::ptrdiff_t>(columns));
-  }
+std::vector<std::uint8_t> gather(const std::vector<std::uint8_t>& from,
+                                 const std::vector<std::uint32_t>& order) {
+  std::vector<std::uint8_t> result;
+  result.reserve(order.size());
+  for (const std::uint32_t i : order) result.push_back(from[i]);
   return result;
 }
 
@@ -32,9 +27,8 @@ void rearrange(TrainState& state, const std::vector<std::uint32_t>& order,
   }
   if (!state.degrees.empty()) state.degrees = gather(state.degrees, order);
   if (state.rounding) {
-    state.rounding->weights = gather(state.rounding->weights, order);
-    state.rounding->sh_factors =
-        gather(state.rounding->sh_factors, order, sh_factor_size(sh_degree_of(state.parameters)));
+    const int degree = sh_degree_of(state.parameters);
+    state.rounding->costs = costs_of(state.rounding->costs, degree, order, degree);
     if (state.rounding->offsets.size() > 0)
       state.rounding->offsets = state.rounding->offsets.gather(order);
   }

@@ -32,9 +32,8 @@ struct NetworkState {
 /// While parameters are what a compact file would hold (trainer/compress/rounding.h).
 struct RoundingState {
   CompactSteps steps;
-  std::vector<float> weights;     ///< of each splat's errors, on any scale
-  std::vector<float> sh_factors;  ///< as in CompactOptions
-  PlanarFloats offsets;           ///< rounded − exact; empty: not rounded yet
+  ErrorCosts costs;      ///< all of them
+  PlanarFloats offsets;  ///< rounded − exact; empty: not rounded yet
 };
 
 struct TrainState {

@@ -58,7 +58,7 @@ std::optional<RoundingState> read_rounding(const json& header) {
   if (found == header.end() || found->is_null()) return {};
   const auto s = found->get<std::array<double, 7>>();
   const auto f = [&](std::size_t i) { return static_cast<float>(s[i]); };
-  return RoundingState{{s[0], f(1), f(2), f(3), f(4), f(5), f(6)}, {}, {}, {}};
+  return RoundingState{{s[0], f(1), f(2), f(3), f(4), f(5), f(6)}, {}, {}};
 }
 
 json header_of(const Checkpoint& c) {
@@ -130,9 +130,9 @@ struct Layout {
     if (splats > (std::uint64_t{1} << 40)) return 0;
     const int rows = 3 * row::count(sh_degree) + statistic::count +
                      (networks() ? 3 * networks::kShColumns : 0) +
-                     (rounding ? 1 + row::count(sh_degree) : 0);
+                     (rounding ? row::count(sh_degree) : 0);
     const std::uint64_t floats =
-        static_cast<std::uint64_t>(rows) + (rounding ? sh_factor_size(sh_degree) : 0);
+        static_cast<std::uint64_t>(rows) + (rounding ? error_costs_size(sh_degree) : 0);
     return splats * (floats * sizeof(float) + (own_degrees ? 1 : 0)) +
            model_floats() * sizeof(float);
   }
@@ -161,7 +161,8 @@ void append_state(std::vector<std::byte>& out, const TrainState& state) {
   append_rows(out, state.adam.second);
   append_rows(out, state.statistics);
   if (state.rounding) {
-    for (const auto* numbers : {&state.rounding->weights, &state.rounding->sh_factors})
+    const ErrorCosts& costs = state.rounding->costs;
+    for (const auto* numbers : {&costs.weights, &costs.sh_factors, &costs.scale, &costs.rotation})
       for (const float number : *numbers) append(out, number);
     append_rows(out, state.rounding->offsets);
   }
@@ -184,9 +185,12 @@ Expected<void> take_state(const std::byte* in, const Layout& layout, TrainState&
   take(row::count(layout.sh_degree), {&state.parameters, &state.adam.first, &state.adam.second});
   take(statistic::count, {&state.statistics});
   if (state.rounding) {
-    state.rounding->weights.resize(layout.splats);
-    state.rounding->sh_factors.resize(layout.splats * sh_factor_size(layout.sh_degree));
-    for (auto* numbers : {&state.rounding->weights, &state.rounding->sh_factors}) {
+    ErrorCosts& costs = state.rounding->costs;
+    costs.weights.resize(layout.splats);
+    costs.sh_factors.resize(layout.splats * sh_factor_size(layout.sh_degree));
+    costs.scale.resize(layout.splats * kTriangle3);
+    costs.rotation.resize(layout.splats * kTriangle3);
+    for (auto* numbers : {&costs.weights, &costs.sh_factors, &costs.scale, &costs.rotation}) {
       std::memcpy(numbers->data(), in, numbers->size() * sizeof(float));
       in += numbers->size() * sizeof(float);
     }

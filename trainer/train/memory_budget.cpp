@@ -39,7 +39,7 @@ double bytes_per_splat(const TrainOptions& options, double pairs) {
   // views, and a copy of that
   const int degree = degree_before_switch(options);
   double floats = 5.0 * row::count(degree);
-  if (options.rounding == Switch::on) floats += 2.0 * static_cast<double>(sh_factor_size(degree));
+  if (options.rounding == Switch::on) floats += 2.0 * static_cast<double>(error_costs_size(degree));
   return floats * sizeof(float) + kPerSplat + kPerPair * pairs;
 }
 

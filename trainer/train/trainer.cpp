@@ -228,10 +228,7 @@ RoundingReport Trainer::begin_rounding() {
                               psnr_of_file(report.train_psnr_before, options_.store_loss),
                               {.steps = usual_compact_steps(exact)}, threads_, {});
   if (!found) return {.error = found.error()};
-  state_.rounding = RoundingState{found->options.steps,
-                                  std::move(found->options.weights),
-                                  std::move(found->options.sh_factors),
-                                  {}};
+  state_.rounding = RoundingState{found->options.steps, std::move(found->options.costs), {}};
   const auto file = round_parameters(state_);
   if (!file) {
     state_.rounding.reset();

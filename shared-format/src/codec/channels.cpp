@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
@@ -16,14 +17,6 @@ namespace {
 constexpr std::size_t kMostChannels = 64;
 constexpr double kLargest = 0x1p28;
 constexpr float kLargestInHeader = 1e30f;  // so that no sum of products overflows
-
-/// How the numbers of a splat become whole ones: k = round(basisᵀ·(x − mean) / step).
-struct Transform {
-  float step = 1;
-  std::vector<float> mean;
-  std::vector<float> basis;      ///< channels², column by column; empty: none
-  std::vector<float> axes = {};  ///< instead: 3², the same for all triples of channels
-};
 
 /// Multiples of the step, not yet whole, channel by channel.
 using Planes = std::vector<std::vector<double>>;
@@ -50,7 +43,7 @@ std::vector<float> principal_axes(const Eigen::MatrixXd& x) {
   return {axes.data(), axes.data() + axes.size()};
 }
 
-Expected<Planes> in_steps(const Channels& input, const Transform& t) {
+Expected<Planes> in_steps(const Channels& input, const Layout& t) {
   const std::size_t n = input.channels, splats = input.splats();
   Planes planes(n, std::vector<double>(splats));
   std::vector<double> centered(n);
@@ -87,47 +80,43 @@ void undo_differences(std::span<std::int32_t> values) {
   }
 }
 
-/// How a channel will be stored.
-struct ChannelCode {
-  bool predicted = false;
-  double bits = 0;  ///< rounded to the nearest, which tells well enough which way is shorter
-};
-
-ChannelCode shorter_code(const std::vector<double>& plane) {
+/// Whether differences from the prediction take fewer bits, and how many the channel takes, rounded
+/// to the nearest, which tells well enough.
+std::pair<bool, double> shorter_code(const std::vector<double>& plane) {
   const double plain = entropy_bits(round_cheaply(plane, false, {}));
   const double predicted = entropy_bits(round_cheaply(plane, true, {}));
   return {predicted < plain, std::min(predicted, plain)};
 }
 
 struct Choice {
-  Transform transform;
+  Layout layout;
   Planes planes;
-  std::vector<ChannelCode> codes;
   double bits = 0;
 };
 
-Expected<Choice> choice_of(const Channels& input, Transform transform) {
-  auto planes = in_steps(input, transform);
+Expected<Choice> choice_of(const Channels& input, Layout layout) {
+  auto planes = in_steps(input, layout);
   if (!planes) return std::unexpected(planes.error());
-  Choice choice{.transform = std::move(transform), .planes = std::move(*planes), .codes = {}};
+  Choice choice{.layout = std::move(layout), .planes = std::move(*planes)};
   for (const auto& plane : choice.planes) {
-    choice.codes.push_back(shorter_code(plane));
-    choice.bits += choice.codes.back().bits;
+    const auto [predicted, bits] = shorter_code(plane);
+    choice.layout.predicted.push_back(predicted ? 1 : 0);
+    choice.bits += bits;
   }
-  choice.bits += 32.0 * static_cast<double>(choice.transform.basis.size());
+  choice.bits += 32.0 * static_cast<double>(choice.layout.basis.size());
   return choice;
 }
 
 Expected<Choice> choose(const Channels& input, float step) {
   const Eigen::MatrixXd x = matrix_of(input);
-  const Transform plain{.step = step, .mean = mean_of(x), .basis = {}};
+  const Layout plain{.step = step, .mean = mean_of(x)};
   for (const float mean : plain.mean)
     if (!(std::abs(mean) < kLargestInHeader))
       return fail("", "",
                   fmt::format("its mean is {:g}, expected less than {:g}", mean, kLargestInHeader));
   auto best = choice_of(input, plain);
   if (!best || input.channels == 1) return best;
-  Transform turned = plain;
+  Layout turned = plain;
   turned.basis = principal_axes(x);
   auto other = choice_of(input, std::move(turned));
   return other && other->bits < best->bits ? other : best;
@@ -135,7 +124,7 @@ Expected<Choice> choose(const Channels& input, float step) {
 
 enum Kind : std::uint8_t { kPlain, kHasBasis, kHasAxes };
 
-Expected<Transform> take_transform(Reader& in, std::size_t channels) {
+Expected<Layout> take_layout(Reader& in, std::size_t channels) {
   const auto stored = in.take_varint();
   if (stored && *stored != channels)
     return fail("", "", fmt::format("has {} channels, expected {}", *stored, channels));
@@ -145,7 +134,7 @@ Expected<Transform> take_transform(Reader& in, std::size_t channels) {
   if (!(std::isfinite(*step) && *step > 0) || *kind > kHasAxes ||
       (*kind == kHasAxes && channels % 3 != 0))
     return fail("", "", "its header is damaged");
-  Transform t{.step = *step, .mean = std::vector<float>(channels), .basis = {}};
+  Layout t{.step = *step, .mean = std::vector<float>(channels)};
   t.basis.resize(*kind == kHasBasis ? channels * channels : 0);
   t.axes.resize(*kind == kHasAxes ? 9 : 0);
   for (auto* list : {*kind == kHasAxes ? &t.axes : &t.mean, &t.basis})
@@ -176,7 +165,7 @@ void add_block(float factor, const Block& from, std::size_t count, Block& to) {
 
 /// x = mean + basis·(step·k) for the splats from `first` on, kBlock of them at most; x, for which
 /// there is room, takes the place of k.
-void restore_block(const Transform& t, std::span<const float> steps, std::span<float> values,
+void restore_block(const Layout& t, std::span<const float> steps, std::span<float> values,
                    std::size_t splats, std::size_t first, std::array<Block, kMostChannels>& x) {
   const std::size_t n = t.mean.size(), count = steps.size();
   Block z;
@@ -196,7 +185,7 @@ void restore_block(const Transform& t, std::span<const float> steps, std::span<f
                 values.begin() + static_cast<std::ptrdiff_t>(c * splats + first));
 }
 
-void restore(const Transform& t, std::span<const float> coarseness, std::span<float> values,
+void restore(const Layout& t, std::span<const float> coarseness, std::span<float> values,
              std::size_t splats) {
   std::array<float, kBlock> steps;
   std::array<Block, kMostChannels> x;
@@ -210,33 +199,36 @@ void restore(const Transform& t, std::span<const float> coarseness, std::span<fl
 
 }  // namespace
 
+void encode_whole(const Layout& layout, const std::vector<std::vector<std::int32_t>>& planes,
+                  Bytes& out) {
+  put_varint(out, planes.size());
+  put(out, static_cast<std::uint8_t>(!layout.axes.empty()    ? kHasAxes
+                                     : !layout.basis.empty() ? kHasBasis
+                                                             : kPlain));
+  put(out, layout.step);
+  for (const auto* list : {&layout.mean, &layout.basis, &layout.axes})
+    for (const float value : *list) put(out, value);
+  for (std::size_t c = 0; c < planes.size(); ++c) {
+    put(out, layout.predicted[c]);
+    encode_values(planes[c], out);
+  }
+}
+
+Expected<Layout> shortest_layout(const Channels& input, float step) {
+  auto choice = choose(input, step);
+  if (!choice) return std::unexpected(choice.error());
+  return std::move(choice->layout);
+}
+
 Expected<void> encode_channels(const Channels& input, float step, const Rounding& rounding,
                                Bytes& out) {
   const auto choice = choose(input, step);
   if (!choice) return std::unexpected(choice.error());
-  const Transform& t = choice->transform;
-  put_varint(out, input.channels);
-  put(out, static_cast<std::uint8_t>(t.basis.empty() ? kPlain : kHasBasis));
-  put(out, t.step);
-  for (const auto* list : {&t.mean, &t.basis})
-    for (const float value : *list) put(out, value);
-  for (std::size_t c = 0; c < input.channels; ++c) {
-    const bool predicted = choice->codes[c].predicted;
-    put(out, static_cast<std::uint8_t>(predicted));
-    encode_values(round_cheaply(choice->planes[c], predicted, rounding), out);
-  }
+  std::vector<std::vector<std::int32_t>> planes;
+  for (std::size_t c = 0; c < input.channels; ++c)
+    planes.push_back(round_cheaply(choice->planes[c], choice->layout.predicted[c] != 0, rounding));
+  encode_whole(choice->layout, planes, out);
   return {};
-}
-
-void encode_triples(const Triples& triples, float step, Bytes& out) {
-  put_varint(out, triples.planes.size());
-  put(out, static_cast<std::uint8_t>(kHasAxes));
-  put(out, step);
-  for (const float value : triples.axes) put(out, value);
-  for (const auto& plane : triples.planes) {
-    put(out, std::uint8_t{0});  // not predicted
-    encode_values(plane, out);
-  }
 }
 
 Expected<double> channels_bits(const Channels& input, float step) {
@@ -251,8 +243,8 @@ Expected<float> decode_channels(Reader& in, std::size_t channels, std::span<cons
     return fail("", "", fmt::format("{} channels, expected 1 to {}", channels, kMostChannels));
   const std::size_t splats = values.size() / channels;
   if (splats == 0) return 0.0f;
-  const auto transform = take_transform(in, channels);
-  if (!transform) return std::unexpected(transform.error());
+  const auto layout = take_layout(in, channels);
+  if (!layout) return std::unexpected(layout.error());
   std::vector<std::int32_t> plane(splats);
   for (std::size_t c = 0; c < channels; ++c) {
     const auto predicted = in.take<std::uint8_t>();
@@ -264,9 +256,9 @@ Expected<float> decode_channels(Reader& in, std::size_t channels, std::span<cons
     std::ranges::transform(plane, values.begin() + static_cast<std::ptrdiff_t>(c * splats),
                            [](std::int32_t k) { return static_cast<float>(k); });
   }
-  restore(*transform, coarseness, values, splats);
+  restore(*layout, coarseness, values, splats);
   const auto bad = std::ranges::find_if_not(values, [](float x) { return std::isfinite(x); });
-  if (bad == values.end()) return transform->step;
+  if (bad == values.end()) return layout->step;
   return fail("", "",
               fmt::format("splat {} is not finite",
                           static_cast<std::size_t>(bad - values.begin()) % splats));

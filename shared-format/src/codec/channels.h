@@ -2,7 +2,6 @@
 // predicted from the splats before, entropy coded.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -37,17 +36,26 @@ Expected<void> encode_channels(const Channels& input, float step, const Rounding
 /// Bits that encode_channels would take, rounding to the nearest, without the few for tables.
 Expected<double> channels_bits(const Channels& input, float step);
 
-/// Numbers of three channels that belong together, such as red, green and blue: turned by an
-/// orthogonal matrix, column by column, and already whole.
-struct Triples {
-  std::array<float, 9> axes = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  std::vector<std::vector<std::int32_t>> planes = {};  ///< multiples of the step, by channel
+/// How the numbers of a splat become whole ones, k: x = mean + basis·(step·k).
+struct Layout {
+  float step = 1;
+  std::vector<float> mean = {};
+  std::vector<float> basis = {};  ///< channels², orthogonal, column by column; empty: none
+  /// Instead of mean and basis: 3², orthogonal, the same for all triples of channels, such as red,
+  /// green and blue.
+  std::vector<float> axes = {};
+  std::vector<std::uint8_t> predicted = {};  ///< 1 for channels of which differences are stored
 };
 
-/// Appends them as a stream that decode_channels reads, with a mean of zero.
-void encode_triples(const Triples& triples, float step, Bytes& out);
+/// The one with which encode_channels would take the fewest bits.
+Expected<Layout> shortest_layout(const Channels& input, float step);
 
-/// Reads what encode_channels or encode_triples wrote for `splats` splats of `channels` channels
+/// Appends whole numbers of each channel, or what they differ by from their predictions, as a
+/// stream that decode_channels reads.
+void encode_whole(const Layout& layout, const std::vector<std::vector<std::int32_t>>& planes,
+                  Bytes& out);
+
+/// Reads what encode_channels or encode_whole wrote for `splats` splats of `channels` channels
 /// into `values`, already of that size; unlike Channels, these go channel by channel. `coarseness`
 /// is that of the encoder; where it differs in its last bits, so do the values, and no more.
 /// Returns the step, or an error (without a file's name): cut, damaged, another number of channels,

@@ -1,10 +1,8 @@
 #include "codec/compact.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
-#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,10 +12,13 @@
 #include "codec/importance.h"
 #include "codec/morton.h"
 #include "codec/positions.h"
+#include "codec/rotations.h"
 #include "codec/scales.h"
-#include "fluxgs/math/projection.h"
+#include "codec/stored_costs.h"
+#include "codec/vectors.h"
 #include "io/activation.h"
 #include "io/cloud_memory.h"
+#include "io/gather.h"
 
 namespace fluxgs::codec {
 namespace {
@@ -25,29 +26,6 @@ namespace {
 // What a picture cannot tell apart from 0 and 1: opacities below 1/255 are not drawn, those above
 // 0.99 are cut there (render_options.h)
 constexpr double kLeastOpacity = 1e-3, kMostOpacity = 1 - 1e-3;
-
-/// The rotation with the largest |w| of the four that differ by half turns about the splat's own
-/// axes, which leave its covariance as it is, with w > 0: x, y, z are then at most ½·√3 long, and w
-/// follows from them.
-glm::vec3 reduced_rotation(const glm::quat& rotation) {
-  const auto q =
-      math::normalized(math::Quat<double>{rotation.w, rotation.x, rotation.y, rotation.z});
-  // q·1, q·i, q·j, q·k
-  const std::array<std::array<double, 4>, 4> same{{{q.w, q.x, q.y, q.z},
-                                                   {-q.x, q.w, q.z, -q.y},
-                                                   {-q.y, -q.z, q.w, q.x},
-                                                   {-q.z, q.y, -q.x, q.w}}};
-  const auto& best = *std::ranges::max_element(
-      same, {}, [](const std::array<double, 4>& r) { return std::abs(r[0]); });
-  const double sign = best[0] < 0 ? -1 : 1;
-  return {sign * best[1], sign * best[2], sign * best[3]};
-}
-
-glm::quat full_rotation(const glm::vec3& xyz) {
-  const float square = xyz.x * xyz.x + xyz.y * xyz.y + xyz.z * xyz.z;
-  if (square < 1) return glm::quat(std::sqrt(1 - square), xyz.x, xyz.y, xyz.z);
-  return glm::normalize(glm::quat(0, xyz.x, xyz.y, xyz.z));
-}
 
 float opacity_logit(float scale) {
   const double root = std::sin(std::clamp(double{scale}, 0.0, 1.0) * std::numbers::pi / 2);
@@ -170,20 +148,18 @@ std::unexpected<Error> in_attribute(Attribute attribute, const Error& error) {
   return fail("", kNames[attribute], error.message());
 }
 
-/// Of errors in steps: those of a coarse splat are larger. In the order of the file, 1 on the
-/// average.
+/// Of errors in steps: those of a coarse splat are larger. 1 on the average.
 std::vector<float> rounding_weights(std::span<const float> weights,
-                                    const std::vector<std::uint32_t>& order,
                                     std::span<const float> coarseness) {
   if (weights.empty()) return {};
-  std::vector<float> result(order.size());
+  std::vector<float> result(weights.size());
   double sum = 0;
-  for (std::size_t k = 0; k < order.size(); ++k) {
+  for (std::size_t k = 0; k < weights.size(); ++k) {
     const double c = coarseness.empty() ? 1.0 : double{coarseness[k]};
-    sum += double{result[k] = static_cast<float>(double{weights[order[k]]} * c * c)};
+    sum += double{result[k] = static_cast<float>(double{weights[k]} * c * c)};
   }
   if (!(sum > 0)) return {};
-  const double mean = sum / static_cast<double>(order.size());
+  const double mean = sum / static_cast<double>(weights.size());
   for (float& weight : result)
     weight = static_cast<float>(std::clamp(double{weight} / mean, kLeastWeight, kMostWeight));
   return result;
@@ -216,32 +192,108 @@ Expected<void> decode_section(Attribute attribute, std::span<const std::byte> se
   return {};
 }
 
-/// Numbers of splats, as many of each, in another order.
-std::vector<float> in_order(std::span<const float> numbers,
-                            const std::vector<std::uint32_t>& order) {
-  const std::size_t each = order.empty() ? 0 : numbers.size() / order.size();
-  std::vector<float> result;
-  result.reserve(numbers.size());
-  for (const std::uint32_t i : order) {
-    const auto own = numbers.subspan(i * each, each);
-    result.insert(result.end(), own.begin(), own.end());
-  }
-  return result;
-}
+/// What an attribute is made of on its way into a stream.
+struct Input {
+  Channels channels;
+  float step = 1;
+  Rounding rounding;
+};
 
 /// The section sh_rest of colours that are rounded together (harmonics.h); those of degree 0
 /// become what goes best with it.
-Expected<Bytes> encode_rest(const Channels& rest, std::span<const float> factors, float step,
-                            const Rounding& rounding, std::vector<glm::vec3>& sh_dc) {
+Expected<Bytes> encode_rest(const Input& rest, std::span<const float> factors,
+                            std::vector<glm::vec3>& sh_dc) {
   std::vector<float> dc;
   for (const glm::vec3& v : sh_dc) put_vec3(dc, v);
   Bytes section;
-  if (auto ok = encode_harmonics(rest, factors, step, rounding, dc, section); !ok)
+  if (auto ok = encode_harmonics(rest.channels, factors, rest.step, rest.rounding, dc, section);
+      !ok)
     return in_attribute(kRest, ok.error());
   for (std::size_t i = 0; i < sh_dc.size(); ++i)
     sh_dc[i] = {dc[3 * i], dc[3 * i + 1], dc[3 * i + 2]};
   return section;
 }
+
+class Encoder {
+ public:
+  Encoder(const SplatCloud& cloud, const CompactOptions& options, std::span<const float> energy,
+          const RateFactors& rates)
+      : Encoder(cloud, options, energy, rates, morton_order(cloud.positions)) {}
+
+  Expected<Bytes> run() {
+    Bytes out, section;
+    if (auto ok = encode_positions(exact_.cloud.positions, options_.steps.position, section); !ok)
+      return std::unexpected(ok.error());
+    put_section(out, section);
+    for (const Attribute attribute : attributes_of(exact_.has_energy, exact_.cloud.sh_degree)) {
+      const auto encoded = section_of(attribute);
+      if (!encoded) return std::unexpected(encoded.error());
+      put_section(out, *encoded);
+      if (attribute != kScale && attribute != kOpacity) continue;  // nothing rests on it
+      if (auto ok = decode_section(attribute, *encoded, decoded_); !ok)
+        return std::unexpected(ok.error());
+    }
+    while (exact_.cloud.size() > most_splats(out.size())) out.push_back(std::byte{0});
+    return out;
+  }
+
+ private:
+  Encoder(const SplatCloud& cloud, const CompactOptions& options, std::span<const float> energy,
+          const RateFactors& rates, const std::vector<std::uint32_t>& order)
+      : options_(options),
+        rates_(rates),
+        exact_{fluxgs::in_order(cloud, order), !energy.empty(),
+               io::gather(energy, order, kEnergyChannels, kEnergyChannels)},
+        decoded_(exact_),
+        costs_(costs_of(options.costs, cloud.sh_degree, order, cloud.sh_degree)) {}
+
+  Expected<Bytes> section_of(Attribute attribute) {
+    const bool has_factors = exact_.cloud.sh_degree > 0 && !costs_.sh_factors.empty();
+    if (attribute == kDc && has_factors) {
+      auto rest = encode_rest(input_of(kRest), costs_.sh_factors, exact_.cloud.sh_dc);
+      if (!rest) return rest;
+      rest_ = std::move(*rest);
+    }
+    if (attribute == kRest && has_factors) return std::move(rest_);
+    const Input input = input_of(attribute);
+    const std::vector<float> costs = stored_costs(attribute);
+    Bytes section;
+    const auto ok = costs.empty()
+                        ? encode_channels(input.channels, input.step, input.rounding, section)
+                        : encode_vectors(input.channels, costs, input.step,
+                                         input.rounding.rate_weight, section);
+    if (!ok) return in_attribute(attribute, ok.error());
+    return section;
+  }
+
+  /// It refers to weights_, which the next one has of its own.
+  Input input_of(Attribute attribute) {
+    std::vector<float> coarseness = decoded_.coarseness_of(attribute);
+    weights_ = rounding_weights(costs_.weights, coarseness);
+    Stepped numbers =
+        attribute == kScale
+            ? roots_of(exact_.cloud.log_scales, options_.steps.log_scale)
+            : Stepped{values_of(attribute, exact_), step_of(attribute, options_.steps)};
+    return {.channels = {channels_of(attribute, exact_.cloud.sh_degree), std::move(numbers.values),
+                         std::move(coarseness)},
+            .step = numbers.step,
+            .rounding = {options_.rate_weight * factor_of(attribute, rates_), weights_}};
+  }
+
+  std::vector<float> stored_costs(Attribute attribute) const {
+    if (attribute == kScale) return costs_of_roots(costs_.scale, exact_.cloud.log_scales);
+    if (attribute == kRotation) return costs_of_rotations(costs_.rotation, exact_.cloud.rotations);
+    return {};
+  }
+
+  const CompactOptions& options_;
+  const RateFactors& rates_;
+  Content exact_;    ///< in the order of the file
+  Content decoded_;  ///< what later attributes rest on is as it will be read
+  ErrorCosts costs_;
+  std::vector<float> weights_;
+  Bytes rest_;
+};
 
 }  // namespace
 
@@ -256,45 +308,8 @@ float opacity_scale(float logit) {
 
 Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactOptions& options,
                                std::span<const float> energy, const RateFactors& rates) {
-  Bytes out, section;
-  if (cloud.size() == 0) return out;
-  const auto order = morton_order(cloud.positions);
-  Content exact{fluxgs::in_order(cloud, order), !energy.empty(), in_order(energy, order)};
-  if (auto ok = encode_positions(exact.cloud.positions, options.steps.position, section); !ok)
-    return std::unexpected(ok.error());
-  put_section(out, section);
-  Content decoded = exact;
-  std::optional<Bytes> rest;
-  for (const Attribute attribute : attributes_of(exact.has_energy, cloud.sh_degree)) {
-    const auto coarseness = decoded.coarseness_of(attribute);
-    const auto weights = rounding_weights(options.weights, order, coarseness);
-    const Rounding rounding{options.rate_weight * factor_of(attribute, rates), weights};
-    if (attribute == kDc && cloud.sh_degree > 0 && !options.sh_factors.empty()) {
-      auto made = encode_rest(
-          {channels_of(kRest, cloud.sh_degree), values_of(kRest, exact), coarseness},
-          in_order(options.sh_factors, order), options.steps.sh_rest, rounding, exact.cloud.sh_dc);
-      if (!made) return std::unexpected(made.error());
-      rest = std::move(*made);
-    }
-    if (attribute == kRest && rest) {
-      put_section(out, *rest);
-      continue;
-    }
-    Stepped numbers = attribute == kScale
-                          ? roots_of(exact.cloud.log_scales, options.steps.log_scale)
-                          : Stepped{values_of(attribute, exact), step_of(attribute, options.steps)};
-    const Channels input{channels_of(attribute, cloud.sh_degree), std::move(numbers.values),
-                         coarseness};
-    section.clear();
-    if (auto ok = encode_channels(input, numbers.step, rounding, section); !ok)
-      return in_attribute(attribute, ok.error());
-    put_section(out, section);
-    if (attribute != kScale && attribute != kOpacity) continue;  // nothing rests on it
-    if (auto ok = decode_section(attribute, section, decoded); !ok)
-      return std::unexpected(ok.error());
-  }
-  while (cloud.size() > most_splats(out.size())) out.push_back(std::byte{0});
-  return out;
+  if (cloud.size() == 0) return Bytes();
+  return Encoder(cloud, options, energy, rates).run();
 }
 
 Expected<SplatCloud> decode_compact(std::span<const std::byte> bytes, std::size_t count,

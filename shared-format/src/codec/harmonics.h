@@ -1,15 +1,8 @@
-// Rounding of colours that depend on the direction. Over the few directions from which a splat is
-// seen its basis functions are nearly dependent, so that most of what one coefficient loses others
-// can make up for. Coefficients are rounded one after the other, the highest first, and each takes
-// up what the ones before it lost: noise shaping, or the successive cancellation of Babai's nearest
-// plane (1986), with which weights of neural networks are rounded too (Frantar et al. 2023,
-// "GPTQ").
-//
-// With the Gram matrix G of the functions over those directions and 4π·G = L·Lᵀ, errors e of the
-// coefficients cost |Lᵀ·e|² (G is I/4π where a splat is seen from all sides: L = I). Row k of Lᵀ
-// has nothing before k: the best coefficient k for given errors of those above it is
-// x_k + Σ_{j>k} L_jk·e_j/L_kk, and being off from that by δ costs (L_kk·δ)², whatever comes after.
-// The leading part of L is the L of lower degrees.
+// Rounding of colours that depend on the direction (shaped_rounding.h). Over the few directions
+// from which a splat is seen its basis functions are nearly dependent, so that most of what one
+// coefficient loses others can make up for. With the Gram matrix G of the functions over those
+// directions and 4π·G = L·Lᵀ, errors e of the coefficients cost |Lᵀ·e|² (G is I/4π where a splat is
+// seen from all sides: L = I).
 #pragma once
 
 #include <span>
@@ -24,7 +17,7 @@ namespace fluxgs::codec {
 
 /// Rounds the coefficients of degrees 1 and up (`rest`, red, green and blue of each) to multiples
 /// of `step` and appends them as a stream for decode_channels(). `dc`, three numbers a splat,
-/// becomes what goes best with them. `factors`: L of each splat as in CompactOptions::sh_factors,
+/// becomes what goes best with them. `factors`: L of each splat as in ErrorCosts::sh_factors,
 /// finite, its diagonal above 0. An error if a value over the step is beyond ±2²⁸.
 Expected<void> encode_harmonics(const Channels& rest, std::span<const float> factors, float step,
                                 const Rounding& rounding, std::vector<float>& dc, Bytes& out);

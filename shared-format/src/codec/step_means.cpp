@@ -6,6 +6,7 @@
 
 #include "codec/importance.h"
 #include "codec/scales.h"
+#include "codec/stored_costs.h"
 
 namespace fluxgs::codec {
 namespace {
@@ -58,18 +59,24 @@ CompactSteps steps_within(const CompactSteps& steps, const StepMeans& part,
   return result;
 }
 
-RateFactors rate_factors(const SplatCloud& whole, std::span<const float> weights,
+RateFactors rate_factors(const SplatCloud& whole, const ErrorCosts& costs,
                          std::span<const std::uint32_t> part) {
-  if (weights.empty()) return {};
-  RateFactors factors{.scale = whole_over_part({}, weights, part)};
   std::vector<Extent> extents = extents_of(whole.log_scales);
-  const auto factor = [&](const Importance& importance) {
-    return whole_over_part(coarseness_of(importance, extents), weights, part);
+  const auto factor = [&](const Importance& importance, std::span<const float> weights) {
+    return weights.empty() ? 1.0
+                           : whole_over_part(coarseness_of(importance, extents), weights, part);
   };
-  factors.opacity = factor(kOpacityImportance);
+  const auto means_or_weights = [&](const std::vector<float>& own) {
+    return own.empty() ? costs.weights : mean_costs(own);
+  };
+  RateFactors factors;
+  factors.scale =
+      factor(Importance(0), means_or_weights(costs_of_roots(costs.scale, whole.log_scales)));
+  factors.opacity = factor(kOpacityImportance, costs.weights);
   set_opacities(extents, whole.opacity_logits);
-  factors.rotation = factor(kRotationImportance);
-  factors.color = factor(kColorImportance);
+  factors.rotation = factor(kRotationImportance,
+                            means_or_weights(costs_of_rotations(costs.rotation, whole.rotations)));
+  factors.color = factor(kColorImportance, costs.weights);
   return factors;
 }
 

@@ -30,9 +30,9 @@ struct RateFactors {
 };
 
 /// For the splats `part` of a scene, whose weights are to count as within the whole although those
-/// of each stream are 1 on the average: how much less than the mean they count. Weights are one for
-/// each splat of the whole or none.
-RateFactors rate_factors(const SplatCloud& whole, std::span<const float> weights,
+/// of each stream are 1 on the average: how much less than the mean they count. Costs are those of
+/// the whole.
+RateFactors rate_factors(const SplatCloud& whole, const ErrorCosts& costs,
                          std::span<const std::uint32_t> part);
 
 }  // namespace fluxgs::codec

@@ -18,6 +18,7 @@
 #include "codec/step_means.h"
 #include "degree_buckets.h"
 #include "fluxgs/io/gltf_frame.h"
+#include "gather.h"
 #include "gltf_builder.h"
 #include "gltf_compact.h"
 #include "gltf_json.h"
@@ -79,27 +80,28 @@ std::vector<std::uint32_t> order_within(const io::DegreeBucket& bucket, const Sp
   return order;
 }
 
-/// Basis functions of odd orders change their signs between the frames, and with them their rows
-/// and columns.
-void turn_factors(std::vector<float>& factors, int sh_degree) {
-  const auto sign = [](int function) {
-    return function == 0 ? 1.0f : io::turn_sign(static_cast<std::size_t>(function - 1));
-  };
-  for (std::size_t at = 0; at < factors.size();)
-    for (int row = 0; row <= sh_rest_count(sh_degree); ++row)
-      for (int column = 0; column <= row; ++column) factors[at++] *= sign(row) * sign(column);
+/// Basis functions of odd orders change their signs between the frames, as x and y do, and with
+/// them their rows and columns of lower triangles.
+template <class Sign>
+void turn_triangles(std::vector<float>& triangles, int rows, const Sign& sign) {
+  for (std::size_t at = 0; at < triangles.size();)
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column <= row; ++column) triangles[at++] *= sign(row) * sign(column);
 }
 
-/// The entries, `columns` a splat, of finite splats.
-std::vector<float> of_finite(const std::vector<float>& values, std::size_t columns,
-                             const SplatCloud& cloud) {
-  std::vector<float> kept;
-  for (std::size_t i = 0; i < values.size() / columns; ++i) {
-    const auto own = values.begin() + static_cast<std::ptrdiff_t>(i * columns);
-    if (is_finite(cloud, i))
-      kept.insert(kept.end(), own, own + static_cast<std::ptrdiff_t>(columns));
-  }
-  return kept;
+void turn_costs(ErrorCosts& costs, int sh_degree) {
+  turn_triangles(costs.sh_factors, sh_rest_count(sh_degree) + 1, [](int function) {
+    return function == 0 ? 1.0f : io::turn_sign(static_cast<std::size_t>(function - 1));
+  });
+  const glm::vec3 axes = io::turn_position(glm::vec3(1));
+  turn_triangles(costs.rotation, 3, [&](int axis) { return axes[axis]; });
+}
+
+std::vector<std::uint32_t> finite_splats(const SplatCloud& cloud) {
+  std::vector<std::uint32_t> splats;
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if (is_finite(cloud, i)) splats.push_back(static_cast<std::uint32_t>(i));
+  return splats;
 }
 
 Expected<void> check_networks(const CompactNetworks& networks, const SplatCloud& cloud,
@@ -119,37 +121,13 @@ Expected<void> check_networks(const CompactNetworks& networks, const SplatCloud&
   return {};
 }
 
-Expected<void> check_factors(const CompactOptions& options, const SplatCloud& cloud,
-                             const std::string& name) {
-  const std::vector<float>& factors = options.sh_factors;
-  const std::size_t each = sh_factor_size(cloud.sh_degree);
-  if (factors.empty()) return {};
-  if (options.networks)
-    return fail(name, "factors of harmonics", "are not for scenes with networks");
-  if (factors.size() != each * cloud.size())
-    return fail(name, "factors of harmonics",
-                fmt::format("{} numbers, expected {} for each of {} splats", factors.size(), each,
-                            cloud.size()));
-  const auto n = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree) + 1);
-  for (std::size_t first = 0; first < factors.size(); first += each)
-    for (std::size_t row = 0, at = first; row < n; ++row, at += row + 1)
-      if (!(factors[at] > 0))
-        return fail(name, "factors of harmonics",
-                    fmt::format("splat {} has {} on its diagonal, expected more than 0",
-                                first / each, factors[at]));
-  if (!std::ranges::all_of(factors, [](float v) { return std::isfinite(v); }))
-    return fail(name, "factors of harmonics", "have a number that is not finite");
-  return {};
-}
-
 Expected<void> check_options(const CompactOptions& options, const SplatCloud& cloud,
                              const std::string& name) {
-  if (!options.weights.empty() && options.weights.size() != cloud.size())
-    return fail(name, "weights",
-                fmt::format("{} of them, expected one for each of {} splats",
-                            options.weights.size(), cloud.size()));
-  if (auto ok = check_factors(options, cloud, name); !ok) return ok;
-  return options.networks ? check_networks(*options.networks, cloud, name) : Expected<void>();
+  const ErrorCosts& costs = options.costs;
+  if (auto ok = check_costs(costs, cloud, name); !ok || !options.networks) return ok;
+  if (!costs.sh_factors.empty() || !costs.scale.empty() || !costs.rotation.empty())
+    return fail(name, "costs", "of scenes with networks are weights, expected nothing else");
+  return check_networks(*options.networks, cloud, name);
 }
 
 /// What a primitive holds, beside the description of it.
@@ -238,20 +216,6 @@ Expected<std::vector<Part>> whole_scene(const SplatCloud& splats, const CompactO
   return parts;
 }
 
-/// The factors of a part, whose splats need `sh_degree`: the leading parts of theirs.
-std::vector<float> factors_of(const io::DegreeBucket& bucket, const SplatCloud& splats,
-                              const std::vector<float>& factors) {
-  std::vector<float> own;
-  if (factors.empty()) return own;
-  const std::size_t each = sh_factor_size(splats.sh_degree);
-  const auto size = static_cast<std::ptrdiff_t>(sh_factor_size(bucket.sh_degree));
-  for (const std::uint32_t i : bucket.splats) {
-    const auto first = factors.begin() + static_cast<std::ptrdiff_t>(i * each);
-    own.insert(own.end(), first, first + size);
-  }
-  return own;
-}
-
 /// A part for each degree that there is, all with the same rounding.
 Expected<std::vector<Part>> parts_by_degree(const SplatCloud& splats, const CompactOptions& options,
                                             const std::string& name) {
@@ -261,12 +225,9 @@ Expected<std::vector<Part>> parts_by_degree(const SplatCloud& splats, const Comp
     const SplatCloud own_splats = io::cloud_of(bucket, splats);
     CompactOptions own = options;
     own.steps = codec::steps_within(options.steps, codec::step_means(own_splats), means);
-    own.sh_factors = factors_of(bucket, splats, options.sh_factors);
-    own.weights.clear();
-    if (!options.weights.empty())
-      for (const std::uint32_t i : bucket.splats) own.weights.push_back(options.weights[i]);
-    auto part = make_part(own_splats, own,
-                          codec::rate_factors(splats, options.weights, bucket.splats), name);
+    own.costs = costs_of(options.costs, splats.sh_degree, bucket.splats, bucket.sh_degree);
+    auto part =
+        make_part(own_splats, own, codec::rate_factors(splats, options.costs, bucket.splats), name);
     if (!part) return std::unexpected(part.error());
     parts.push_back(std::move(*part));
   }
@@ -364,11 +325,12 @@ Expected<std::vector<std::byte>> encode_compact_glb(const SplatCloud& cloud,
   if (!finite) return std::unexpected(finite.error());
   if (auto ok = check_options(options, cloud, name); !ok) return std::unexpected(ok.error());
   CompactOptions own = options;
-  own.weights = of_finite(options.weights, 1, cloud);
-  own.sh_factors = of_finite(options.sh_factors, sh_factor_size(cloud.sh_degree), cloud);
-  turn_factors(own.sh_factors, cloud.sh_degree);
+  const std::vector<std::uint32_t> kept = finite_splats(cloud);
+  own.costs = costs_of(options.costs, cloud.sh_degree, kept, cloud.sh_degree);
+  turn_costs(own.costs, cloud.sh_degree);
   if (own.networks)
-    own.networks->energy = of_finite(own.networks->energy, codec::kEnergyChannels, cloud);
+    own.networks->energy =
+        io::gather(own.networks->energy, kept, codec::kEnergyChannels, codec::kEnergyChannels);
   if (*finite == &cloud) splats = cloud;
   if (splats.size() == 0) {
     auto file = io::allocate_glb(io::empty_gltf_document(), 0, name);

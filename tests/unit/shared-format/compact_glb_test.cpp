@@ -141,12 +141,13 @@ TEST(CompactGlb, SplatsOfAbsurdSizesAreWrittenWithUsualSteps) {
 
 TEST(CompactGlb, WeightsMustBeOneForEachSplat) {
   SplatCloud cloud = random_cloud(20, 0);
-  const auto wrong = encode_compact_glb(cloud, {.weights = {1, 2}}, "x.glb");
+  const auto wrong = encode_compact_glb(cloud, {.costs = {.weights = {1, 2}}}, "x.glb");
   ASSERT_FALSE(wrong);
   EXPECT_EQ(wrong.error().message(),
             "x.glb: weights: 2 of them, expected one for each of 20 splats");
   cloud.positions[3].y = std::numeric_limits<float>::infinity();  // left out with its weight
-  EXPECT_TRUE(encode_compact_glb(cloud, {.weights = std::vector<float>(20, 1)}, "x.glb"));
+  EXPECT_TRUE(
+      encode_compact_glb(cloud, {.costs = {.weights = std::vector<float>(20, 1)}}, "x.glb"));
 }
 
 struct Damage {

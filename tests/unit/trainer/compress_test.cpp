@@ -12,6 +12,7 @@
 #include "trainer/appearance/sh_fit.h"
 #include "trainer/appearance/sh_reduction.h"
 #include "trainer/compress/compact_search.h"
+#include "trainer/compress/error_curvature.h"
 #include "trainer/compress/seen_splats.h"
 #include "trainer/train/evaluate.h"
 
@@ -64,7 +65,7 @@ TEST(SeenSplats, WeightsAddUpToThePicture) {
   const Threads threads(1);
   SplatCloud cloud = test::random_cloud(400, 2, 3);
   const auto cameras = some_cameras();
-  const auto weights = seen_from(cameras, cloud, {}, {}, threads).weights;
+  const auto weights = seen_from(cameras, cloud, {}, {}, threads).costs.weights;
   ASSERT_EQ(weights.size(), cloud.size());
   limit_sh_degree(cloud, 0);
   for (glm::vec3& dc : cloud.sh_dc) dc = glm::vec3(0);  // colour 0.5
@@ -86,7 +87,8 @@ TEST(SeenSplats, HiddenSplatsWeighNextToNothing) {
   cloud.positions[1] = behind.positions[0];
   cloud.log_scales[1] = behind.log_scales[0];
   cloud.opacity_logits[1] = 20;
-  const auto weights = seen_from({test::camera_in_front(32, 32)}, cloud, {}, {}, threads).weights;
+  const auto weights =
+      seen_from({test::camera_in_front(32, 32)}, cloud, {}, {}, threads).costs.weights;
   EXPECT_LT(weights[1], 0.02f * weights[0]);
   EXPECT_GT(weights[1], 0);
 }
@@ -113,6 +115,88 @@ TEST(SeenSplats, FactorsAreThoseOfTheDirections) {
     EXPECT_LT((factor * factor.transpose() - expected).cwiseAbs().maxCoeff(), 1e-5) << i;
   }
   EXPECT_EQ(splat_views(views, parameters, 0).weight, 0);
+}
+
+/// All pixels and colours of a scene's pictures, one after the other.
+std::vector<double> pixels_of(const SplatCloud& cloud, const Threads& threads) {
+  std::vector<double> pixels;
+  const ViewRenderer render = cpu_view_renderer(cloud, {}, threads);
+  for (const Camera& camera : some_cameras()) {
+    const auto picture = render(camera);
+    for (int c = 0; c < 3; ++c)
+      for (int y = 0; y < picture->height(); ++y)
+        for (int x = 0; x < picture->width(); ++x) pixels.push_back(double{picture->row(c, y)[x]});
+  }
+  return pixels;
+}
+
+/// uᵀ·JᵀJ·u for what `change` does to splat i, by differences.
+template <class Change>
+double squared_change(const SplatCloud& cloud, const Threads& threads, const Change& change) {
+  constexpr float kBy = 4e-3f;
+  SplatCloud more = cloud, less = cloud;
+  change(more, kBy);
+  change(less, -kBy);
+  const auto a = pixels_of(more, threads), b = pixels_of(less, threads);
+  double sum = 0;
+  for (std::size_t p = 0; p < a.size(); ++p) {
+    const double by = (a[p] - b[p]) / (2 * double{kBy});
+    sum += by * by;
+  }
+  return sum;
+}
+
+/// uᵀ·H·u.
+double form(const float* triangle, const glm::dvec3& u) {
+  double sum = 0;
+  for (int row = 0, at = 0; row < 3; ++row)
+    for (int column = 0; column <= row; ++column, ++at)
+      sum += (row == column ? 1 : 2) * double{triangle[at]} * u[row] * u[column];
+  return sum;
+}
+
+// Each is a mean of few random numbers, whose mean over the splats is near.
+TEST(ErrorCurvature, IsWhatPicturesChangeBy) {
+  constexpr std::size_t kSplats = 40;
+  SplatCloud cloud = test::random_cloud(kSplats, 1, 6);
+  for (glm::quat& q : cloud.rotations) q = 2.0f * glm::normalize(q);
+  for (std::size_t i = 0; i < kSplats; ++i) {
+    cloud.log_scales[i] = glm::vec3(-1.2f, -1.8f, -2.4f);
+    cloud.opacity_logits[i] = 0;
+  }
+  const Threads one(1), two(2);
+  const PlanarFloats parameters = to_parameters(cloud, 1);
+  const ErrorCurvature found = error_curvature(parameters, some_cameras(), {}, one);
+  const ErrorCurvature again = error_curvature(parameters, some_cameras(), {}, two);
+  EXPECT_EQ(found.scale, again.scale);
+  EXPECT_EQ(found.rotation, again.rotation);
+  for (const glm::vec3 u : {glm::vec3(1, 0, 0), glm::vec3(1, 1, 1), glm::vec3(1, -2, 1)}) {
+    double scale = 0, rotation = 0, expected_scale = 0, expected_rotation = 0;
+    for (std::size_t i = 0; i < kSplats; ++i) {
+      scale += form(&found.scale[6 * i], u);
+      rotation += form(&found.rotation[6 * i], u);
+      expected_scale +=
+          squared_change(cloud, one, [&](SplatCloud& c, float by) { c.log_scales[i] += by * u; });
+      expected_rotation += squared_change(cloud, one, [&](SplatCloud& c, float by) {
+        c.rotations[i] = glm::quat(1, 0.5f * by * u) * c.rotations[i];
+      });
+    }
+    EXPECT_NEAR(scale / expected_scale, 1, 0.15);
+    EXPECT_NEAR(rotation / expected_rotation, 1, 0.15);
+  }
+}
+
+TEST(ErrorCurvature, OfWhatNoViewSeesIsNone) {
+  SplatCloud cloud = test::random_cloud(3, 1, 6);
+  cloud.positions[1] = {0, 0, -1e4f};
+  const Threads threads(1);
+  const ErrorCurvature found =
+      error_curvature(to_parameters(cloud, 1), some_cameras(), {}, threads);
+  for (std::size_t k = 6; k < 12; ++k) {
+    EXPECT_EQ(found.scale[k], 0);
+    EXPECT_EQ(found.rotation[k], 0);
+  }
+  EXPECT_TRUE(error_curvature(to_parameters(cloud, 1), {}, {}, threads).scale.size() == 18);
 }
 
 TEST(CompactSearch, StaysWithinTheLossAndUsesIt) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "fluxgs/error.h"
+#include "fluxgs/io/error_costs.h"
 #include "fluxgs/networks/appearance.h"
 #include "fluxgs/splat_cloud.h"
 
@@ -60,25 +61,12 @@ struct CompactNetworks {
   std::vector<float> energy = {};  ///< with Ψ: 12 finite numbers a splat, in the order of the cloud
 };
 
-/// Numbers of a lower triangle over the (degree + 1)² basis functions of a degree 0…3.
-constexpr std::size_t sh_factor_size(int sh_degree) {
-  const auto n = static_cast<std::size_t>(sh_rest_count(sh_degree) + 1);
-  return n * (n + 1) / 2;
-}
-
 struct CompactOptions {
   CompactSteps steps = {};
   bool plain_attributes = false;          ///< also store what is decoded as plain floats, see below
   double rate_weight = kUsualRateWeight;  ///< ≥ 0; 0 rounds to the nearest
-  /// How much each splat's error counts when values are rounded, such as its contribution to the
-  /// pictures Σ α·T, on any scale, in the order of the cloud. Empty: by area and opacity alone.
-  std::vector<float> weights = {};
-  /// From where each splat is seen, so that errors of its harmonics can be put where they are not:
-  /// the lower triangle, row by row, of L in 4π·G = L·Lᵀ, where G is the mean of y(d)·y(d)ᵀ over
-  /// the directions d from cameras to the splat, and y the basis functions up to the cloud's
-  /// degree, the constant one first. sh_factor_size() numbers a splat, in the order of the cloud;
-  /// finite, the diagonal above 0. Empty: from all sides. Not for networks.
-  std::vector<float> sh_factors = {};
+  /// What errors cost when values are rounded. Of networks' scenes, only by weights.
+  ErrorCosts costs = {};
   /// The cloud is then of degree 1, and its colours are what Φ begins with; with Ψ they are not
   /// stored. Φ gets rotations as the file has them: it must know them as canonicalize_rotations()
   /// makes them. What is written is run once as a check, for which onnxruntime must be here.
@@ -93,8 +81,7 @@ struct CompactOptions {
 /// listed as required; with them it is larger than encode_glb's, and opens in every viewer of
 /// KHR_gaussian_splatting. Splats with a NaN or infinity are left out. Scales of e^18 times the
 /// mean or more are cut to that. A scene without splats is written without a mesh. An error names
-/// an attribute whose values are beyond its step's reach, or weights and factors that do not fit
-/// the cloud.
+/// an attribute whose values are beyond its step's reach, or costs that do not fit the cloud.
 Expected<std::vector<std::byte>> encode_compact_glb(const SplatCloud& cloud,
                                                     const CompactOptions& options,
                                                     const std::string& name);

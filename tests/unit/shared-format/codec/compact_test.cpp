@@ -156,7 +156,8 @@ TEST(Compact, SplatsThatCountMoreAreMoreExact) {
   SplatCloud cloud = test::random_cloud(4000, 1, 8);
   std::vector<float> weights(cloud.size());
   for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = i % 2 == 0 ? 5.0f : 0.1f;
-  const auto bytes = encode_compact(cloud, {.steps = {.sh_rest = 0.4f}, .weights = weights});
+  const auto bytes =
+      encode_compact(cloud, {.steps = {.sh_rest = 0.4f}, .costs = {.weights = weights}});
   const auto back = decode_compact(*bytes, cloud.size(), 1);
   ASSERT_TRUE(back);
   const auto order = morton_order(cloud.positions);

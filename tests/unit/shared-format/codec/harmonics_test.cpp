@@ -195,10 +195,11 @@ TEST(Harmonics, NumbersBeyondTheirReachAreRefused) {
   EXPECT_NE(done.error().message().find("splat 1"), std::string::npos) << done.error().message();
 }
 
-TEST(Triples, DamageIsRefused) {
-  Triples triples{.planes = {{1, 2, 3}, {4, 5, -6}, {7, 0, 0}}};
+TEST(WholeNumbers, DamageIsRefused) {
+  const Layout layout{.step = 0.5f, .axes = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .predicted = {0, 0, 0}};
+  std::vector<std::vector<std::int32_t>> planes = {{1, 2, 3}, {4, 5, -6}, {7, 0, 0}};
   Bytes good;
-  encode_triples(triples, 0.5f, good);
+  encode_whole(layout, planes, good);
   const auto decode = [](const Bytes& bytes, std::size_t channels) {
     Reader in(bytes);
     std::vector<float> back(3 * channels);
@@ -211,9 +212,9 @@ TEST(Triples, DamageIsRefused) {
   Bytes bad = good;
   bad[1] = std::byte{3};  // a kind of header that there is not
   EXPECT_FALSE(decode(bad, 3));
-  triples.planes.pop_back();  // channels that are no triples
+  planes.pop_back();  // channels that are no triples
   Bytes two;
-  encode_triples(triples, 0.5f, two);
+  encode_whole(layout, planes, two);
   EXPECT_FALSE(decode(two, 2));
 }
 
@@ -266,29 +267,29 @@ TEST(Harmonics, FilesKeepWhatViewsSee) {
   const SplatCloud cloud = cloud_of(splats);
   CompactOptions options{.steps = {.sh_dc = 0.01f, .sh_rest = 0.2f}};
   const double blind = error_of_file(splats, cloud, options);
-  options.sh_factors = factors_of(splats);
+  options.costs.sh_factors = factors_of(splats);
   EXPECT_LT(error_of_file(splats, cloud, options), blind / 3);
 }
 
 TEST(Harmonics, FactorsThatDoNotFitAreNamed) {
   const SplatCloud cloud = cloud_of(some_splats(20));
-  CompactOptions options{.sh_factors = {1, 2}};
+  CompactOptions options{.costs = {.sh_factors = {1, 2}}};
   const auto error = [&] {
     const auto file = encode_compact_glb(cloud, options, "x.glb");
     return file ? "" : file.error().message();
   };
   EXPECT_EQ(error(), "x.glb: factors of harmonics: 2 numbers, expected 136 for each of 20 splats");
-  options.sh_factors = identity_factors(20);
+  options.costs.sh_factors = identity_factors(20);
   EXPECT_EQ(error(), "");
-  options.sh_factors[3 * 136 + 5] = 0;
+  options.costs.sh_factors[3 * 136 + 5] = 0;
   EXPECT_EQ(error(),
             "x.glb: factors of harmonics: splat 3 has 0 on its diagonal, expected more than 0");
-  options.sh_factors = identity_factors(20);
-  options.sh_factors[4] = NAN;
+  options.costs.sh_factors = identity_factors(20);
+  options.costs.sh_factors[4] = NAN;
   EXPECT_EQ(error(), "x.glb: factors of harmonics: have a number that is not finite");
   SplatCloud hole = cloud;
   hole.positions[7].x = NAN;  // left out with its factors
-  options.sh_factors = identity_factors(20);
+  options.costs.sh_factors = identity_factors(20);
   EXPECT_TRUE(encode_compact_glb(hole, options, "x.glb"));
 }
 

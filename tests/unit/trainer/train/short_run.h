@@ -92,8 +92,10 @@ inline void expect_same(const TrainState& a, const TrainState& b) {
   ASSERT_EQ(a.rounding.has_value(), b.rounding.has_value());
   if (a.rounding) {
     EXPECT_EQ(a.rounding->steps.position, b.rounding->steps.position);
-    EXPECT_EQ(a.rounding->weights, b.rounding->weights);
-    EXPECT_EQ(a.rounding->sh_factors, b.rounding->sh_factors);
+    EXPECT_EQ(a.rounding->costs.weights, b.rounding->costs.weights);
+    EXPECT_EQ(a.rounding->costs.sh_factors, b.rounding->costs.sh_factors);
+    EXPECT_EQ(a.rounding->costs.scale, b.rounding->costs.scale);
+    EXPECT_EQ(a.rounding->costs.rotation, b.rounding->costs.rotation);
     expect_same(a.rounding->offsets, b.rounding->offsets, "rounding");
   }
   EXPECT_EQ(a.iteration, b.iteration);

@@ -1,0 +1,77 @@
+#include "codec/stored_costs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include <Eigen/LU>
+
+#include "codec/rotations.h"
+#include "codec/scales.h"
+#include "fluxgs/io/error_costs.h"
+
+namespace fluxgs::codec {
+namespace {
+
+using Eigen::Matrix3d;
+
+constexpr double kLeastRoot = 0.02;  // of the mean
+constexpr double kMost = 1e30;       // whatever comes in, sums are finite
+
+/// Jᵀ·H·J for the triangles of H, where errors of what is stored become J times as much of what
+/// they cost for.
+template <class Jacobian>
+std::vector<float> turned(std::span<const float> costs, const Jacobian& jacobian) {
+  std::vector<float> result(costs.size());
+  for (std::size_t i = 0; i < costs.size() / kTriangle3; ++i) {
+    const float* t = &costs[kTriangle3 * i];
+    Matrix3d h;
+    h << t[0], t[1], t[3], t[1], t[2], t[4], t[3], t[4], t[5];
+    const Matrix3d j = jacobian(i);
+    h = (j.transpose() * h * j).eval();
+    for (Eigen::Index row = 0, at = 0; row < 3; ++row)
+      for (Eigen::Index column = 0; column <= row; ++column, ++at)
+        result[kTriangle3 * i + static_cast<std::size_t>(at)] =
+            static_cast<float>(std::clamp(h(row, column), -kMost, kMost));
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<float> costs_of_roots(std::span<const float> costs,
+                                  std::span<const glm::vec3> log_scales) {
+  if (costs.empty()) return {};
+  const double least = kLeastRoot * std::exp(mean_log_scale(log_scales) / 2);
+  return turned(costs, [&](std::size_t i) {
+    Matrix3d j = Matrix3d::Zero();
+    for (int c = 0; c < 3; ++c)
+      j(c, c) = 2 / std::max(std::exp(double{log_scales[i][c]} / 2), least);  // d(ln r²)/dr
+    return j;
+  });
+}
+
+std::vector<float> costs_of_rotations(std::span<const float> costs,
+                                      std::span<const glm::quat> rotations) {
+  return turned(costs, [&](std::size_t i) -> Matrix3d {
+    // A turn by e makes (1, e/2)·q of q: e moves x, y, z by half of w·e + e × (x, y, z)
+    const glm::quat q = full_rotation(reduced_rotation(rotations[i]));
+    const double w = q.w, x = q.x, y = q.y, z = q.z;
+    Matrix3d moved;
+    moved << w, z, -y,  //
+        -z, w, x,       //
+        y, -x, w;
+    return 2 * moved.inverse();
+  });
+}
+
+std::vector<float> mean_costs(std::span<const float> costs) {
+  std::vector<float> result(costs.size() / kTriangle3);
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const float* t = &costs[kTriangle3 * i];
+    result[i] = (t[0] + t[2] + t[5]) / 3;
+  }
+  return result;
+}
+
+}  // namespace fluxgs::codec

@@ -1,0 +1,24 @@
+// What errors of the numbers cost that are stored for scales and rotations.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <glm/gtc/quaternion.hpp>
+#include <glm/vec3.hpp>
+
+namespace fluxgs::codec {
+
+/// ErrorCosts::scale for the roots of standard deviations (scales.h) instead of their logarithms.
+/// Those of splats that are thousands of times thinner than the mean count as a little less thin.
+std::vector<float> costs_of_roots(std::span<const float> costs,
+                                  std::span<const glm::vec3> log_scales);
+
+/// ErrorCosts::rotation for what is stored of quaternions (rotations.h) instead of turns.
+std::vector<float> costs_of_rotations(std::span<const float> costs,
+                                      std::span<const glm::quat> rotations);
+
+/// The mean of each splat's diagonal: as weights of errors.
+std::vector<float> mean_costs(std::span<const float> costs);
+
+}  // namespace fluxgs::codec

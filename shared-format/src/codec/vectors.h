@@ -1,0 +1,21 @@
+// Rounding of three numbers a splat whose errors are not all seen alike (shaped_rounding.h), such
+// as the turn of a disc within its plane, which no picture shows.
+#pragma once
+
+#include <span>
+
+#include "codec/bytes.h"
+#include "codec/channels.h"
+#include "codec/rounding.h"
+#include "fluxgs/error.h"
+
+namespace fluxgs::codec {
+
+/// Rounds to multiples of `step` along the principal axes of all splats, and appends a stream for
+/// decode_channels(). Errors e of splat i cost eᵀ·H·e: `costs` has the lower triangles of all H,
+/// row by row, finite, on any scale. They take the place of the rounding's weights: 1 is the mean
+/// of H's diagonals in steps. An error if a value over the step is beyond ±2²⁸.
+Expected<void> encode_vectors(const Channels& input, std::span<const float> costs, float step,
+                              double rate_weight, Bytes& out);
+
+}  // namespace fluxgs::codec
