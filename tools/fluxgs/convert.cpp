@@ -59,9 +59,8 @@ Expected<CompactTrial> search(const ConvertSettings& s, const SplatCloud& cloud)
   const SceneError error(cloud, cameras, options, threads);
   Progress progress("trials", CompactSearch::kUsualTrials, 0);
   int trials = 0;
-  const CompactOptions usual{usual_compact_steps(cloud), s.plain_attributes};
-  const CompactOptions start =
-      data != nullptr ? seen_from(data->train, cloud, usual, options, threads) : usual;
+  CompactOptions start{usual_compact_steps(cloud), s.plain_attributes};
+  if (data != nullptr) start.costs = seen_costs(data->train, cloud, options, threads);
   const CompactSearch search(cloud, error, start, [&](const CompactTrial& t) {
     progress.update(++trials, fmt::format("{} bytes  {}", t.file.size(), decibels(t.psnr())));
   });

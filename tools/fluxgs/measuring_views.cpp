@@ -1,7 +1,5 @@
 #include "tools/fluxgs/measuring_views.h"
 
-#include <utility>
-
 #include "tools/fluxgs/orbit.h"
 #include "tools/fluxgs/progress.h"
 #include "trainer/compress/seen_splats.h"
@@ -13,11 +11,9 @@ std::vector<Camera> measuring_views(const SplatCloud& cloud, const Dataset* data
   return spread_cameras(cameras_of(data->train), kMeasuringViews);
 }
 
-CompactOptions seen_from(const std::vector<Photo>& photos, const SplatCloud& cloud,
-                         CompactOptions options, const RenderOptions& render,
-                         const Threads& threads) {
-  return seen_from(cameras_of(photos), cloud, std::move(options), render, threads,
-                   show_progress("views"));
+ErrorCosts seen_costs(const std::vector<Photo>& photos, const SplatCloud& cloud,
+                      const RenderOptions& render, const Threads& threads) {
+  return seen_costs(cameras_of(photos), cloud, false, render, threads, show_progress("views"));
 }
 
 }  // namespace fluxgs::cli

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "fluxgs/camera.h"
-#include "fluxgs/io/compact_glb.h"
+#include "fluxgs/io/error_costs.h"
 #include "fluxgs/render_options.h"
 #include "fluxgs/splat_cloud.h"
 #include "trainer/base/parallel.h"
@@ -18,8 +18,7 @@ namespace fluxgs::cli {
 std::vector<Camera> measuring_views(const SplatCloud& cloud, const Dataset* data);
 
 /// trainer/compress/seen_splats.h for all of these photos' views, with a bar if it takes long.
-CompactOptions seen_from(const std::vector<Photo>& photos, const SplatCloud& cloud,
-                         CompactOptions options, const RenderOptions& render,
-                         const Threads& threads);
+ErrorCosts seen_costs(const std::vector<Photo>& photos, const SplatCloud& cloud,
+                      const RenderOptions& render, const Threads& threads);
 
 }  // namespace fluxgs::cli

@@ -265,8 +265,7 @@ Expected<void> report(const CodecReport& s) {
   render.background = s.data.background_color();
   const Bench bench(cloud, views, render, threads);
   CompactOptions options{.steps = usual_compact_steps(cloud)};
-  if (views != nullptr)
-    options = seen_from(views->train, cloud, std::move(options), render, threads);
+  if (views != nullptr) options.costs = seen_costs(views->train, cloud, render, threads);
   const auto rows = all_rows(s, bench, cloud, options);
   if (!rows) return std::unexpected(rows.error());
   auto given = give_report(s.report, to_json(s, cloud, *rows), [&] { print_table(*rows); });

@@ -23,7 +23,7 @@ Expected<CompactTrial> compact_within(const SplatCloud& cloud, const std::vector
                                       const RenderOptions& render, double decibels,
                                       CompactOptions start, const Threads& threads,
                                       const std::function<void(const CompactTrial&)>& on_trial) {
-  start = seen_from(cameras, cloud, std::move(start), render, threads);
+  start.costs = seen_costs(cameras, cloud, start.networks.has_value(), render, threads);
   const SceneError error(cloud, spread_cameras(cameras, kMeasuringViews), render, threads);
   return CompactSearch(cloud, error, std::move(start), on_trial).within_loss(decibels);
 }

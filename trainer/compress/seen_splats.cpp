@@ -50,18 +50,18 @@ std::vector<float> sh_factors(const PlanarFloats& parameters, const ViewWeights&
   return result;
 }
 
-CompactOptions seen_from(const std::vector<Camera>& cameras, const SplatCloud& cloud,
-                         CompactOptions options, const RenderOptions& render,
-                         const Threads& threads, const ProgressReport& progress) {
+ErrorCosts seen_costs(const std::vector<Camera>& cameras, const SplatCloud& cloud,
+                      bool has_networks, const RenderOptions& render, const Threads& threads,
+                      const ProgressReport& progress) {
   const PlanarFloats parameters = to_parameters(cloud, cloud.sh_degree);
   const ViewWeights views = view_weights(parameters, cameras, render, threads, progress);
-  options.costs = {.weights = total_weights(views)};
-  if (options.networks) return options;
-  options.costs.sh_factors = sh_factors(parameters, views, threads);
+  ErrorCosts costs{.weights = total_weights(views)};
+  if (has_networks) return costs;
+  costs.sh_factors = sh_factors(parameters, views, threads);
   ErrorCurvature curvature = error_curvature(parameters, cameras, render, threads, progress);
-  options.costs.scale = std::move(curvature.scale);
-  options.costs.rotation = std::move(curvature.rotation);
-  return options;
+  costs.scale = std::move(curvature.scale);
+  costs.rotation = std::move(curvature.rotation);
+  return costs;
 }
 
 }  // namespace fluxgs

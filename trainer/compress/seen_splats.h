@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "fluxgs/camera.h"
-#include "fluxgs/io/compact_glb.h"
+#include "fluxgs/io/error_costs.h"
 #include "fluxgs/render_options.h"
 #include "fluxgs/splat_cloud.h"
 #include "trainer/appearance/view_weights.h"
@@ -22,9 +22,9 @@ std::vector<float> total_weights(const ViewWeights& views);
 std::vector<float> sh_factors(const PlanarFloats& parameters, const ViewWeights& views,
                               const Threads& threads);
 
-/// Options whose costs are those of the cameras' pictures; for networks, only the weights.
-CompactOptions seen_from(const std::vector<Camera>& cameras, const SplatCloud& cloud,
-                         CompactOptions options, const RenderOptions& render,
-                         const Threads& threads, const ProgressReport& progress = {});
+/// What errors cost in the pictures of the cameras; where networks make the colours, only weights.
+ErrorCosts seen_costs(const std::vector<Camera>& cameras, const SplatCloud& cloud,
+                      bool has_networks, const RenderOptions& render, const Threads& threads,
+                      const ProgressReport& progress = {});
 
 }  // namespace fluxgs

@@ -109,9 +109,9 @@ struct TrainOptions {
 
   // Late pruning, when no splats are added any more
   LatePrune late_prune = LatePrune::off;
-  int late_prune_from = 0;          ///< iteration; 0: 3/5 of the run
+  int late_prune_from = 0;          ///< iteration; 0: an interval after the last densification
   int late_prune_interval = 0;      ///< iterations; 0: a tenth of the run
-  int late_prune_until = 0;         ///< last iteration; 0: 9/10 of the run
+  int late_prune_until = 0;         ///< last iteration; 0: 2/3 of the run
   double late_prune_opacity = 0.1;  ///< opacity: splats below may be removed
   double late_prune_share = 0.01;   ///< contribution: of all α·T, removed each time
 

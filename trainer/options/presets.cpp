@@ -131,9 +131,9 @@ TrainOptions resolved(TrainOptions options) {
   otherwise(options.densify_until, std::min(n / 2, 15000));
   otherwise(options.densify_interval, std::max(n / 100, 50));
   otherwise(options.coarse_until, n / 10 * 3);
-  otherwise(options.late_prune_from, n / 5 * 3);
   otherwise(options.late_prune_interval, n / 10);
-  otherwise(options.late_prune_until, n / 10 * 9);
+  otherwise(options.late_prune_from, options.densify_until + options.late_prune_interval);
+  otherwise(options.late_prune_until, n / 3 * 2);
   otherwise(options.round_from, n / 10 * 9);
   // Neither when the number of splats changes nor what they are made of
   options.round_from = std::max({options.round_from, options.densify_until + 1,

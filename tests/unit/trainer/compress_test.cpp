@@ -65,7 +65,7 @@ TEST(SeenSplats, WeightsAddUpToThePicture) {
   const Threads threads(1);
   SplatCloud cloud = test::random_cloud(400, 2, 3);
   const auto cameras = some_cameras();
-  const auto weights = seen_from(cameras, cloud, {}, {}, threads).costs.weights;
+  const auto weights = seen_costs(cameras, cloud, false, {}, threads).weights;
   ASSERT_EQ(weights.size(), cloud.size());
   limit_sh_degree(cloud, 0);
   for (glm::vec3& dc : cloud.sh_dc) dc = glm::vec3(0);  // colour 0.5
@@ -88,7 +88,7 @@ TEST(SeenSplats, HiddenSplatsWeighNextToNothing) {
   cloud.log_scales[1] = behind.log_scales[0];
   cloud.opacity_logits[1] = 20;
   const auto weights =
-      seen_from({test::camera_in_front(32, 32)}, cloud, {}, {}, threads).costs.weights;
+      seen_costs({test::camera_in_front(32, 32)}, cloud, false, {}, threads).weights;
   EXPECT_LT(weights[1], 0.02f * weights[0]);
   EXPECT_GT(weights[1], 0);
 }
