@@ -15,17 +15,19 @@ using Options = std::vector<std::string>;
 
 constexpr const char *kOurs = "flux", *kPaper = "flux-paper";
 
-/// Adds a row for each value of one option.
+/// Adds a row for each value of one option. `common`: options that all have.
 void add_values(std::vector<SweepRow>& rows, const std::string& group, const std::string& option,
-                const std::vector<double>& values) {
+                const std::vector<double>& values, const Options& common = {}) {
   for (const double value : values) {
     const std::string text = fmt::format("{:g}", value);
+    Options options = common;
+    options.insert(options.end(), {option, text});
     rows.push_back(
-        {group, fmt::format("{}-{}", group, text), text, kOurs, {option, text}, group, value});
+        {group, fmt::format("{}-{}", group, text), text, kOurs, std::move(options), group, value});
   }
 }
 
-/// Adds a row for each name of a choice, called PREFIX-NAME. `common`: options that all have.
+/// Adds a row for each name of a choice, called PREFIX-NAME.
 void add_choices(std::vector<SweepRow>& rows, const std::string& group, const std::string& prefix,
                  const std::string& option, const std::vector<std::string>& names,
                  const Options& common = {}) {
@@ -101,7 +103,9 @@ std::vector<SweepRow> all_sweep_rows() {
   add_quadratures(rows);
   add_values(rows, "cameras", "--cameras", {2, 4, 6, 8, 10, 12});
   add_values(rows, "quantile-plus", "--quantile-plus", {0.4, 0.5, 0.6, 0.7, 0.8, 0.9});
-  add_values(rows, "quantile-minus", "--quantile-minus", {0.01, 0.1, 0.3, 0.5, 0.7, 0.9});
+  // Of the pruning that looks at it
+  add_values(rows, "quantile-minus", "--quantile-minus", {0.01, 0.1, 0.3, 0.5, 0.7, 0.9},
+             {"--prune", "multiview"});
   add_choices(rows, "sh", "sh-target", "--sh-target", {"0", "1", "2", "3", "adaptive"});
   add_choices(rows, "sh", "sh-reduce", "--sh-reduce",
               {"view-ls", "truncate", "uniform-ls", "energy"}, {"--sh-target", "1"});
