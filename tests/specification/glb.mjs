@@ -51,52 +51,62 @@ function degreeOf(primitive) {
   return degree;
 }
 
+/** Numbers i of a splat's part, in its place: splats of a primitive begin at `first`. */
+const put = (part, width, first) => (i, values) => part.set(values, width * (first + i));
+
 /**
  * Half a turn about z from glTF's frame (y up) into that of a .ply (y down): positions change the
  * sign of x and y, a quaternion q becomes (0, 0, 0, 1)·q, a basis function of order m takes (−1)^m.
  * glTF stores scale and opacity, a .ply their logarithm and logit, both quaternions' w elsewhere.
+ * Bands that the primitive lacks stay 0.
  */
-function fillCloud(cloud, primitive) {
+function fillCloud(cloud, primitive, first) {
   const named = (name, width) => rowsOf(primitive, prefix + name, width);
   const position = rowsOf(primitive, 'POSITION', 3), scale = named('SCALE', 3);
   const rotation = named('ROTATION', 4), opacity = named('OPACITY', 1);
   const dc = named('SH_DEGREE_0_COEF_0', 3);
-  for (let i = 0; i < cloud.count; ++i) {
+  const putPosition = put(cloud.position, 3, first), putScale = put(cloud.scale, 3, first);
+  const putRotation = put(cloud.rotation, 4, first), putDc = put(cloud.dc, 3, first);
+  for (let i = 0; i < position.count; ++i) {
     const [x, y, z] = position.at(i);
-    cloud.position.set([-x, -y, z], 3 * i);
-    cloud.scale.set(scale.at(i).map(Math.log), 3 * i);
+    putPosition(i, [-x, -y, z]);
+    putScale(i, scale.at(i).map(Math.log));
     const [qx, qy, qz, qw] = rotation.at(i);
-    cloud.rotation.set([-qz, -qy, qx, qw], 4 * i);
+    putRotation(i, [-qz, -qy, qx, qw]);
     const [o] = opacity.at(i);
-    cloud.opacity[i] = Math.log(o) - Math.log1p(-o);
-    cloud.dc.set(dc.at(i), 3 * i);
+    cloud.opacity[first + i] = Math.log(o) - Math.log1p(-o);
+    putDc(i, dc.at(i));
   }
-  const count = restCount(cloud.degree);
+  const count = restCount(degreeOf(primitive)), stride = restCount(cloud.degree);
   for (let k = 0, l = 1, m = 0; k < count; ++k) {
     const sign = orders[k] % 2 === 0 ? 1 : -1;
     const coefficient = named(`SH_DEGREE_${l}_COEF_${m}`, 3);
-    for (let i = 0; i < cloud.count; ++i) {
+    for (let i = 0; i < position.count; ++i) {
       const row = coefficient.at(i);
-      for (let c = 0; c < 3; ++c) cloud.rest[(3 * i + c) * count + k] = sign * row[c];
+      for (let c = 0; c < 3; ++c) cloud.rest[(3 * (first + i) + c) * stride + k] = sign * row[c];
     }
     if (++m === 2 * l + 1) m = 0, ++l;
   }
 }
 
-/** The splats of a .glb with one primitive. */
+const countOf = (primitive) => primitive.getAttribute('POSITION')?.getCount() ?? 0;
+
+/** The splats of a .glb, those of one primitive after those of another. */
 export async function readGlb(file) {
   const primitives = splatPrimitives(await io.read(file));
-  if (primitives.length !== 1) throw new Error(`${primitives.length} primitives; expected one`);
-  const [primitive] = primitives;
-  const count = primitive.getAttribute('POSITION')?.getCount() ?? 0;
-  const cloud = makeCloud(count, degreeOf(primitive));
-  fillCloud(cloud, primitive);
+  if (primitives.length === 0) throw new Error('no primitives; expected one at least');
+  const count = primitives.reduce((sum, primitive) => sum + countOf(primitive), 0);
+  const cloud = makeCloud(count, Math.max(...primitives.map(degreeOf)));
+  let first = 0;
+  for (const primitive of primitives) {
+    fillCloud(cloud, primitive, first);
+    first += countOf(primitive);
+  }
   return cloud;
 }
 
 /** How many splats glTF-Transform finds in a .glb that may be empty. */
 export async function countGlb(file) {
   const primitives = splatPrimitives(await io.read(file));
-  return primitives.reduce(
-    (sum, primitive) => sum + primitive.getAttribute('POSITION').getCount(), 0);
+  return primitives.reduce((sum, primitive) => sum + countOf(primitive), 0);
 }

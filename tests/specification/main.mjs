@@ -16,13 +16,14 @@ import {writtenFormats} from './formats.mjs';
 import {writePly} from './ply.mjs';
 import {versionOf} from './programs.mjs';
 import {countChecks, tableOf} from './report.mjs';
-import {extremeScene, randomScene, unitScene} from './scenes.mjs';
+import {extremeScene, mixedScene, randomScene, unitScene} from './scenes.mjs';
 
 const scenes = {
   ...Object.fromEntries([0, 1, 2, 3].map((degree) =>
     [`random-sh${degree}`, randomScene(1000, degree, 7 + degree)])),
   one: randomScene(1, 1),
   unit: unitScene(1000, 0, 5),
+  mixed: mixedScene(2400, 9),
   extreme: extremeScene(3),
 };
 

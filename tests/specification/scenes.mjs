@@ -1,5 +1,5 @@
 // Scenes from code: the same numbers on every machine.
-import {makeCloud, unitRotation} from './cloud.mjs';
+import {makeCloud, restCount, unitRotation} from './cloud.mjs';
 
 /** Uniform numbers in [0, 1): the generator mulberry32. */
 function randomNumbers(seed) {
@@ -37,7 +37,19 @@ export function randomScene(count, degree, seed = 1) {
   return cloud;
 }
 
-/** The same with quaternions of unit length, which splat-transform's .splat needs. */
+/** The same with splats of all degrees in turn, whose higher bands are zeros. */
+export function mixedScene(count, seed) {
+  const cloud = randomScene(count, 3, seed), bands = restCount(3);
+  for (let i = 0; i < count; ++i) {
+    for (let c = 0; c < 3; ++c) {
+      const first = (3 * i + c) * bands;
+      cloud.rest.fill(0, first + restCount(i % 4), first + bands);
+    }
+  }
+  return cloud;
+}
+
+/** A random scene with quaternions of unit length, which splat-transform's .splat needs. */
 export function unitScene(count, degree, seed) {
   const cloud = randomScene(count, degree, seed);
   const unit = new Float64Array(4);
