@@ -13,7 +13,10 @@ namespace {
 /// (docs/ablation.md).
 TrainOptions flux() {
   TrainOptions o;
-  // Few splats have to say more: harmonics learn four times as fast
+  // Few splats have to say more: they get more time, in which a step costs less than one of 3DGS
+  // (fox +0.3 dB, chesscat +0.3 dB), and harmonics learn four times as fast
+  o.iterations = 45000;
+  o.position_decay = 45000;
   o.sh_rest_rate = 5e-4;
   // Twelve photos: +1.1 dB on the test views, a third fewer bytes
   o.dropout = 2.4;
@@ -28,6 +31,9 @@ TrainOptions flux() {
   o.densify_interval = 0;
   o.densify_gradient = 4.5e-4;
   o.densify_growth = 0.15;
+  // A quarter of the splats hardly shows
+  o.late_prune = LatePrune::contribution;
+  o.late_prune_share = 0.005;
   // Each splat its own degree, once they know what they look like; then the numbers of the file
   o.sh_target = ShTarget::adaptive;
   o.sh_loss = 1;
