@@ -8,7 +8,7 @@
 
 #include "codec/rotations.h"
 #include "codec/scales.h"
-#include "fluxgs/io/error_costs.h"
+#include "codec/triangles.h"
 
 namespace fluxgs::codec {
 namespace {
@@ -22,17 +22,13 @@ constexpr double kMost = 1e30;       // whatever comes in, sums are finite
 /// they cost for.
 template <class Jacobian>
 std::vector<float> turned(std::span<const float> costs, const Jacobian& jacobian) {
-  std::vector<float> result(costs.size());
+  std::vector<float> result;
+  result.reserve(costs.size());
   for (std::size_t i = 0; i < costs.size() / kTriangle3; ++i) {
-    const float* t = &costs[kTriangle3 * i];
-    Matrix3d h;
-    h << t[0], t[1], t[3], t[1], t[2], t[4], t[3], t[4], t[5];
     const Matrix3d j = jacobian(i);
-    h = (j.transpose() * h * j).eval();
-    for (Eigen::Index row = 0, at = 0; row < 3; ++row)
-      for (Eigen::Index column = 0; column <= row; ++column, ++at)
-        result[kTriangle3 * i + static_cast<std::size_t>(at)] =
-            static_cast<float>(std::clamp(h(row, column), -kMost, kMost));
+    const Matrix3d h = j.transpose() * symmetric(triangle_of(costs, i)) * j;
+    const Triangle own = lower_triangle(h.cwiseMax(-kMost).cwiseMin(kMost));
+    result.insert(result.end(), own.begin(), own.end());
   }
   return result;
 }
@@ -67,10 +63,8 @@ std::vector<float> costs_of_rotations(std::span<const float> costs,
 
 std::vector<float> mean_costs(std::span<const float> costs) {
   std::vector<float> result(costs.size() / kTriangle3);
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    const float* t = &costs[kTriangle3 * i];
-    result[i] = (t[0] + t[2] + t[5]) / 3;
-  }
+  for (std::size_t i = 0; i < result.size(); ++i)
+    result[i] = static_cast<float>(symmetric(triangle_of(costs, i)).trace() / 3);
   return result;
 }
 

@@ -1,6 +1,5 @@
 #include "codec/vectors.h"
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <utility>
@@ -10,14 +9,13 @@
 #include <Eigen/Core>
 
 #include "codec/shaped_rounding.h"
-#include "fluxgs/io/error_costs.h"
+#include "codec/triangles.h"
 
 namespace fluxgs::codec {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using Triangle = std::array<float, kTriangle3>;
 
 // Added to all, of the mean: curvature is no guide far away, where splats that cost next to nothing
 // would else end up. Measured: 0.06 loses up to 6 dB at coarse steps, 0.2 takes 2% more bits.
@@ -28,15 +26,6 @@ Matrix3d basis_of(const Layout& layout) {
   return Eigen::Map<const Eigen::Matrix3f>(layout.basis.data()).cast<double>();
 }
 
-Matrix3d matrix_of(std::span<const float> costs, std::size_t i) {
-  const auto t = costs.subspan(kTriangle3 * i, kTriangle3);
-  Matrix3d h;
-  h << t[0], t[1], t[3],  //
-      t[1], t[2], t[4],   //
-      t[3], t[4], t[5];
-  return h;
-}
-
 double coarseness(const Channels& input, std::size_t i) {
   return input.coarseness.empty() ? 1.0 : double{input.coarseness[i]};
 }
@@ -45,12 +34,7 @@ double coarseness(const Channels& input, std::size_t i) {
 Triangle factor_of(const Matrix3d& h) {
   Eigen::LLT<Matrix3d> factor(h);
   if (factor.info() != Eigen::Success) factor.compute(Matrix3d(h.diagonal().asDiagonal()));
-  const Matrix3d l = factor.matrixL();
-  Triangle result;
-  for (Eigen::Index row = 0, at = 0; row < 3; ++row)
-    for (Eigen::Index column = 0; column <= row; ++column, ++at)
-      result[static_cast<std::size_t>(at)] = static_cast<float>(l(row, column));
-  return result;
+  return lower_triangle(factor.matrixL());
 }
 
 /// Of each splat's cost of errors in steps, along the columns of the basis.
@@ -59,13 +43,13 @@ std::vector<Triangle> factors_of(const Channels& input, std::span<const float> c
   const std::size_t splats = input.splats();
   double sum = 0;
   for (std::size_t i = 0; i < splats; ++i)
-    sum += coarseness(input, i) * coarseness(input, i) * matrix_of(costs, i).trace();
+    sum += coarseness(input, i) * coarseness(input, i) * symmetric(triangle_of(costs, i)).trace();
   const double mean = sum > 0 ? sum / (3 * static_cast<double>(splats)) : 1;
   std::vector<Triangle> factors;
   factors.reserve(splats);
   for (std::size_t i = 0; i < splats; ++i) {
     const double in_steps = coarseness(input, i) * coarseness(input, i) / mean;
-    Matrix3d h = in_steps * (basis.transpose() * matrix_of(costs, i) * basis);
+    Matrix3d h = in_steps * (basis.transpose() * symmetric(triangle_of(costs, i)) * basis);
     h.diagonal().array() += kLeastCost;
     factors.push_back(factor_of(h));
   }
