@@ -48,8 +48,7 @@ Expected<Planes> in_steps(const Channels& input, const Layout& t) {
   Planes planes(n, std::vector<double>(splats));
   std::vector<double> centered(n);
   for (std::size_t i = 0; i < splats; ++i) {
-    const double step =
-        double{t.step} * (input.coarseness.empty() ? 1.0 : double{input.coarseness[i]});
+    const double step = double{t.step} * input.coarseness_of(i);
     for (std::size_t c = 0; c < n; ++c)
       centered[c] = double{input.values[i * n + c]} - double{t.mean[c]};
     for (std::size_t c = 0; c < n; ++c) {

@@ -21,6 +21,9 @@ struct Channels {
   std::vector<float> coarseness = {};
 
   std::size_t splats() const { return values.size() / channels; }
+  double coarseness_of(std::size_t splat) const {
+    return coarseness.empty() ? 1.0 : double{coarseness[splat]};
+  }
 };
 
 /// Appends the values, rounded to multiples of `step` (in the units of the values; > 0) times the

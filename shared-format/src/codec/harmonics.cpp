@@ -19,7 +19,7 @@ Eigen::Matrix3d color_axes(const Channels& rest) {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   for (std::size_t v = 0; v < rest.values.size() / 3; ++v) {
     Eigen::Vector3d x(rest.values[3 * v], rest.values[3 * v + 1], rest.values[3 * v + 2]);
-    if (!rest.coarseness.empty()) x /= double{rest.coarseness[3 * v / rest.channels]};
+    x /= rest.coarseness_of(3 * v / rest.channels);
     covariance += x * x.transpose();
   }
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors();
@@ -60,12 +60,11 @@ class HarmonicsRounder {
     Eigen::Vector3d moved = axes_.transpose() * color(&dc_[3 * i]);
     const std::size_t size = functions_ * (functions_ + 1) / 2;
     std::array<double, ShapedRounding::kMost> x{}, errors{};
-    const Shaped shaped{
-        .x = std::span(x).first(functions_),
-        .factor = factors_.subspan(i * size, size),
-        .step = double{step_} * (rest_.coarseness.empty() ? 1.0 : double{rest_.coarseness[i]}),
-        .weight = rounding_.weights.empty() ? 1.0 : double{rounding_.weights[i]},
-        .kept = 1};
+    const Shaped shaped{.x = std::span(x).first(functions_),
+                        .factor = factors_.subspan(i * size, size),
+                        .step = double{step_} * rest_.coarseness_of(i),
+                        .weight = rounding_.weights.empty() ? 1.0 : double{rounding_.weights[i]},
+                        .kept = 1};
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       for (std::size_t k = 1; k < functions_; ++k)
         x[k] = axes_.col(axis).dot(color(&rest_.values[i * rest_.channels + 3 * (k - 1)]));

@@ -26,10 +26,6 @@ Matrix3d basis_of(const Layout& layout) {
   return Eigen::Map<const Eigen::Matrix3f>(layout.basis.data()).cast<double>();
 }
 
-double coarseness(const Channels& input, std::size_t i) {
-  return input.coarseness.empty() ? 1.0 : double{input.coarseness[i]};
-}
-
 /// The lower triangle L of h = L·Lᵀ, which may have been a little less than definite.
 Triangle factor_of(const Matrix3d& h) {
   Eigen::LLT<Matrix3d> factor(h);
@@ -43,12 +39,13 @@ std::vector<Triangle> factors_of(const Channels& input, std::span<const float> c
   const std::size_t splats = input.splats();
   double sum = 0;
   for (std::size_t i = 0; i < splats; ++i)
-    sum += coarseness(input, i) * coarseness(input, i) * symmetric(triangle_of(costs, i)).trace();
+    sum +=
+        input.coarseness_of(i) * input.coarseness_of(i) * symmetric(triangle_of(costs, i)).trace();
   const double mean = sum > 0 ? sum / (3 * static_cast<double>(splats)) : 1;
   std::vector<Triangle> factors;
   factors.reserve(splats);
   for (std::size_t i = 0; i < splats; ++i) {
-    const double in_steps = coarseness(input, i) * coarseness(input, i) / mean;
+    const double in_steps = input.coarseness_of(i) * input.coarseness_of(i) / mean;
     Matrix3d h = in_steps * (basis.transpose() * symmetric(triangle_of(costs, i)) * basis);
     h.diagonal().array() += kLeastCost;
     factors.push_back(factor_of(h));
@@ -72,7 +69,7 @@ Expected<void> encode_vectors(const Channels& input, std::span<const float> cost
       const Vector3d x = basis.transpose() * (value.cast<double>() - mean);
       std::array<double, 3> errors{};
       const Shaped numbers{
-          .x = {x.data(), 3}, .factor = factors[i], .step = double{step} * coarseness(input, i)};
+          .x = {x.data(), 3}, .factor = factors[i], .step = double{step} * input.coarseness_of(i)};
       if (auto ok = rounding.round(i, numbers, 0, 1, errors); !ok) return ok;
     }
     return {};
