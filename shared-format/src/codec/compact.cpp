@@ -196,7 +196,10 @@ Expected<void> decode_section(Attribute attribute, std::span<const std::byte> se
 struct Input {
   Channels channels;
   float step = 1;
-  Rounding rounding;
+  double rate_weight = 0;
+  std::vector<float> weights;
+
+  Rounding rounding() const { return {rate_weight, weights}; }
 };
 
 /// The section sh_rest of colours that are rounded together (harmonics.h); those of degree 0
@@ -206,7 +209,7 @@ Expected<Bytes> encode_rest(const Input& rest, std::span<const float> factors,
   std::vector<float> dc;
   for (const glm::vec3& v : sh_dc) put_vec3(dc, v);
   Bytes section;
-  if (auto ok = encode_harmonics(rest.channels, factors, rest.step, rest.rounding, dc, section);
+  if (auto ok = encode_harmonics(rest.channels, factors, rest.step, rest.rounding(), dc, section);
       !ok)
     return in_attribute(kRest, ok.error());
   for (std::size_t i = 0; i < sh_dc.size(); ++i)
@@ -258,18 +261,17 @@ class Encoder {
     const Input input = input_of(attribute);
     const std::vector<float> costs = stored_costs(attribute);
     Bytes section;
-    const auto ok = costs.empty()
-                        ? encode_channels(input.channels, input.step, input.rounding, section)
-                        : encode_vectors(input.channels, costs, input.step,
-                                         input.rounding.rate_weight, section);
+    const auto ok =
+        costs.empty()
+            ? encode_channels(input.channels, input.step, input.rounding(), section)
+            : encode_vectors(input.channels, costs, input.step, input.rate_weight, section);
     if (!ok) return in_attribute(attribute, ok.error());
     return section;
   }
 
-  /// It refers to weights_, which the next one has of its own.
   Input input_of(Attribute attribute) {
     std::vector<float> coarseness = decoded_.coarseness_of(attribute);
-    weights_ = rounding_weights(costs_.weights, coarseness);
+    std::vector<float> weights = rounding_weights(costs_.weights, coarseness);
     Stepped numbers =
         attribute == kScale
             ? roots_of(exact_.cloud.log_scales, options_.steps.log_scale)
@@ -277,7 +279,8 @@ class Encoder {
     return {.channels = {channels_of(attribute, exact_.cloud.sh_degree), std::move(numbers.values),
                          std::move(coarseness)},
             .step = numbers.step,
-            .rounding = {options_.rate_weight * factor_of(attribute, rates_), weights_}};
+            .rate_weight = options_.rate_weight * factor_of(attribute, rates_),
+            .weights = std::move(weights)};
   }
 
   std::vector<float> stored_costs(Attribute attribute) const {
@@ -291,7 +294,6 @@ class Encoder {
   Content exact_;    ///< in the order of the file
   Content decoded_;  ///< what later attributes rest on is as it will be read
   ErrorCosts costs_;
-  std::vector<float> weights_;
   Bytes rest_;
 };
 

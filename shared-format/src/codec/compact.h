@@ -33,11 +33,12 @@ float opacity_scale(float logit);
 
 /// Encodes the finite cloud in the Morton order of its positions (codec/morton.h): the order of the
 /// splats is lost, their number is not. Rotations lose what a covariance does not have: their
-/// length, their sign and half turns about the splat's own axes. Weights are one for each splat or
-/// none. An error names the attribute.
+/// length, their sign and half turns about the splat's own axes. Costs are those of the cloud, in
+/// its frame. An error names the attribute.
 ///
-/// With `energy` (kEnergyChannels a splat) its steps and weights are used, its networks are not,
-/// and colours are not stored. `rates` are for the part of a scene (step_means.h).
+/// With `energy` (kEnergyChannels a splat) its steps and the weights of errors are used, its
+/// networks are not, and colours are not stored. `rates` are for the part of a scene
+/// (step_means.h).
 Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactOptions& options,
                                std::span<const float> energy = {}, const RateFactors& rates = {});
 

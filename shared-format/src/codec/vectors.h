@@ -11,10 +11,11 @@
 
 namespace fluxgs::codec {
 
-/// Rounds to multiples of `step` along the principal axes of all splats, and appends a stream for
+/// Rounds to multiples of `step` along the axes of shortest_layout(), and appends a stream for
 /// decode_channels(). Errors e of splat i cost eᵀ·H·e: `costs` has the lower triangles of all H,
 /// row by row, finite, on any scale. They take the place of the rounding's weights: 1 is the mean
-/// of H's diagonals in steps. An error if a value over the step is beyond ±2²⁸.
+/// of H's diagonals in steps, a part of which is added to each. An error if a value over the step
+/// is beyond ±2²⁸.
 Expected<void> encode_vectors(const Channels& input, std::span<const float> costs, float step,
                               double rate_weight, Bytes& out);
 
