@@ -67,6 +67,7 @@ std::string script_of(const Plot& plot, const fs::path& out) {
       quoted(plot.title), quoted(plot.x_label), quoted(plot.y_label),
       plot.legend_outside ? "outside right top" : "bottom right");
   if (plot.log_x) script += "set logscale x 2\n";
+  if (plot.y_from) script += fmt::format("set yrange [{}:]\n", *plot.y_from);
   std::string commands;
   for (std::size_t i = 0; i < plot.series.size(); ++i) {
     const PlotSeries& series = plot.series[i];

@@ -1,6 +1,7 @@
 // Line charts, drawn by gnuplot.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,7 +20,8 @@ struct PlotSeries {
 struct Plot {
   std::string title, x_label, y_label;
   bool log_x = false;
-  bool legend_outside = false;  ///< for many series
+  bool legend_outside = false;        ///< for many series
+  std::optional<double> y_from = {};  ///< what is below is cut off; none: nothing is
   std::vector<PlotSeries> series;
 };
 

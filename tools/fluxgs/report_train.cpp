@@ -72,17 +72,19 @@ Expected<void> write_text(const fs::path& path, const std::string& text) {
   return write_file_atomic(path, std::as_bytes(std::span(text)));
 }
 
-/// A picture of each group that has a number to show.
+/// Pictures of each group that has a number to show.
 Expected<void> write_pictures(const TrainReport& s, const SweepTable& table) {
   if (!find_program("gnuplot")) {
     spdlog::warn("warning: no pictures: gnuplot is not installed (tools/setup has it)");
     return {};
   }
+  const auto draw = [&](const std::string& name, const Plot& plot) -> Expected<void> {
+    if (plot.series.empty()) return {};
+    return write_plot((fs::path(s.out) / (name + ".png")).string(), plot);
+  };
   for (const SweepGroup& group : sweep_groups()) {
-    const Plot plot = sweep_plot(table, group);
-    if (plot.series.empty()) continue;
-    if (auto drawn = write_plot((fs::path(s.out) / (group.name + ".png")).string(), plot); !drawn)
-      return drawn;
+    if (auto drawn = draw(group.name, sweep_plot(table, group)); !drawn) return drawn;
+    if (auto drawn = draw(group.name + "-curves", sweep_curves(table, group)); !drawn) return drawn;
   }
   return {};
 }
@@ -195,7 +197,7 @@ void add_report_train(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "train", "What each part of the method is worth: rows of options, several seeds");
   command->footer(
-      "Writes report.md, report.json and a picture of each group to OUT, and every run to\n"
+      "Writes report.md, report.json and pictures of each group to OUT, and every run to\n"
       "OUT/SCENE/ROW/seed-N. What is finished there is not run again; Ctrl-C saves, and the same\n"
       "command goes on. --known takes over what others have finished, perhaps on other machines.\n"
       "Frame times and minutes mean something on an idle machine only.\n"

@@ -21,7 +21,8 @@ RunOutcome outcome_of(const json& run) {
   return {.state = RunState::finished,
           .remarks = run.at("remarks"),
           .build = run.at("build"),
-          .values = run.at("values")};
+          .values = run.at("values"),
+          .curve = run.value("curve", json::array())};
 }
 
 /// The finished runs, by key_of(). Throws json::exception.

@@ -1,4 +1,4 @@
-// A picture of each group of a sweep's rows.
+// Pictures of each group of a sweep's rows.
 #pragma once
 
 #include "tools/fluxgs/plot.h"
@@ -9,5 +9,9 @@ namespace fluxgs::cli {
 /// PSNR against the option that the group changes, or else PSNR of the compact scene against its
 /// size, with bars of one standard deviation. Of the mean over all scenes, or the only one.
 Plot sweep_plot(const SweepTable& table, const SweepGroup& group);
+
+/// PSNR of the test photos over the training, a line for each row of the group: the mean of its
+/// finished runs where all of them have measured. What is far below the best is cut off.
+Plot sweep_curves(const SweepTable& table, const SweepGroup& group);
 
 }  // namespace fluxgs::cli

@@ -1,6 +1,7 @@
 #include "tools/fluxgs/sweep_run.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -338,6 +339,7 @@ class Execution {
     if (record_.seconds > 0)
       outcome_.remarks.push_back(
           "interrupted and gone on with: the time holds loading the photos before");
+    collect_curves();
     take("score.json", "/psnr", "stored_psnr");
     take("score.json", "/ssim", "stored_ssim");
     take("score.json", "/flip", "stored_flip");
@@ -348,6 +350,19 @@ class Execution {
       const auto size = fs::file_size(run_.folder / file, error);
       if (!error) outcome_.values[key] = static_cast<double>(size);
     }
+  }
+
+  /// The test photos' PSNR over the training, and what the switch did to it. A training that was
+  /// gone on with has only what came after.
+  void collect_curves() {
+    const auto report = read_json(run_.folder / "train.json");
+    if (!report || !report->contains("psnr")) return;  // no test photos
+    const json& curves = report->at("curves");
+    if (curves.at("switch").is_object()) {
+      const auto test = curves.at("switch").at("test_psnr").get<std::array<double, 2>>();
+      outcome_.values["switch_psnr"] = test[1] - test[0];
+    }
+    outcome_.curve = curves.at("psnr");
   }
 
   const SweepRun& run_;

@@ -12,6 +12,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fluxgs/error.h"
@@ -51,6 +52,7 @@ struct RunOutcome {
   std::vector<std::string> remarks = {};      ///< what could not be measured and why, a line each
   std::string build = {};                     ///< a hash of the program that trained it
   std::map<std::string, double> values = {};  ///< by the keys of sweep_metrics()
+  std::vector<std::pair<int, double>> curve = {};  ///< iteration, PSNR of the test photos
 };
 
 /// Does what is not done yet: trains (from the checkpoint of an interrupted training, if it has the

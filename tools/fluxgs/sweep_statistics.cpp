@@ -31,6 +31,7 @@ Statistic statistic_of(std::span<const double> values) {
 std::span<const SweepMetric> sweep_metrics() {
   static constexpr SweepMetric kMetrics[] = {{"psnr", "PSNR (dB)", 1, 2},
                                              {"ssim", "SSIM", 1, 4},
+                                             {"switch_psnr", "at the switch (dB)", 1, 2},
                                              {"stored_psnr", "compact: PSNR (dB)", 1, 2},
                                              {"stored_ssim", "compact: SSIM", 1, 4},
                                              {"stored_flip", "compact: FLIP", 1, 4},

@@ -54,7 +54,8 @@ json runs_json(const SweepTable& t, std::size_t scene, std::size_t row) {
                     {"error", o.error.empty() ? json(nullptr) : json(o.error)},
                     {"remarks", o.remarks},
                     {"build", o.build},
-                    {"values", o.values}});
+                    {"values", o.values},
+                    {"curve", o.curve}});
   }
   return runs;
 }

@@ -56,6 +56,8 @@ class Curves {
     loss_ = l1_ = count_ = 0;
   }
 
+  /// Twenty times in all, halfway between the even marks, at many of which opacities are reset.
+  bool psnr_is_due(int iteration) const { return iteration % (10 * stretch_) == 5 * stretch_; }
   /// Measures the test views; the time that takes is not part of the training's.
   void measure_psnr(int iteration, const Trainer& trainer, const std::vector<Photo>& photos) {
     const double start = wall_seconds(), cpu_start = cpu_seconds();
@@ -252,8 +254,7 @@ Expected<void> train_to_end(const TrainSettings& settings, const Run& run, Train
     if (step.switched) report_switch(i, *step.switched, curves);
     if (step.pruned_late) report_late_prune(i, *step.pruned_late, curves);
     if (step.rounded) report_rounding(i, *step.rounded, curves);
-    if (i % std::max(run.options.iterations / 20, 1) == 0 && !trainer.done())
-      curves.measure_psnr(i, trainer, run.data.test);
+    if (curves.psnr_is_due(i)) curves.measure_psnr(i, trainer, run.data.test);
     smooth_loss = smooth_loss > 0 ? 0.98 * smooth_loss + 0.02 * step.loss : step.loss;
     if (progress.due())
       progress.update(i, fmt::format("{} splats  loss {:.4f}", splats, smooth_loss));

@@ -142,6 +142,16 @@ TEST(SweepTable, PicturesHaveAPointARowAndBars) {
   EXPECT_THAT(plot.series[0].y_errors, ElementsAre(std::sqrt(2.0)));
 }
 
+TEST(SweepTable, CurvesAreMeansWhereAllRunsHaveMeasured) {
+  SweepTable table = table_of({finished(30), finished(32), failed("x")});
+  table.outcomes[0].curve = {{10, 20.0}, {20, 31.0}, {20, 30.0}};  // a switch at 20
+  table.outcomes[1].curve = {{20, 33.0}, {20, 32.0}, {30, 34.0}};
+  const Plot plot = sweep_curves(table, {"presets", "Presets"});
+  ASSERT_EQ(plot.series.size(), 1u);
+  EXPECT_THAT(plot.series[0].points, ElementsAre(std::pair(20.0, 32.0), std::pair(20.0, 31.0)));
+  EXPECT_EQ(plot.y_from, 26.0);
+}
+
 TEST(SweepRows, NamesAreUniqueAndChosenByGroupOrName) {
   std::set<std::string> names;
   for (const SweepRow& r : all_sweep_rows()) EXPECT_TRUE(names.insert(r.name).second) << r.name;
@@ -260,6 +270,8 @@ TEST(Sweep, RunsOfAnotherReportAreTakenOver) {
   const auto second = run_sweep(settings);
   ASSERT_TRUE(second) << second.error().message();
   EXPECT_EQ(second->at(0, 0, 0).values, first->at(0, 0, 0).values);
+  EXPECT_EQ(second->at(0, 0, 0).curve, first->at(0, 0, 0).curve);
+  EXPECT_FALSE(second->at(0, 0, 0).curve.empty());
   EXPECT_FALSE(fs::exists(folder / "second/spheres/another-name"));
   EXPECT_TRUE(fs::exists(folder / "second/spheres/other/seed-1/train.json"));
   EXPECT_NE(second->at(0, 1, 0).values, first->at(0, 0, 0).values);
