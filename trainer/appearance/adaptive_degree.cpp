@@ -69,8 +69,4 @@ double threshold_for(const Unexplained& unexplained, double pixels, double mse) 
   return threshold;
 }
 
-double mse_of_decibels(double mse, double decibels) {
-  return mse * (std::pow(10, decibels / 10) - 1);
-}
-
 }  // namespace fluxgs

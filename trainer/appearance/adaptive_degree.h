@@ -32,7 +32,4 @@ double degree_loss(const Unexplained& unexplained, const std::vector<std::uint8_
 /// most; 0 where only splats without any loss can change.
 double threshold_for(const Unexplained& unexplained, double pixels, double mse);
 
-/// The mean square error that costs `decibels` (≥ 0) of PSNR when it is added to `mse`.
-double mse_of_decibels(double mse, double decibels);
-
 }  // namespace fluxgs

@@ -25,7 +25,8 @@
 
 namespace fluxgs {
 
-/// Hidden layers as in the paper's supplement, "Additional Implementation".
+/// Hidden layers as in the paper's supplement, "Additional Implementation" (which speaks of two
+/// networks of Ψ's size).
 inline const std::vector<int> kPsiSizes = {networks::kPsiColumns, 64, networks::kShColumns};
 inline const std::vector<int> kPhiSizes = {networks::kPhiColumns, 128, 64, 32,
                                            networks::kShColumns};

@@ -31,12 +31,6 @@ inline constexpr std::array<std::string_view, 3> kResidualNames = {"3-1", "3-2",
 enum class Quadrature { fibonacci, lebedev, mc };
 inline constexpr std::array<std::string_view, 3> kQuadratureNames = {"fibonacci", "lebedev", "mc"};
 
-inline constexpr std::string_view name_of(ShReduction r) {
-  return kShReductionNames[static_cast<std::size_t>(r)];
-}
-inline constexpr std::string_view name_of(Residual r) {
-  return kResidualNames[static_cast<std::size_t>(r)];
-}
 inline constexpr std::string_view name_of(Quadrature q) {
   return kQuadratureNames[static_cast<std::size_t>(q)];
 }

@@ -21,7 +21,7 @@ struct ViewWeights {
   double pixels = 0;                     ///< of all views together
 };
 
-/// `parameters`: rows as in model/parameters.h. One forward and backward pass a view.
+/// `parameters`: rows as in model/parameters.h. A forward pass and one of scores for each view.
 ViewWeights view_weights(const PlanarFloats& parameters, const std::vector<Camera>& cameras,
                          const RenderOptions& options, const Threads& threads,
                          const ProgressReport& progress = {});

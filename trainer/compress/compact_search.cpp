@@ -51,6 +51,10 @@ constexpr Part kParts[] = {
        to.sh_dc = from.sh_dc;
      },
      &CompactSteps::sh_dc},
+    {"energy", [](CompactSteps& s, double f) { s.energy *= static_cast<float>(f); },
+     [](SplatCloud& to, const SplatCloud& from) {
+       to.sh_dc = from.sh_dc, to.sh_rest = from.sh_rest;
+     }},
 };
 constexpr std::size_t kPartCount = std::size(kParts);
 
@@ -79,11 +83,11 @@ Expected<Stored> store(const SplatCloud& cloud, const CompactOptions& options) {
 
 }  // namespace
 
-CompactSearch::CompactSearch(const SplatCloud& cloud, const SceneError& error,
-                             CompactOptions options,
+CompactSearch::CompactSearch(const SplatCloud& cloud, const SplatCloud& shown,
+                             const SceneError& error, CompactOptions options,
                              std::function<void(const CompactTrial&)> on_trial)
     : cloud_(cloud),
-      ordered_(in_order(cloud, compact_order(cloud, options.networks.has_value()))),
+      ordered_(in_order(shown, compact_order(cloud, options.networks.has_value()))),
       error_(error),
       options_(std::move(options)),
       on_trial_(std::move(on_trial)),
@@ -210,7 +214,7 @@ Expected<CompactTrial> CompactSearch::reach(const Goal& goal, CompactTrial& last
 }
 
 Expected<CompactTrial> CompactSearch::within_loss(double decibels) const {
-  const double most = std::pow(10, -0.1 * decibels);
+  const double most = mse_of_psnr(decibels);
   const Goal goal{
       .coarser_fits = false,
       .enough = 0,

@@ -6,12 +6,14 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fluxgs/error.h"
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/io/scene_file.h"
 #include "fluxgs/splat_cloud.h"
+#include "trainer/base/decibels.h"
 #include "trainer/compress/scene_error.h"
 
 namespace fluxgs {
@@ -30,10 +32,17 @@ class CompactSearch {
  public:
   static constexpr int kUsualTrials = 24;  ///< of within_loss() and within_bytes(), about
 
-  /// `cloud` (finite) and `error` (of the same cloud) must outlive this. `on_trial` is called after
-  /// each trial. `options` holds what is not searched for; its steps are where the search begins.
+  /// `cloud` (finite) is stored; `shown` is the same but for colours that networks in `options`
+  /// make of it, and what `error` is of. `cloud` and `error` must outlive this. `on_trial` is
+  /// called after each trial. `options` holds what is not searched for; its steps are where the
+  /// search begins.
+  CompactSearch(const SplatCloud& cloud, const SplatCloud& shown, const SceneError& error,
+                CompactOptions options, std::function<void(const CompactTrial&)> on_trial = {});
+
+  /// Of a cloud that has its colours.
   CompactSearch(const SplatCloud& cloud, const SceneError& error, CompactOptions options,
-                std::function<void(const CompactTrial&)> on_trial = {});
+                std::function<void(const CompactTrial&)> on_trial = {})
+      : CompactSearch(cloud, cloud, error, std::move(options), std::move(on_trial)) {}
 
   /// Stores and measures.
   Expected<CompactTrial> trial(const CompactSteps& steps) const;
@@ -66,7 +75,7 @@ class CompactSearch {
                             const SplatCloud& stored) const;
 
   const SplatCloud& cloud_;
-  SplatCloud ordered_;  ///< as in the file
+  SplatCloud ordered_;  ///< what is shown, as in the file
   const SceneError& error_;
   CompactOptions options_;
   std::function<void(const CompactTrial&)> on_trial_;

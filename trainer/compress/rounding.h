@@ -18,18 +18,26 @@
 
 namespace fluxgs {
 
-/// The smallest compact file found whose pictures are `decibels` from those of `cloud` (finite,
-/// some splats), over a dozen of the cameras. Errors cost what they do in the pictures of all of
-/// them. `start`: steps to begin with and
-/// what is not searched for.
-Expected<CompactTrial> compact_within(const SplatCloud& cloud, const std::vector<Camera>& cameras,
-                                      const RenderOptions& render, double decibels,
-                                      CompactOptions start, const Threads& threads,
+/// How near the pictures of a file are to be.
+struct CompactGoal {
+  std::vector<Camera> cameras;  ///< errors cost what they do in all of these, a dozen measure them
+  RenderOptions render;
+  double decibels = 40;
+};
+
+/// The smallest compact file of `cloud` (finite, some splats) found whose pictures are within the
+/// goal of those of `shown`: the same splats with the colours that they are shown with, which
+/// `cloud` need not have where networks make them. `start`: steps to begin with and what is not
+/// searched for.
+Expected<CompactTrial> compact_within(const SplatCloud& cloud, const SplatCloud& shown,
+                                      const CompactGoal& goal, CompactOptions start,
+                                      const Threads& threads,
                                       const std::function<void(const CompactTrial&)>& on_trial);
 
 /// Rounds the parameters of a state with the steps and costs of its `rounding`: what they are
 /// without their last offsets, if there are any. The splats then have the order of the file, in
-/// which those of equal depth are drawn. Returns the file, which holds exactly this scene. On an
+/// which those of equal depth are drawn; the optimiser's moments of rotations follow these to where
+/// a file's quaternions lie. Returns the file, which holds exactly this scene. On an
 /// error, which names the attribute, nothing has changed.
 Expected<std::vector<std::byte>> round_parameters(TrainState& state);
 

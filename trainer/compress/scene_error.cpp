@@ -1,8 +1,6 @@
 #include "trainer/compress/scene_error.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <utility>
 
 #include "trainer/train/evaluate.h"
@@ -23,10 +21,6 @@ double squares(const PlanarImage& a, const PlanarImage& b) {
 }
 
 }  // namespace
-
-double psnr_of_mse(double mse) {
-  return mse > 0 ? -10 * std::log10(mse) : std::numeric_limits<double>::infinity();
-}
 
 SceneError::SceneError(const SplatCloud& exact, std::vector<Camera> cameras,
                        const RenderOptions& options, const Threads& threads)

@@ -15,9 +15,6 @@ namespace fluxgs {
 /// How many pictures tell the error of a scene to a few hundredths of a decibel.
 inline constexpr int kMeasuringViews = 12;
 
-/// 10·log₁₀(1/mse): decibels for colours of 0…1; infinity for 0.
-double psnr_of_mse(double mse);
-
 /// Compares scenes with an exact one by pictures of the trainer's renderer, limited to 0…1.
 class SceneError {
  public:

@@ -12,8 +12,8 @@ namespace fluxgs {
 
 /// Groups of photos (by index) whose cameras lie in the same bin of azimuth and elevation around
 /// the point that they look at (paper, "Stratified Camera Sampling"): the point nearest to all view
-/// directions, or where these are parallel the mean of the points at their focus distances. Empty
-/// bins are left out.
+/// directions, or where these are parallel the mean of the points at their focus distances. The
+/// axis is the data set's own z (as in the paper), upright or not. Empty bins are left out.
 std::vector<std::vector<std::uint32_t>> camera_bins(const std::vector<Photo>& photos, int azimuth,
                                                     int elevation);
 

@@ -91,7 +91,8 @@ std::vector<Fate> decide(const TrainState& state, const TrainOptions& options, d
                          const SplatScores* scores) {
   const PlanarFloats& p = state.parameters;
   std::vector<Fate> fates(p.size(), Fate::keep);
-  for (std::uint32_t i : growing(state, options, scores))
+  const bool by_views = options.densify == Densify::multiview;
+  for (std::uint32_t i : growing(state, options, by_views ? scores : nullptr))
     fates[i] = options.split == Split::long_axis ||
                        static_cast<double>(largest_scale(p, i)) > options.densify_size * extent
                    ? Fate::split
@@ -102,8 +103,7 @@ std::vector<Fate> decide(const TrainState& state, const TrainOptions& options, d
 
 /// `offset` is along the splat's own axes, in scene units.
 void move_in_own_frame(PlanarFloats& p, std::size_t i, glm::dvec3 offset) {
-  const auto q = [&](int c) { return static_cast<double>(p.row(row::rotation + c)[i]); };
-  const glm::dquat rotation(q(0), q(1), q(2), q(3));
+  const glm::dquat rotation = rotation_of(p, i);
   if (glm::length(rotation) > 0) offset = glm::normalize(rotation) * offset;
   for (int c = 0; c < 3; ++c) p.row(row::position + c)[i] += static_cast<float>(offset[c]);
 }

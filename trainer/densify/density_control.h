@@ -9,6 +9,7 @@
 
 namespace fluxgs {
 
+/// Splats that got a copy, became two, were removed; by MCMC: added, –, moved.
 struct DensifyCounts {
   std::size_t cloned = 0, split = 0, pruned = 0;
 };
@@ -16,8 +17,8 @@ struct DensifyCounts {
 /// Adds one iteration's gradients and radii to the statistics of the splats it saw.
 void gather_statistics(TrainState& state, const Rasterizer& rasterizer);
 
-/// Clones small and splits large splats whose mean gradient is above the threshold (and, if
-/// `scores` are given, whose S⁺ is above its quantile), the first by rank where there is room for
+/// Clones small and splits large splats whose mean gradient is above the threshold (and, for
+/// Densify::multiview, whose S⁺ is above its quantile), the first by rank where there is room for
 /// some only; removes transparent and oversized ones; limits opacities; and starts the statistics
 /// anew. With `target_splats`, as many are added as lead there by the last densification, whatever
 /// their gradients. `extent` is the scene's size. `scores`: of the splats as they are now; may be

@@ -33,19 +33,21 @@ std::vector<std::uint32_t> draw(const PlanarFloats& p, const std::vector<std::ui
 }
 
 /// Makes splat i one of `copies` in its place.
-void share(PlanarFloats& p, std::size_t i, int copies) {
+void share(PlanarFloats& p, std::size_t i, int copies, const TrainOptions& options) {
   const Shared s = shared_among(opacity_of(p, i), copies);
-  p.row(row::opacity)[i] = static_cast<float>(logit(std::clamp(s.opacity, 0.005, 1 - 1e-6)));
+  p.row(row::opacity)[i] = static_cast<float>(
+      logit(std::clamp(s.opacity, std::max(options.prune_opacity, 1e-6), 1 - 1e-6)));
   for (int c = 0; c < 3; ++c) p.row(row::log_scale + c)[i] += static_cast<float>(std::log(s.scale));
 }
 
 /// Divides every drawn splat among itself and its copies.
-void share_all(TrainState& state, const std::vector<std::uint32_t>& drawn) {
+void share_all(TrainState& state, const std::vector<std::uint32_t>& drawn,
+               const TrainOptions& options) {
   std::vector<int> copies(state.parameters.size(), 1);
   for (std::uint32_t d : drawn) ++copies[d];
   for (std::size_t i = 0; i < copies.size(); ++i) {
     if (copies[i] == 1) continue;
-    share(state.parameters, i, std::min(copies[i], kMaxCopies));
+    share(state.parameters, i, std::min(copies[i], kMaxCopies), options);
     clear_moments(state, i);
   }
 }
@@ -57,7 +59,7 @@ std::size_t relocate(TrainState& state, const TrainOptions& options) {
     (opacity_of(state.parameters, i) <= options.prune_opacity ? dead : alive).push_back(i);
   if (alive.empty() || dead.empty()) return 0;
   const auto drawn = draw(state.parameters, alive, dead.size(), state.random);
-  share_all(state, drawn);
+  share_all(state, drawn, options);
   std::vector<std::uint32_t> order = all_indices(state.parameters.size()), moments = order;
   for (std::size_t k = 0; k < dead.size(); ++k) {
     order[dead[k]] = drawn[k];
@@ -70,14 +72,13 @@ std::size_t relocate(TrainState& state, const TrainOptions& options) {
 /// How many were added.
 std::size_t grow(TrainState& state, const TrainOptions& options) {
   const std::size_t size = state.parameters.size();
-  const std::uint64_t cap = options.target_splats > 0 ? options.target_splats : options.max_splats;
-  const auto wanted =
-      static_cast<std::uint64_t>((1 + options.mcmc_growth) * static_cast<double>(size));
-  const std::uint64_t count = cap > 0 ? std::min(cap, wanted) : wanted;
+  auto count = static_cast<std::uint64_t>((1 + options.mcmc_growth) * static_cast<double>(size));
+  for (const std::uint64_t limit : {options.target_splats, options.max_splats})
+    if (limit > 0) count = std::min(count, limit);
   if (count <= size) return 0;
   std::vector<std::uint32_t> order = all_indices(state.parameters.size()), moments = order;
   const auto drawn = draw(state.parameters, order, count - size, state.random);
-  share_all(state, drawn);
+  share_all(state, drawn, options);
   order.insert(order.end(), drawn.begin(), drawn.end());
   moments.resize(order.size(), PlanarFloats::kNew);
   rearrange(state, order, moments);
@@ -109,17 +110,16 @@ DensifyCounts relocate_and_grow(TrainState& state, const TrainOptions& options) 
 
 void add_noise(TrainState& state, const TrainOptions& options, double rate,
                const Threads& threads) {
-  constexpr double kSteepness = 100, kThreshold = 0.005;
+  constexpr double kSteepness = 100;
   PlanarFloats& p = state.parameters;
   const std::uint64_t seed = state.random();
   threads.for_pieces(p.size(), kPiece, [&](std::size_t begin, std::size_t end) {
     Random random(seed + begin);
     for (std::size_t i = begin; i < end; ++i) {
-      const double amount = sigmoid(kSteepness * (kThreshold - opacity_of(p, i)));
+      const double amount = sigmoid(kSteepness * (options.prune_opacity - opacity_of(p, i)));
       if (amount < 1e-6) continue;
       glm::dvec3 noise(normal(random), normal(random), normal(random));
-      const auto q = [&](int c) { return static_cast<double>(p.row(row::rotation + c)[i]); };
-      const glm::dquat raw(q(0), q(1), q(2), q(3));
+      const glm::dquat raw = rotation_of(p, i);
       if (!(glm::length(raw) > 0)) continue;
       const glm::dquat rotation = glm::normalize(raw);
       noise = glm::conjugate(rotation) * noise;

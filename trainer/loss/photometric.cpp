@@ -1,10 +1,9 @@
 #include "trainer/loss/photometric.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <numeric>
 
+#include "trainer/base/decibels.h"
 #include "trainer/model/parameters.h"
 
 namespace fluxgs {
@@ -96,8 +95,7 @@ double psnr(const PlanarImage& a, const PlanarImage& b) {
                          static_cast<double>(std::clamp(b.row(c, y)[x], 0.0f, 1.0f));
         total += d * d;
       }
-  const double mean = total / (3.0 * a.width() * a.height());
-  return mean == 0 ? std::numeric_limits<double>::infinity() : -10 * std::log10(mean);
+  return psnr_of_mse(total / (3.0 * a.width() * a.height()));
 }
 
 }  // namespace fluxgs

@@ -17,26 +17,35 @@ double rate_of(const LearningRates& rates, int r) {
 
 }  // namespace
 
+AdamStep::AdamStep(const AdamConstants& constants, int step)
+    : constants_(constants),
+      correction1_(1 / (1 - std::pow(constants.beta1, step))),
+      correction2_(1 / (1 - std::pow(constants.beta2, step))) {}
+
+AdamArgs AdamStep::args(float* values, float* first, float* second, const float* gradient,
+                        const std::uint8_t* chosen, double rate) const {
+  return {values,
+          first,
+          second,
+          gradient,
+          chosen,
+          static_cast<float>(rate * correction1_),
+          static_cast<float>(correction2_),
+          static_cast<float>(constants_.beta1),
+          static_cast<float>(constants_.beta2),
+          static_cast<float>(constants_.epsilon)};
+}
+
 void adam_step(PlanarFloats& parameters, AdamState& state, const PlanarFloats& gradient,
                const std::vector<std::uint8_t>& visible, const LearningRates& rates,
                const AdamConstants& constants, int step, int first_row, int end_row,
                const Threads& threads, const AdamKernels& kernels) {
-  const double correction1 = 1 / (1 - std::pow(constants.beta1, step));
-  const double correction2 = 1 / (1 - std::pow(constants.beta2, step));
+  const AdamStep adam(constants, step);
   threads.for_pieces(parameters.size(), kPiece, [&](std::size_t begin, std::size_t end) {
-    for (int r = first_row; r < end_row; ++r) {
-      const AdamArgs args{parameters.row(r),
-                          state.first.row(r),
-                          state.second.row(r),
-                          gradient.row(r),
-                          visible.data(),
-                          static_cast<float>(rate_of(rates, r) * correction1),
-                          static_cast<float>(correction2),
-                          static_cast<float>(constants.beta1),
-                          static_cast<float>(constants.beta2),
-                          static_cast<float>(constants.epsilon)};
-      kernels.adam(args, begin, end);
-    }
+    for (int r = first_row; r < end_row; ++r)
+      kernels.adam(adam.args(parameters.row(r), state.first.row(r), state.second.row(r),
+                             gradient.row(r), visible.data(), rate_of(rates, r)),
+                   begin, end);
   });
 }
 

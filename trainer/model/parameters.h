@@ -6,6 +6,8 @@
 #include <memory>
 #include <vector>
 
+#include <glm/gtc/quaternion.hpp>
+
 #include "fluxgs/splat_cloud.h"
 
 namespace fluxgs {
@@ -21,7 +23,7 @@ inline constexpr int sh_rest = 14;   // 3 per coefficient: row sh_rest + 3·k + 
 inline constexpr int count(int sh_degree) { return sh_rest + 3 * sh_rest_count(sh_degree); }
 }  // namespace row
 
-/// `rows` arrays of `size` floats each; every row is 64-byte aligned and padded with a value to a
+/// `rows` arrays of `size` floats each; every row is 64-byte aligned and padded with zeros to a
 /// multiple of kPadding entries, so that kernels may always work on whole packs of lanes.
 class PlanarFloats {
  public:
@@ -54,6 +56,12 @@ class PlanarFloats {
   std::size_t size_ = 0, stride_ = 0;
   std::unique_ptr<float[], Free> data_;
 };
+
+/// The quaternion of splat i, not normalised.
+inline glm::dquat rotation_of(const PlanarFloats& parameters, std::size_t i) {
+  const auto q = [&](int c) { return double{parameters.row(row::rotation + c)[i]}; };
+  return glm::dquat(q(0), q(1), q(2), q(3));
+}
 
 /// The degree of the harmonics that rows of parameters hold, 0…3.
 int sh_degree_of(const PlanarFloats& parameters);

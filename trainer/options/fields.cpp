@@ -120,8 +120,8 @@ const std::vector<OptionField>& option_fields() {
       whole("cameras", "views that scores are taken from", &O::score_cameras, 1, 1000),
       choice<&O::camera_sampling, kCameraSamplingNames>("camera-sampling",
                                                         "how these views are chosen"),
-      whole("azimuth-bins", "bins of stratified cameras around the vertical", &O::azimuth_bins, 1,
-            1000),
+      whole("azimuth-bins", "bins of stratified cameras around the z axis of the data set",
+            &O::azimuth_bins, 1, 1000),
       whole("elevation-bins", "bins of stratified cameras from below to above", &O::elevation_bins,
             1, 1000),
       choice<&O::score_weight, kScoreWeightNames>("score", "weight of a splat in a pixel"),
@@ -188,6 +188,12 @@ Expected<void> validate_together(const TrainOptions& o) {
     return fail("", "--sh-reduce", "energy makes colours of degree 1 only, expected --sh-target 1");
   if (o.sh_target == ShTarget::adaptive && o.sh_reduce != ShReduction::view_ls)
     return fail("", "--sh-target", "adaptive degrees are fitted, expected --sh-reduce view-ls");
+  const bool integrates =
+      o.sh_reduce == ShReduction::energy || o.sh_reduce == ShReduction::uniform_ls;
+  if (integrates && o.quadrature == Quadrature::lebedev && o.samples > kMaxLebedevSamples)
+    return fail("", "--samples",
+                fmt::format("{} are too many for --quadrature lebedev, expected {} at most",
+                            o.samples, kMaxLebedevSamples));
   return {};
 }
 

@@ -48,11 +48,11 @@ struct TrainOptions {
   double position_rate = 1.6e-4;        ///< × scene extent, at the start
   double position_rate_final = 1.6e-6;  ///< × scene extent, after position_decay steps; log-linear
   int position_decay = 30000;  ///< steps; fixed in 3DGS, so short runs end with a higher rate
-  double sh_dc_rate = 2.5e-3;
+  double sh_dc_rate = 2.5e-3;  ///< of SH coefficients
   double sh_rest_rate = 2.5e-3 / 20;
-  double opacity_rate = 0.025;
-  double log_scale_rate = 5e-3;
-  double rotation_rate = 1e-3;
+  double opacity_rate = 0.025;   ///< of logits
+  double log_scale_rate = 5e-3;  ///< of natural logarithms
+  double rotation_rate = 1e-3;   ///< of quaternions' components
 
   // Adam
   double beta1 = 0.9, beta2 = 0.999, epsilon = 1e-15;
@@ -97,15 +97,15 @@ struct TrainOptions {
 
   // Pruning
   Prune prune = Prune::opacity;
-  double prune_opacity = 0.005;
+  double prune_opacity = 0.005;  ///< 0…1: fainter splats go
   /// px, applies after the first opacity reset; 0: never. Off, as it is in effect in the first
   /// release of 3DGS, which clears its radii before it compares them. 20, the value in the paper's
   /// code, costs 2.6 dB on the quickstart's capture at 7,000 iterations: walls are large splats.
   double prune_screen_radius = 0;
   double prune_world_size = 0.1;      ///< × scene extent; after the first opacity reset; 0: never
-  int opacity_reset_interval = 3000;  ///< iterations; 0: never
-  double opacity_reset_to = 0.01;
-  double opacity_cap = 1;  ///< opacities are limited to this after each densification
+  int opacity_reset_interval = 3000;  ///< iterations, before the last densification; 0: never
+  double opacity_reset_to = 0.01;     ///< 0…1, at most
+  double opacity_cap = 1;             ///< opacities are limited to this after each densification
 
   // Late pruning, when no splats are added any more
   LatePrune late_prune = LatePrune::off;
@@ -127,7 +127,7 @@ struct TrainOptions {
 
   // Start
   std::uint64_t initial_splats = 0;  ///< every n-th point, so that they are this many; 0: all
-  double initial_opacity = 0.1;
+  double initial_opacity = 0.1;      ///< 0…1
 
   RenderOptions render;
 };

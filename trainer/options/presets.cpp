@@ -9,8 +9,7 @@ namespace fluxgs {
 
 namespace {
 
-/// Our best. What differs from vanilla 3DGS is there because a measurement says so
-/// (docs/ablation.md).
+/// Our best. What differs from vanilla 3DGS is there because a measurement says so.
 TrainOptions flux() {
   TrainOptions o;
   // Few splats have to say more: they get more time, in which a step costs less than one of 3DGS
@@ -50,7 +49,9 @@ TrainOptions vanilla_first_order() {
   return o;
 }
 
-/// The paper to the letter, its faults included; what it leaves open is as in vanilla 3DGS.
+/// The paper to the letter, its faults included; what it leaves open is as in vanilla 3DGS. One
+/// thing is not: its supplement has two networks behind the energy, of one hidden layer each,
+/// without saying what either makes; Ψ is one such network, as in the paper's own formula.
 TrainOptions paper() {
   TrainOptions o;
   // "Monte Carlo Specular Energy Aggregator", "Additional Implementation"
@@ -67,7 +68,8 @@ TrainOptions paper() {
   o.score_loss = ScoreLoss::l1_dssim;
   o.score_unit = ScoreUnit::raw;
   o.score_share = ScoreShare::sum;
-  o.prune = Prune::multiview;
+  o.prune = Prune::multiview;  // and by nothing else: the formula knows no size
+  o.prune_world_size = 0;
   return o;
 }
 

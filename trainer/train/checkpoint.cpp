@@ -93,7 +93,7 @@ int choice_named(const OptionField& f, const std::string& name) {
 
 void read_header(const json& header, Checkpoint& c) {
   for (const OptionField& f : option_fields()) {
-    // What a checkpoint of an older version does not know is off by default
+    // What a checkpoint of an older version does not know is as in TrainOptions
     if (!header.at("options").contains(f.name)) continue;
     const json& value = header.at("options").at(f.name);
     if (f.integer) c.options.*f.integer = value.get<int>();

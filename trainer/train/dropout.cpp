@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "trainer/base/logistic.h"
 
@@ -35,6 +36,10 @@ void Dropout::hide(PlanarFloats& parameters, double share, Random& random) {
   const auto scale = static_cast<float>(1 / (1 - share));
   for (std::size_t i = 0; i < logits_.size(); ++i)
     logits[i] = uniform(random) < share ? kHidden : magnified(logits[i], scale);
+}
+
+void Dropout::exchange(PlanarFloats& parameters) {
+  std::ranges::swap_ranges(logits_, std::span(parameters.row(row::opacity), logits_.size()));
 }
 
 void Dropout::restore(PlanarFloats& parameters, float* opacity_gradient) {

@@ -23,6 +23,9 @@ class Dropout {
   /// Share 0 does nothing and draws no random numbers.
   void hide(PlanarFloats& parameters, double share, Random& random);
 
+  /// Exchanges the altered opacities with the true ones, and again back.
+  void exchange(PlanarFloats& parameters);
+
   /// Gives all splats their opacities back, and turns the gradients of the altered opacities (a
   /// row) into those of the true ones.
   void restore(PlanarFloats& parameters, float* opacity_gradient);
@@ -30,7 +33,7 @@ class Dropout {
   static constexpr double kOpaque = 0.99;  ///< rasterised opacities end here, too
 
  private:
-  std::vector<float> logits_;  // the true ones; empty: nothing is hidden
+  std::vector<float> logits_;  // the others of the two; empty: nothing is hidden
 };
 
 }  // namespace fluxgs

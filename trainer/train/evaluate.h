@@ -17,7 +17,8 @@ namespace fluxgs {
 
 struct ViewScore {
   std::string name;
-  double psnr = 0, ssim = 0;
+  double psnr = 0;  ///< dB; infinity for a picture that is its photo
+  double ssim = 0;
 };
 
 struct Evaluation {
@@ -28,7 +29,7 @@ struct Evaluation {
 /// Renders a camera's view: 3 channels, 0…1 (limited to that range when scored).
 using ViewRenderer = std::function<Expected<PlanarImage>(const Camera&)>;
 
-/// The trainer's own renderer for `cloud`, over `background`. Copies what it needs of the cloud.
+/// The trainer's own renderer for `cloud`. Copies what it needs of the cloud.
 ViewRenderer cpu_view_renderer(const SplatCloud& cloud, const RenderOptions& options,
                                const Threads& threads);
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "fluxgs/io/compact_glb.h"
+#include "trainer/compress/scene_error.h"
 #include "trainer/model/parameters.h"
 
 namespace fluxgs {
@@ -30,17 +31,23 @@ double fixed_bytes(const Dataset& data, const TrainOptions& options) {
     for (const Photo& photo : *photos)
       pixels = std::max(pixels, static_cast<double>(photo.rgb.pixels.size()) / 3);
   const double smaller = options.coarse_levels > 0 ? 1.0 / 3 : 0;
+  double planes = kPlanes;
+  if (options.rounding == Switch::on) planes += 3.0 * kMeasuringViews;
   return kProgram + (1 + smaller) * photo_bytes(data.train) + photo_bytes(data.test) +
-         kPlanes * sizeof(float) * pixels;
+         planes * sizeof(float) * pixels;
 }
 
-double bytes_per_splat(const TrainOptions& options, double pairs) {
+double bytes_per_splat(const Dataset& data, const TrainOptions& options, double pairs) {
   // Parameters, two moments, gradients, and a copy of one of them; what rounding knows of the
   // views, and a copy of that
   const int degree = degree_before_switch(options);
   double floats = 5.0 * row::count(degree);
   if (options.rounding == Switch::on) floats += 2.0 * static_cast<double>(error_costs_size(degree));
-  return floats * sizeof(float) + kPerSplat + kPerPair * pairs;
+  double bytes = floats * sizeof(float) + kPerSplat + kPerPair * pairs;
+  // Now and then another rasterizer and the splats' weights in all views (ViewWeights)
+  if (options.rounding == Switch::on || reduces_appearance(options))
+    bytes += kPerSplat + kPerPair * pairs + sizeof(float) * static_cast<double>(data.train.size());
+  return bytes;
 }
 
 }  // namespace
@@ -48,14 +55,15 @@ double bytes_per_splat(const TrainOptions& options, double pairs) {
 std::size_t training_memory(const Dataset& data, const TrainOptions& options, std::size_t splats,
                             double pairs) {
   return static_cast<std::size_t>(fixed_bytes(data, options) +
-                                  static_cast<double>(splats) * bytes_per_splat(options, pairs));
+                                  static_cast<double>(splats) *
+                                      bytes_per_splat(data, options, pairs));
 }
 
 std::size_t splats_in_memory(const Dataset& data, const TrainOptions& options, double pairs) {
   if (options.max_memory == 0) return std::numeric_limits<std::size_t>::max();
   const double room =
       static_cast<double>(options.max_memory) * kMebibyte - fixed_bytes(data, options);
-  return static_cast<std::size_t>(std::max(room, 0.0) / bytes_per_splat(options, pairs));
+  return static_cast<std::size_t>(std::max(room, 0.0) / bytes_per_splat(data, options, pairs));
 }
 
 Expected<void> check_memory(const Dataset& data, const TrainOptions& options) {

@@ -13,8 +13,9 @@ namespace fluxgs {
 inline constexpr double kUsualPairs = 12;
 
 /// Bytes at most, the program's own included: photos, planes of the largest photo, and for each
-/// splat its parameters, moments and gradients, one more copy while splats are rearranged, and
-/// `pairs` (mean splat–tile pairs of the visible splats).
+/// splat its parameters, moments and gradients, one more copy while splats are rearranged,
+/// `pairs` (mean splat–tile pairs of the visible splats), and what the switch and rounding need to
+/// know of all views.
 std::size_t training_memory(const Dataset& data, const TrainOptions& options, std::size_t splats,
                             double pairs);
 

@@ -7,6 +7,7 @@
 #include "trainer/appearance/adaptive_degree.h"
 #include "trainer/appearance/energy_moments.h"
 #include "trainer/appearance/sh_reduction.h"
+#include "trainer/base/decibels.h"
 
 namespace fluxgs {
 namespace {
@@ -64,8 +65,9 @@ PsiFitReport introduce_networks(TrainState& state, const TrainOptions& options, 
                       : AdamState{first_order(state.adam.first), first_order(state.adam.second)};
   PsiFitReport report;
   if (psi && options.psi_fit_steps > 0)
-    report = fit_psi(networks.model, state.parameters, networks.latents, target,
-                     {.steps = options.psi_fit_steps, .seed = options.seed}, threads);
+    report = fit_psi(
+        networks.model, state.parameters, networks.latents, target,
+        {.steps = options.psi_fit_steps, .rate = options.psi_rate, .seed = options.seed}, threads);
   state.networks = std::move(networks);
   return report;
 }
@@ -107,9 +109,8 @@ ReductionReport reduce_appearance(TrainState& state, const TrainOptions& options
   ReductionReport report;
   std::vector<std::uint8_t> degrees(size, static_cast<std::uint8_t>(target_degree(options)));
   if (options.sh_target == ShTarget::adaptive)
-    degrees = least_degrees(
-        unexplained,
-        threshold_for(unexplained, views.pixels, mse_of_decibels(train_mse, options.sh_loss)));
+    degrees = least_degrees(unexplained, threshold_for(unexplained, views.pixels,
+                                                       added_mse(train_mse, options.sh_loss)));
   report.dropped = degree_loss(dropped, degrees, views.pixels);
   report.unexplained = degree_loss(unexplained, degrees, views.pixels);
   for (std::uint8_t d : degrees) ++report.degrees[d];

@@ -14,7 +14,7 @@ constexpr const char* kName = "compact .glb";
 Expected<StoredScene> opened(std::vector<std::byte> file) {
   auto scene = read_glb(file, kName);
   if (!scene) return std::unexpected(scene.error());
-  return StoredScene{std::move(file), std::move(scene->cloud), {}, {}};
+  return StoredScene{.file = std::move(file), .cloud = std::move(scene->cloud)};
 }
 
 Expected<StoredScene> store_rounded(TrainState state) {
@@ -23,7 +23,7 @@ Expected<StoredScene> store_rounded(TrainState state) {
   return opened(std::move(*file));
 }
 
-/// A cloud to be stored, with what else goes into the file.
+/// What is to be stored, with what else goes into the file.
 struct Candidate {
   SplatCloud cloud;
   CompactOptions options;
@@ -54,21 +54,23 @@ Expected<StoredScene> store_scene(const Trainer& trainer, const std::vector<Phot
   }
   if (state.rounding) return store_rounded(state);
 
-  const std::vector<Camera> cameras = cameras_of(photos);
-  const double loss = trainer.stored_psnr();
+  const SplatCloud shown = trainer.cloud();
+  const CompactGoal goal{cameras_of(photos), trainer.options().render, trainer.stored_psnr()};
   const auto smallest = [&](const Candidate& c) {
-    return compact_within(c.cloud, cameras, trainer.options().render, loss, c.options, threads,
-                          on_trial);
+    return compact_within(c.cloud, shown, goal, c.options, threads, on_trial);
   };
-  auto direct = smallest(plain(trainer.cloud()));
+  auto direct = smallest(plain(shown));
   if (!direct) return std::unexpected(direct.error());
   if (!state.networks) return opened(std::move(direct->file));
 
-  // Without onnxruntime there are no scenes with networks
   auto candidate = with_networks(*state.networks, state.parameters);
   auto made = candidate ? smallest(*candidate) : std::unexpected(candidate.error());
   const std::size_t direct_bytes = direct->file.size();
-  if (!made) return opened(std::move(direct->file));
+  if (!made) {
+    auto without = opened(std::move(direct->file));
+    if (without) without->networks_error = made.error();
+    return without;
+  }
   const std::size_t made_bytes = made->file.size();
   auto stored = opened(made_bytes < direct_bytes ? std::move(made->file) : std::move(direct->file));
   if (!stored) return stored;

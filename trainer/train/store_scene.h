@@ -16,11 +16,14 @@ struct StoredScene {
   std::vector<std::byte> file;  ///< a compact .glb
   SplatCloud cloud;             ///< what it holds, colours made by networks included
   /// Bytes of files with the same error: with networks, and with the colours that they make. None
-  /// where nothing was made by networks, or where they could not be run.
-  std::optional<std::size_t> with_networks, without_networks;
+  /// where nothing was made by networks, or where there is an error.
+  std::optional<std::size_t> with_networks = {}, without_networks = {};
+  /// Why there is no file with networks: they cannot be run (no onnxruntime), or no steps are fine
+  /// enough. Colours are then stored.
+  std::optional<Error> networks_error = {};
 };
 
-/// The state as a compact file. Rounded parameters (state.rounding) are stored as they are. For
+/// The state as a compact file. Rounded parameters (state.rounding) are rounded once more. For
 /// others the smallest file is searched that costs `store_loss` dB of the training views' PSNR; and
 /// networks go into it only if it is then smaller than with the colours that they make. `on_trial`
 /// may be empty. Errors name the attribute.

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "fluxgs/io/compact_glb.h"
-#include "trainer/appearance/adaptive_degree.h"
 #include "trainer/appearance/latent_adam.h"
+#include "trainer/base/decibels.h"
 #include "trainer/base/indices.h"
 #include "trainer/compress/rounding.h"
 #include "trainer/densify/camera_sampling.h"
@@ -26,8 +26,12 @@ double pairs_of_a_splat(const RasterCounts& counts) {
 
 /// dB between pictures of a scene and of a file that costs `loss` dB of its PSNR.
 double psnr_of_file(double psnr, double loss) {
-  return psnr_of_mse(mse_of_decibels(std::pow(10, -psnr / 10), loss));
+  return psnr_of_mse(added_mse(mse_of_psnr(psnr), loss));
 }
+
+/// A picture that is nearer to its photo, such as an all black one, is as good as the photo: this
+/// is the error of rounding to its 8 bits, 1/(12·255²).
+const double kAsGoodAsThePhoto = psnr_of_mse(1 / (12 * 255.0 * 255.0));
 
 }  // namespace
 
@@ -36,8 +40,10 @@ double scene_extent(const std::vector<Photo>& photos) {
   for (const Photo& p : photos) mean += p.camera.center() / static_cast<double>(photos.size());
   double radius = 0;
   for (const Photo& p : photos) radius = std::max(radius, glm::distance(mean, p.camera.center()));
-  // A single camera has no extent of its own; any positive one keeps the rates above zero.
-  return radius > 0 ? 1.1 * radius : 1.0;
+  // Cameras in one place, but for what the mean is rounded by, have no extent of their own; any
+  // positive one keeps the rates above zero.
+  constexpr double kRounding = 1e-9;
+  return radius > kRounding * (1 + glm::length(mean)) ? 1.1 * radius : 1.0;
 }
 
 TrainState initial_state(const Dataset& data, const PointCloud& points, const TrainOptions& options,
@@ -108,6 +114,9 @@ bool Trainer::due(int from, int until, int interval) const {
 }
 
 SplatScores Trainer::scores(const std::vector<std::uint32_t>& views) {
+  if (state_.networks)  // the parameters hold the colours of splats that were just seen only
+    bake(state_.networks->model, state_.parameters, state_.networks->latents, threads_,
+         state_.parameters);
   return score_splats(data_.train, views, state_.parameters, render_options(), options_,
                       *rasterizer_, threads_);
 }
@@ -145,14 +154,16 @@ LatePruneReport Trainer::late_prune() {
 void Trainer::control_density(StepReport& report) {
   const TrainOptions& o = options_;
   if (due(o.densify_from, o.densify_until, o.densify_interval)) report.densified = densify();
-  if (o.densify != Densify::mcmc && due(1, o.densify_until, o.opacity_reset_interval))
+  // None with the last densification: nothing would remove what stays faint
+  if (o.densify != Densify::mcmc && due(1, o.densify_until - 1, o.opacity_reset_interval))
     reset_opacity(state_, options_);
   if (o.late_prune != LatePrune::off &&
       due(o.late_prune_from, o.late_prune_until, o.late_prune_interval))
     report.pruned_late = late_prune();
 }
 
-/// Lets the networks make the colours of the splats that a camera can see.
+/// Lets the networks make the colours of the splats that a camera can see, from their true
+/// opacities.
 void Trainer::shade(const Camera& camera, const RenderOptions& render) {
   if (!state_.networks) return;
   StageTimer timer(times_, Stage::networks);
@@ -161,8 +172,10 @@ void Trainer::shade(const Camera& camera, const RenderOptions& render) {
       rasterizer_->find_visible(state_.parameters, camera, render);
   for (std::uint32_t i = 0; i < state_.parameters.size(); ++i)
     if (visible[i]) seen.push_back(i);
+  dropout_.exchange(state_.parameters);
   networks_.shade(state_.networks->model, state_.parameters, state_.networks->latents, seen,
                   state_.parameters);
+  dropout_.exchange(state_.parameters);
 }
 
 void Trainer::optimize() {
@@ -188,6 +201,11 @@ void Trainer::optimize() {
   }
 }
 
+/// Steps that the latents' moments know of: E comes to be at the switch, c′ was trained before.
+int Trainer::latent_steps() const {
+  return state_.networks->model.psi ? state_.iteration - state_.switched_at : state_.iteration;
+}
+
 void Trainer::optimize_networks(const AdamConstants& constants) {
   NetworkState& n = *state_.networks;
   if (latent_gradient_.size() != n.latents.size())
@@ -197,7 +215,7 @@ void Trainer::optimize_networks(const AdamConstants& constants) {
   networks_.step(n.model, {.psi = options_.psi_rate, .phi = options_.phi_rate}, constants);
   latent_adam_step(n.latents, n.adam, latent_gradient_, rasterizer_->visible(),
                    {.constant = options_.sh_dc_rate, .directional = options_.sh_rest_rate},
-                   constants, state_.iteration, threads_, adam_kernels(best_isa()));
+                   constants, latent_steps(), threads_, adam_kernels(best_isa()));
 }
 
 /// Visible splats that have harmonics of a degree.
@@ -212,7 +230,10 @@ double Trainer::mean_psnr(const std::vector<Photo>& photos) const {
   if (photos.empty()) return 0;
   const auto score =
       evaluate(photos, cpu_view_renderer(cloud(), options_.render, threads_), threads_);
-  return score ? score->psnr : 0;
+  if (!score) return 0;
+  double sum = 0;
+  for (const ViewScore& view : score->views) sum += std::min(view.psnr, kAsGoodAsThePhoto);
+  return sum / static_cast<double>(photos.size());
 }
 
 double Trainer::stored_psnr() const {
@@ -224,9 +245,10 @@ RoundingReport Trainer::begin_rounding() {
   RoundingReport report;
   report.train_psnr_before = mean_psnr(data_.train);
   const SplatCloud exact = cloud();
-  auto found = compact_within(exact, cameras_of(data_.train), options_.render,
-                              psnr_of_file(report.train_psnr_before, options_.store_loss),
-                              {.steps = usual_compact_steps(exact)}, threads_, {});
+  const CompactGoal goal{cameras_of(data_.train), options_.render,
+                         psnr_of_file(report.train_psnr_before, options_.store_loss)};
+  auto found =
+      compact_within(exact, exact, goal, {.steps = usual_compact_steps(exact)}, threads_, {});
   if (!found) return {.error = found.error()};
   state_.rounding = RoundingState{found->options.steps, std::move(found->options.costs), {}};
   const auto file = round_parameters(state_);
@@ -259,8 +281,8 @@ SwitchReport Trainer::switch_appearance() {
   report.bytes_before = compact_bytes();
   const ViewWeights views =
       view_weights(state_.parameters, cameras_of(data_.train), render_options(), threads_);
-  report.reduction = reduce_appearance(state_, options_, views,
-                                       std::pow(10, -report.train_psnr_before / 10), threads_);
+  report.reduction =
+      reduce_appearance(state_, options_, views, mse_of_psnr(report.train_psnr_before), threads_);
   state_.switched_at = state_.iteration;
   report.train_psnr_after = mean_psnr(data_.train);
   report.test_psnr_after = mean_psnr(data_.test);
@@ -282,9 +304,9 @@ StepReport Trainer::step() {
   ++state_.iteration;
 
   StepReport report;
-  shade(photo.camera, render);
   dropout_.hide(state_.parameters, dropout_share(options_, data_.train.size(), state_.iteration),
                 state_.random);
+  shade(photo.camera, render);
   rasterizer_->forward(state_.parameters, photo.camera, render);
   report.raster = rasterizer_->counts();
   state_.most_pairs = std::max(state_.most_pairs, pairs_of_a_splat(report.raster));

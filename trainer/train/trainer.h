@@ -43,7 +43,7 @@ struct RoundingReport {
 
 /// What one step did.
 struct StepReport {
-  double loss = 0;
+  double loss = 0;  ///< without penalties, of the photo at its size in this step
   PhotometricSums sums;
   RasterCounts raster;
   DensifyCounts densified;               ///< zero at most steps
@@ -72,7 +72,7 @@ class Trainer {
   const TrainState& state() const { return state_; }
   const TrainOptions& options() const { return options_; }
   SplatCloud cloud() const;
-  /// dB, the mean over photos; 0 without any.
+  /// dB, the mean over photos, each 58.9 dB (their own rounding) at most; 0 without any.
   double mean_psnr(const std::vector<Photo>& photos) const;
   /// dB between pictures of the scene and of a file that costs `store_loss` on the training views.
   double stored_psnr() const;
@@ -87,6 +87,7 @@ class Trainer {
   void shade(const Camera& camera, const RenderOptions& render);
   void optimize();
   void optimize_networks(const AdamConstants& constants);
+  int latent_steps() const;
   std::vector<std::uint8_t> visible_of_degree(int degree) const;
   SwitchReport switch_appearance();
   std::optional<RoundingReport> round();

@@ -1,6 +1,7 @@
 // Adam, the first splats and the options.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "fluxgs/math/spherical_harmonics.h"
@@ -96,15 +97,58 @@ TEST(TrainOptionsTest, PresetsAreValidAndUnknownOnesNamed) {
   EXPECT_NE(unknown.error().message().find("3dgs-sh1"), std::string::npos);
 }
 
-TEST(TrainOptionsTest, ChoicesHaveTheirNames) {
+/// Sets a choice by its name, as the command line does.
+TrainOptions chosen(const std::string& option, std::string_view name) {
+  TrainOptions options;
   for (const OptionField& f : option_fields()) {
-    if (!f.choice.get) continue;
-    TrainOptions options;
-    for (int value = 0; value < static_cast<int>(f.choice.names.size()); ++value) {
-      f.choice.set(options, value);
-      EXPECT_EQ(f.choice.get(options), value) << f.name;
-    }
+    if (f.name != option) continue;
+    const auto at = std::ranges::find(f.choice.names, name);
+    EXPECT_NE(at, f.choice.names.end()) << option << " " << name;
+    if (at != f.choice.names.end())
+      f.choice.set(options, static_cast<int>(at - f.choice.names.begin()));
   }
+  return options;
+}
+
+TEST(TrainOptionsTest, ChoicesHaveTheirNames) {
+  EXPECT_EQ(chosen("sh-target", "0").sh_target, ShTarget::degree_0);
+  EXPECT_EQ(chosen("sh-target", "2").sh_target, ShTarget::degree_2);
+  EXPECT_EQ(chosen("sh-target", "adaptive").sh_target, ShTarget::adaptive);
+  EXPECT_EQ(chosen("sh-reduce", "view-ls").sh_reduce, ShReduction::view_ls);
+  EXPECT_EQ(chosen("sh-reduce", "truncate").sh_reduce, ShReduction::truncate);
+  EXPECT_EQ(chosen("sh-reduce", "uniform-ls").sh_reduce, ShReduction::uniform_ls);
+  EXPECT_EQ(chosen("sh-reduce", "energy").sh_reduce, ShReduction::energy);
+  EXPECT_EQ(chosen("sh-reduce", "none").sh_reduce, ShReduction::none);
+  EXPECT_EQ(chosen("residual", "3-2").residual, Residual::from_2);
+  EXPECT_EQ(chosen("residual", "3-0").residual, Residual::from_0);
+  EXPECT_EQ(chosen("quadrature", "lebedev").quadrature, Quadrature::lebedev);
+  EXPECT_EQ(chosen("quadrature", "mc").quadrature, Quadrature::mc);
+  EXPECT_EQ(chosen("psi", "off").psi, Switch::off);
+  EXPECT_EQ(chosen("phi", "on").phi, Switch::on);
+  EXPECT_EQ(chosen("densify", "grad").densify, Densify::grad);
+  EXPECT_EQ(chosen("densify", "multiview").densify, Densify::multiview);
+  EXPECT_EQ(chosen("densify", "mcmc").densify, Densify::mcmc);
+  EXPECT_EQ(chosen("split", "long-axis").split, Split::long_axis);
+  EXPECT_EQ(chosen("growth-rank", "error").growth_rank, GrowthRank::error);
+  EXPECT_EQ(chosen("camera-sampling", "random").camera_sampling, CameraSampling::random);
+  EXPECT_EQ(chosen("score", "alpha-t").score_weight, ScoreWeight::alpha_transmittance);
+  EXPECT_EQ(chosen("score-unit", "raw").score_unit, ScoreUnit::raw);
+  EXPECT_EQ(chosen("score-share", "sum").score_share, ScoreShare::sum);
+  EXPECT_EQ(chosen("prune", "none").prune, Prune::none);
+  EXPECT_EQ(chosen("prune", "multiview").prune, Prune::multiview);
+  EXPECT_EQ(chosen("late-prune", "opacity").late_prune, LatePrune::opacity);
+  EXPECT_EQ(chosen("late-prune", "contribution").late_prune, LatePrune::contribution);
+  EXPECT_EQ(chosen("rounding", "on").rounding, Switch::on);
+}
+
+TEST(TrainOptionsTest, RulesThatDoNotExistAreRefused) {
+  TrainOptions options = preset("flux-paper").value();
+  options.quadrature = Quadrature::lebedev;  // with the paper's 2,048 directions
+  const auto valid = validate(options);
+  ASSERT_FALSE(valid);
+  EXPECT_NE(valid.error().message().find("--samples"), std::string::npos);
+  options.samples = 302;
+  EXPECT_TRUE(validate(options));
 }
 
 TEST(TrainOptionsTest, WhatDependsOnTheLengthFollowsIt) {

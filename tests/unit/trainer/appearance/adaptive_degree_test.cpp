@@ -8,6 +8,7 @@
 
 #include "random_splats.h"
 #include "support/scenes.h"
+#include "trainer/base/decibels.h"
 #include "trainer/compress/scene_error.h"
 
 namespace fluxgs {
@@ -131,8 +132,8 @@ TEST(AdaptiveDegree, TheBoundIsSharp) {
 }
 
 TEST(AdaptiveDegree, DecibelsAddUp) {
-  EXPECT_NEAR(psnr_of_mse(0.01) - psnr_of_mse(0.01 + mse_of_decibels(0.01, 0.3)), 0.3, 1e-9);
-  EXPECT_EQ(mse_of_decibels(0.01, 0), 0);
+  EXPECT_NEAR(psnr_of_mse(0.01) - psnr_of_mse(0.01 + added_mse(0.01, 0.3)), 0.3, 1e-9);
+  EXPECT_EQ(added_mse(0.01, 0), 0);
 }
 
 }  // namespace

@@ -113,6 +113,7 @@ SplatScores scores_of(std::vector<float> plus, std::vector<float> minus,
 
 TEST(Densify, GrowsOnlyWhereSeveralViewsSeeErrors) {
   TrainOptions options;
+  options.densify = Densify::multiview;
   options.quantile_plus = 0.5;
   TrainState state = state_of({1e-3f, 1e-3f, 1e-3f, 1e-5f}, {0.005f, 0.005f, 0.005f, 0.005f});
   const float wanted = state.parameters.row(row::position)[2];
@@ -122,6 +123,16 @@ TEST(Densify, GrowsOnlyWhereSeveralViewsSeeErrors) {
   EXPECT_EQ(counts.cloned, 1u);
   ASSERT_EQ(state.parameters.size(), 5u);
   EXPECT_EQ(state.parameters.row(row::position)[4], wanted);
+}
+
+TEST(Densify, GrowthByGradientsIgnoresTheScoresThatPruningHas) {
+  TrainOptions options;
+  options.densify = Densify::grad;
+  options.prune = Prune::multiview;
+  options.quantile_plus = 0.5;
+  TrainState state = state_of({1e-3f, 1e-3f, 1e-5f}, {0.005f, 0.005f, 0.005f});
+  const SplatScores scores = scores_of({0.1f, 0.2f, 0.9f}, {0, 0, 0}, {1, 1, 1});
+  EXPECT_EQ(densify_and_prune(state, options, 1.0, &scores).cloned, 2u);
 }
 
 TEST(Densify, UnseenSplatsDoNotCountInQuantiles) {
@@ -162,6 +173,7 @@ TEST(Densify, ATargetIsReachedInEqualSteps) {
 
 TEST(Densify, GrowthIsLimitedAndTheRankDecides) {
   TrainOptions options;
+  options.densify = Densify::multiview;
   options.densify_growth = 0.25;
   options.quantile_plus = 0;
   options.growth_rank = GrowthRank::error;

@@ -73,6 +73,9 @@ TEST(Mcmc, GrowsToTheTargetAndNoFurther) {
   EXPECT_EQ(relocate_and_grow(state, options).cloned, 0u);
   EXPECT_EQ(state.statistics.size(), 107u);
   EXPECT_EQ(state.adam.second.size(), 107u);
+  options.target_splats = 200;
+  options.max_splats = 110;  // such as memory sets
+  EXPECT_EQ(relocate_and_grow(state, options).cloned, 3u);
 }
 
 TEST(Mcmc, NoiseMovesFaintSplatsOnlyAndWhateverTheThreads) {

@@ -69,7 +69,13 @@ TEST(Train, ResumingWithNetworks) {
   options.phi = Switch::on;
   options.psi_fit_steps = 20;
   expect_resumable(options, {30, 45});
+  options.dropout = 3;
+  expect_resumable(options, {45});
 }
+
+TEST(Train, ResumingWithEverything) { expect_resumable(everything(), {50, 72, 90}); }
+
+TEST(Train, ResumingMcmc) { expect_resumable(mcmc_run(60), {33}); }
 
 TEST(Checkpoint, HashTellsPhotosApart) {
   std::vector<Photo> photos = small_capture().train;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "trainer/train/evaluate.h"
 #include "trainer/train/store_scene.h"
 #include "unit/trainer/train/short_run.h"
 
@@ -12,26 +13,6 @@ namespace fluxgs {
 namespace {
 
 using namespace test;
-
-/// Every part of the method at work within a hundred steps.
-TrainOptions everything() {
-  TrainOptions options = short_run(100);
-  options.densify = Densify::multiview;
-  options.growth_rank = GrowthRank::error;
-  options.split = Split::long_axis;
-  options.prune = Prune::multiview;
-  options.densify_until = 60;
-  options.sh_degree_interval = 10;
-  options.sh_target = ShTarget::adaptive;
-  options.switch_iteration = 65;
-  options.late_prune = LatePrune::contribution;
-  options.late_prune_from = 70;
-  options.late_prune_interval = 5;
-  options.late_prune_until = 80;
-  options.rounding = Switch::on;
-  options.round_from = 85;
-  return options;
-}
 
 void expect_finite(const PlanarFloats& rows) {
   for (int r = 0; r < rows.rows(); ++r)
@@ -77,6 +58,31 @@ TEST(HardData, BlackPhotos) {
 
 TEST(HardData, WhitePhotos) {
   expect_survives(changed([](Dataset& d) { paint(d, 255); }));
+}
+
+// A lens cap, or a mask with nothing in it: a picture that is its photo is infinitely many decibels
+// from it, which must not be the mean of all.
+TEST(HardData, APhotoThatIsReproducedExactly) {
+  const Dataset data = changed([](Dataset& d) {
+    Photo& photo = d.train[0];
+    std::ranges::fill(photo.rgb.pixels, std::uint8_t{0});
+    for (const int axis : {0, 2}) {  // turned about, and out of the scene
+      for (int c = 0; c < 3; ++c) photo.camera.rotation[c][axis] *= -1;
+      photo.camera.translation[axis] *= -1;
+    }
+    photo.camera.translation.z -= 30;
+  });
+  const TrainOptions options = everything();
+  const Threads threads(2);
+  StageTimes times;
+  const Trainer start(data, options,
+                      initial_state(data, points_of(small_capture()), options, threads), threads,
+                      times);
+  const auto scores =
+      evaluate(data.train, cpu_view_renderer(start.cloud(), options.render, threads), threads);
+  ASSERT_TRUE(scores && std::isinf(scores->psnr));
+  EXPECT_LT(start.mean_psnr(data.train), 58.93);
+  expect_survives(data);
 }
 
 TEST(HardData, OnePhoto) {

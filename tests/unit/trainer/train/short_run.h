@@ -54,6 +54,36 @@ inline TrainOptions short_run(int iterations) {
   return options;
 }
 
+/// Every part of the method at work within a hundred steps.
+inline TrainOptions everything() {
+  TrainOptions options = short_run(100);
+  options.densify = Densify::multiview;
+  options.growth_rank = GrowthRank::error;
+  options.split = Split::long_axis;
+  options.prune = Prune::multiview;
+  options.densify_until = 60;
+  options.opacity_reset_interval = 30;  // twice, after which sizes are limited, too
+  options.dropout = 2;
+  options.sh_degree_interval = 10;
+  options.sh_target = ShTarget::adaptive;
+  options.switch_iteration = 65;
+  options.late_prune = LatePrune::contribution;
+  options.late_prune_from = 70;
+  options.late_prune_interval = 5;
+  options.late_prune_until = 80;
+  options.rounding = Switch::on;
+  options.round_from = 85;
+  return options;
+}
+
+inline TrainOptions mcmc_run(int iterations) {
+  TrainOptions options = short_run(iterations);
+  options.densify = Densify::mcmc;
+  options.opacity_reset_interval = 0;
+  options.opacity_weight = options.scale_weight = 0.01;
+  return options;
+}
+
 inline TrainState train(const Dataset& data, const TrainOptions& options, TrainState state,
                         int threads, int steps) {
   const Threads pool(threads);
@@ -86,12 +116,18 @@ inline void expect_same(const TrainState& a, const TrainState& b) {
   ASSERT_EQ(a.networks.has_value(), b.networks.has_value());
   if (a.networks) {
     expect_same(a.networks->latents, b.networks->latents, "latents");
+    expect_same(a.networks->adam.first, b.networks->adam.first, "first moments of latents");
     expect_same(a.networks->adam.second, b.networks->adam.second, "moments of latents");
     EXPECT_EQ(to_floats(a.networks->model), to_floats(b.networks->model));
   }
   ASSERT_EQ(a.rounding.has_value(), b.rounding.has_value());
   if (a.rounding) {
-    EXPECT_EQ(a.rounding->steps.position, b.rounding->steps.position);
+    const CompactSteps &s = a.rounding->steps, &t = b.rounding->steps;
+    EXPECT_EQ(s.position, t.position);
+    for (float CompactSteps::* step :
+         {&CompactSteps::log_scale, &CompactSteps::rotation, &CompactSteps::opacity,
+          &CompactSteps::sh_dc, &CompactSteps::sh_rest, &CompactSteps::energy})
+      EXPECT_EQ(s.*step, t.*step);
     EXPECT_EQ(a.rounding->costs.weights, b.rounding->costs.weights);
     EXPECT_EQ(a.rounding->costs.sh_factors, b.rounding->costs.sh_factors);
     EXPECT_EQ(a.rounding->costs.scale, b.rounding->costs.scale);
@@ -99,6 +135,7 @@ inline void expect_same(const TrainState& a, const TrainState& b) {
     expect_same(a.rounding->offsets, b.rounding->offsets, "rounding");
   }
   EXPECT_EQ(a.iteration, b.iteration);
+  EXPECT_EQ(a.most_pairs, b.most_pairs);
   EXPECT_EQ(a.random, b.random);
   EXPECT_EQ(a.view_order, b.view_order);
   EXPECT_EQ(a.next_view, b.next_view);

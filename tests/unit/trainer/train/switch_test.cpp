@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "fluxgs/io/gltf.h"
+#include "trainer/compress/rounding.h"
 #include "trainer/train/evaluate.h"
 #include "trainer/train/store_scene.h"
 #include "unit/trainer/train/short_run.h"
@@ -115,6 +116,31 @@ TEST(Networks, AreStoredOnlyWhereTheyPay) {
   EXPECT_GT(*told.stored->with_networks, 40'000u);  // two networks are in it
 }
 
+// What is stored with networks is near the pictures that they make, not those without them
+TEST(Networks, AreJudgedByTheColoursThatTheyMake) {
+  TrainOptions options = curriculum(ShTarget::degree_1, ShReduction::view_ls);
+  options.iterations = 110;
+  options.switch_iteration = 100;
+  options.phi = Switch::on;
+  TrainState state = run(options).state;
+  ASSERT_TRUE(state.networks && state.networks->model.phi);
+  PlanarFloats& last = state.networks->model.phi->weights.back();
+  for (int r = 0; r < last.rows(); ++r)
+    for (std::size_t i = 0; i < last.size(); ++i)
+      last.row(r)[i] = 0.1f * std::sin(static_cast<float>(r + 3) * static_cast<float>(i + 1));
+  const Dataset& data = small_capture();
+  const Threads threads(2);
+  StageTimes times;
+  const Trainer trainer(data, options, std::move(state), threads, times);
+  const SplatCloud without = to_cloud(trainer.state().parameters, 1), with = trainer.cloud();
+  const SceneError error(with, cameras_of(data.train), options.render, threads);
+  EXPECT_LT(psnr_of_mse(*error.mse(without)), 30);  // or the networks change nothing
+  const auto stored = store_scene(trainer, data.train, threads, {});
+  ASSERT_TRUE(stored) << stored.error().message();
+  ASSERT_FALSE(stored->networks_error) << stored->networks_error->message();
+  EXPECT_GT(psnr_of_mse(*error.mse(stored->cloud)), trainer.stored_psnr() - 0.5);
+}
+
 TEST(Rounding, TrainsWithTheNumbersOfTheFile) {
   TrainOptions options = short_run(300);
   options.densify_until = 150;
@@ -148,6 +174,51 @@ TEST(Rounding, TrainsWithTheNumbersOfTheFile) {
   RecordProperty("aware", std::to_string(psnr(told.stored->file)));
   RecordProperty("unaware", std::to_string(psnr(rounded_after->file)));
   EXPECT_GT(psnr(told.stored->file), psnr(rounded_after->file));
+}
+
+// A step with the moments that a rotation has leads to the same scene before and after it is stored
+// as another of the four quaternions that mean the same
+TEST(Rounding, MomentsFollowTheRotations) {
+  TrainOptions options = short_run(30);
+  const Dataset& data = small_capture();
+  TrainState state = train(data, options, fresh(data, options), 2, 30);
+  state.rounding = RoundingState{{.rotation = 1e-5f}, {}, {}};
+  const std::size_t n = state.parameters.size();
+  for (std::size_t i = 0; i < n; ++i)
+    for (int c = 0; c < 4; ++c) {
+      const auto at = static_cast<float>(4 * i + static_cast<std::size_t>(c));
+      state.parameters.row(row::rotation + c)[i] = 2 * std::sin(at);
+      state.adam.first.row(row::rotation + c)[i] = 0.1f * std::cos(3 * at);
+      state.adam.second.row(row::rotation + c)[i] = 1.5f + std::cos(5 * at);
+    }
+  const auto turned = [](const TrainState& s, std::size_t i, double rate) {
+    const glm::dquat q = rotation_of(s.parameters, i);
+    glm::dquat step = rotation_of(s.adam.first, i);
+    const glm::dquat second = rotation_of(s.adam.second, i);
+    for (int c = 0; c < 4; ++c) step[c] *= rate / std::sqrt(second[c]);
+    return glm::mat3_cast(glm::normalize(q + step));
+  };
+  // The same covariance: axes may be turned by half, which changes their signs
+  const auto covariance = [](const glm::dmat3& r) {
+    return r * glm::dmat3(1, 0, 0, 0, 2, 0, 0, 0, 3) * glm::transpose(r);
+  };
+  const TrainState before = state;
+  ASSERT_TRUE(round_parameters(state));
+  const auto order = compact_order([&] {
+    SplatCloud cloud = to_cloud(before.parameters, sh_degree_of(before.parameters));
+    canonicalize_rotations(cloud);
+    return cloud;
+  }());
+  std::size_t other = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double length = glm::length(rotation_of(before.parameters, order[k]));
+    const glm::dmat3 a = covariance(turned(before, order[k], 0.01 * length)),
+                     b = covariance(turned(state, k, 0.01));
+    for (int c = 0; c < 3; ++c) ASSERT_LT(glm::distance(a[c], b[c]), 2e-4) << k;
+    other += glm::dot(glm::normalize(rotation_of(before.parameters, order[k])),
+                      rotation_of(state.parameters, k)) < 0.99;
+  }
+  EXPECT_GT(other, n / 2);  // or nothing was turned
 }
 
 }  // namespace
