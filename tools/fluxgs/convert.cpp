@@ -7,6 +7,7 @@
 
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/io/file.h"
+#include "fluxgs/printable.h"
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/console.h"
 #include "tools/fluxgs/data_options.h"
@@ -29,6 +30,8 @@ struct ConvertSettings {
   bool searches() const { return max_bytes || max_loss; }
 };
 
+std::string shown(const std::string& path) { return one_line(path, std::string::npos); }
+
 /// A splat far from all others, or splats much smaller than the scene, leave few steps for each.
 void warn_of_outliers(const ConvertSettings& s, const SplatCloud& cloud) {
   const double step = usual_compact_steps(cloud).position;
@@ -44,7 +47,7 @@ Expected<void> write_compact(const ConvertSettings& s, const SplatCloud& cloud) 
   const auto bytes = encode_compact_glb(cloud, options, s.out);
   if (!bytes) return std::unexpected(bytes.error());
   if (auto written = write_file_atomic(s.out, *bytes); !written) return written;
-  spdlog::info("{}: {} splats, {} bytes", s.out, cloud.size(), bytes->size());
+  fmt::print("{}: {} splats, {} bytes\n", shown(s.out), cloud.size(), bytes->size());
   return {};
 }
 
@@ -77,9 +80,9 @@ Expected<void> write_searched(const ConvertSettings& s, const SplatCloud& cloud,
   if (auto written = write_file_atomic(s.out, found->file); !written) return written;
   const std::string error =
       found->mse > 0 ? fmt::format("{:.2f} dB from", found->psnr()) : "exactly";
-  spdlog::info("{}: {} splats, {} bytes, {} the pictures of {}{}", s.out, cloud.size(),
-               found->file.size(), error, s.in,
-               cloud.sh_degree < full_degree ? fmt::format(" at degree {}", cloud.sh_degree) : "");
+  fmt::print("{}: {} splats, {} bytes, {} the pictures of {}{}\n", shown(s.out), cloud.size(),
+             found->file.size(), error, shown(s.in),
+             cloud.sh_degree < full_degree ? fmt::format(" at degree {}", cloud.sh_degree) : "");
   return {};
 }
 
@@ -98,24 +101,17 @@ Expected<void> convert(const ConvertSettings& s) {
   if (s.searches()) return write_searched(s, scene->cloud, full_degree);
   if (compact) return write_compact(s, scene->cloud);
   if (auto written = write_scene(s.out, scene->cloud); !written) return written;
-  spdlog::info("{}: {} splats", s.out, scene->cloud.size());
+  fmt::print("{}: {} splats\n", shown(s.out), scene->cloud.size());
   return {};
 }
 
-/// A number from low to high; CLI::Range lets NaN pass.
-CLI::Validator between(double low, double high) {
-  return CLI::Validator(
-      [low, high](const std::string& text) {
-        double value = 0;
-        return CLI::detail::lexical_cast(text, value) && value >= low && value <= high
-                   ? std::string()
-                   : fmt::format("expected a number from {:g} to {:g}", low, high);
-      },
-      fmt::format("{:g} to {:g}", low, high));
-}
-
 /// What would do nothing is refused.
-void check_use(const ConvertSettings& s) {
+void check_use(const ConvertSettings& s, const CLI::App& command) {
+  for (const char* option : {"--threads", "--background"})
+    if (command.count(option) > 0 && !s.searches())
+      throw CLI::ValidationError(option, "is used only by --max-loss and --max-bytes");
+  if (command.count("--downscale") > 0 && s.data.folder.empty())
+    throw CLI::ValidationError("--downscale", "is used only with --data");
   if (!s.data.folder.empty() && !s.searches())
     throw CLI::ValidationError("--data", "is used only by --max-loss and --max-bytes");
   if (s.plain_attributes && !s.compact && !s.searches())
@@ -129,13 +125,13 @@ void add_compact_options(CLI::App& command, ConvertSettings& s) {
       command.add_flag("--compact", s.compact, "a fraction of the bytes, with a small error");
   CLI::Option* coarseness = command.add_option("--coarseness", s.coarseness,
                                                "with --compact: 0.5 is finer, 2 is smaller");
-  coarseness->check(between(0.001, 1000))->capture_default_str()->needs(compact);
+  coarseness->check(in_range(0.001, 1000))->capture_default_str()->needs(compact);
   CLI::Option* bytes = command.add_option("--max-bytes", s.max_bytes,
                                           "search for the least error in a file of this size");
   bytes->check(CLI::Range(std::size_t{1}, std::size_t{1} << 50));
   CLI::Option* loss = command.add_option(
       "--max-loss", s.max_loss, "search for the smallest file whose pictures are this near, in dB");
-  loss->check(between(1, 120))->excludes(bytes)->excludes(coarseness);
+  loss->check(in_range(1, 120))->excludes(bytes)->excludes(coarseness);
   bytes->excludes(coarseness);
   CLI::Option* plain = command.add_flag(
       "--plain-attributes", s.plain_attributes,
@@ -165,7 +161,7 @@ void add_convert(CLI::App& app, Action& action) {
   add_compact_options(*command, *settings);
   add_data_options(*command, settings->data);
   command->callback([=, &action] {
-    check_use(*settings);
+    check_use(*settings, *command);
     action = [=] { return convert(*settings); };
   });
 }

@@ -2,22 +2,17 @@
 
 #include <spdlog/spdlog.h>
 
+#include "tools/fluxgs/command.h"
 #include "tools/fluxgs/progress.h"
 
 namespace fluxgs::cli {
 namespace {
 
 void add_background(CLI::App& command, std::vector<double>& background) {
-  const auto in_range = [](const std::string& text) {  // CLI::Range lets NaN through
-    double value = -1;
-    const bool number = CLI::detail::lexical_cast(text, value);
-    return number && value >= 0 && value <= 1 ? std::string()
-                                              : text + " is not a number from 0 to 1";
-  };
   command.add_option("--background", background, "colour behind the scene, r,g,b in 0..1")
       ->delimiter(',')
       ->expected(3)
-      ->check(CLI::Validator(in_range, "0..1"));
+      ->check(in_range(0, 1));
 }
 
 }  // namespace

@@ -1,14 +1,11 @@
 #include "tools/fluxgs/flip.h"
 
-#include <unistd.h>
-
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <string>
 #include <string_view>
-#include <system_error>
 
 #include <fmt/format.h>
 
@@ -16,6 +13,7 @@
 #include "tools/fluxgs/child_process.h"
 #include "tools/fluxgs/find_program.h"
 #include "tools/fluxgs/pictures.h"
+#include "tools/fluxgs/work_folder.h"
 #include "trainer/data/image_io.h"
 
 namespace fluxgs::cli {
@@ -32,27 +30,6 @@ std::string package_folder() {
   const char* named = std::getenv("FLUXGS_FLIP");
   return named != nullptr && *named != 0 ? named : FLUXGS_FLIP_FOLDER;
 }
-
-/// A folder for pictures, gone with this.
-class WorkFolder {
- public:
-  WorkFolder() {
-    std::error_code ignored;
-    std::string pattern = (fs::temp_directory_path(ignored) / "fluxgs-flip-XXXXXX").string();
-    if (mkdtemp(pattern.data()) != nullptr) path_ = pattern;
-  }
-  ~WorkFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  WorkFolder(const WorkFolder&) = delete;
-  WorkFolder& operator=(const WorkFolder&) = delete;
-
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 /// What FLIP prints for these arguments.
 Expected<std::string> run_flip(const WorkFolder& work, const std::vector<std::string>& arguments) {

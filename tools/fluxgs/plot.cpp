@@ -1,18 +1,19 @@
 #include "tools/fluxgs/plot.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <span>
 
 #include <fmt/format.h>
 
 #include "fluxgs/io/file.h"
+#include "fluxgs/printable.h"
+#include "tools/fluxgs/child_process.h"
 #include "tools/fluxgs/find_program.h"
+#include "tools/fluxgs/work_folder.h"
 
 namespace fluxgs::cli {
 namespace {
@@ -84,12 +85,32 @@ bool has_points(const Plot& plot) {
   });
 }
 
-/// Runs gnuplot on a script; false if it failed.
-bool run_gnuplot(const std::string& script) {
-  std::FILE* pipe = ::popen("gnuplot 2>/dev/null", "w");
-  if (pipe == nullptr) return false;
-  const bool written = std::fwrite(script.data(), 1, script.size(), pipe) == script.size();
-  return ::pclose(pipe) == 0 && written;
+/// The last line that gnuplot said.
+std::string reason_in(const fs::path& log) {
+  std::ifstream in(log);
+  std::string reason = "no reason given";
+  for (std::string line; std::getline(in, line);)
+    if (!line.empty()) reason = one_line(line, 200);
+  return reason;
+}
+
+/// Runs gnuplot on a plot; the bytes of its picture.
+Expected<std::vector<std::byte>> draw(const Plot& plot, const std::string& path) {
+  const WorkFolder work;
+  const auto gnuplot = find_program("gnuplot");
+  if (work.path().empty() || !gnuplot)
+    return fail(path, "--plot", "no temporary folder can be made");
+  const fs::path script = work.path() / "script", log = work.path() / "log";
+  const fs::path drawn = work.path() / ("plot" + fs::path(path).extension().string());
+  const std::string text = script_of(plot, drawn);
+  if (auto ok = write_file_atomic(script, std::as_bytes(std::span(text))); !ok)
+    return std::unexpected(ok.error());
+  const auto end = run_child({*gnuplot, {script.string()}, log, {}}, nullptr);
+  if (!end) return std::unexpected(end.error());
+  auto bytes = read_file(drawn);
+  if (!end->success() || !bytes || bytes->empty())
+    return fail(path, "--plot", "gnuplot could not draw it: " + reason_in(log));
+  return bytes;
 }
 
 }  // namespace
@@ -108,14 +129,8 @@ Expected<void> write_plot(const std::string& path, const Plot& plot) {
   if (auto ok = check_plot(path); !ok) return ok;
   if (!has_points(plot))
     return fail(path, "--plot", "there is nothing to draw: no finite number, all is exact");
-  std::error_code ignored;
-  const fs::path drawn =
-      fs::temp_directory_path(ignored) /
-      fmt::format("fluxgs-plot-{}{}", ::getpid(), fs::path(path).extension().string());
-  const bool done = run_gnuplot(script_of(plot, drawn));
-  const auto bytes = read_file(drawn);
-  fs::remove(drawn, ignored);
-  if (!done || !bytes || bytes->empty()) return fail(path, "--plot", "gnuplot could not draw it");
+  const auto bytes = draw(plot, path);
+  if (!bytes) return std::unexpected(bytes.error());
   return write_file_atomic(path, *bytes);
 }
 

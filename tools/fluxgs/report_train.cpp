@@ -155,9 +155,10 @@ void take_apart(TrainReport& s) {
   s.common.assign(first, s.data.end());
   s.data.erase(first, s.data.end());
   for (const std::string& word : s.common) {
-    constexpr std::string_view kOwn[] = {"-o",       "--out",  "--json", "--resume",
-                                         "--preset", "--seed", "-h",     "--help"};
-    if (std::ranges::count(kOwn, std::string_view(word).substr(0, word.find('='))) > 0)
+    constexpr std::string_view kOwn[] = {"--out",    "--json", "--resume", "--exact",
+                                         "--preset", "--seed", "-h",       "--help"};
+    if (word.starts_with("-o") ||
+        std::ranges::count(kOwn, std::string_view(word).substr(0, word.find('='))) > 0)
       throw CLI::ValidationError(word, "is not for all runs; the report sets it for each");
   }
   if (s.list) return;
@@ -199,7 +200,8 @@ void add_report_train(CLI::App& app, Action& action) {
   command->footer(
       "Writes report.md, report.json and pictures of each group to OUT, and every run to\n"
       "OUT/SCENE/ROW/seed-N. What is finished there is not run again; Ctrl-C saves, and the same\n"
-      "command goes on. --known takes over what others have finished, perhaps on other machines.\n"
+      "command goes on. The report is of the rows of this call; --only leaves other runs be, but\n"
+      "not their report. --known takes over what others have finished, perhaps on other machines.\n"
       "Frame times and minutes mean something on an idle machine only.\n"
       "Example: fluxgs report train captures/garden -o sweep --only presets,cameras "
       "-- --iterations 7000 --downscale 2");

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tools/fluxgs/paths.h"
 #include "tools/fluxgs/sweep_progress.h"
 
 namespace fluxgs::cli {
@@ -45,13 +46,6 @@ class FolderLock {
   explicit FolderLock(int descriptor) : descriptor_(descriptor) {}
   int descriptor_;
 };
-
-bool lies_in(const fs::path& inner, const fs::path& outer) {
-  std::error_code ignored;
-  const fs::path way =
-      fs::weakly_canonical(inner, ignored).lexically_relative(fs::weakly_canonical(outer, ignored));
-  return !way.empty() && *way.begin() != "..";
-}
 
 /// The data sets by the last names of their folders.
 Expected<std::vector<SweepScene>> scenes_of(const SweepSettings& s) {
@@ -99,6 +93,7 @@ SweepRun run_of(const SweepSettings& s, const SweepScene& scene, const SweepRow&
           .folder = s.out / scene.name / row.name / fmt::format("seed-{}", seed),
           .preset = row.preset,
           .options = options,
+          .meaning = training_meaning(row, s.common),
           .seed = seed,
           .iterations = meaning ? meaning->iterations : 0};
 }
@@ -124,10 +119,10 @@ std::string line_of(const RunOutcome& o) {
 }  // namespace
 
 Expected<SweepTable> run_sweep(const SweepSettings& s) {
-  const auto lock = FolderLock::take(s.out);
-  if (!lock) return std::unexpected(lock.error());
   auto scenes = scenes_of(s);
   if (!scenes) return std::unexpected(scenes.error());
+  const auto lock = FolderLock::take(s.out);
+  if (!lock) return std::unexpected(lock.error());
   SweepTable table{.command = "", .scenes = std::move(*scenes), .rows = s.rows, .seeds = s.seeds};
   table.outcomes.resize(table.scenes.size() * table.rows.size() * table.seeds.size());
 

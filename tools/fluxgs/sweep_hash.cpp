@@ -39,7 +39,10 @@ Expected<std::vector<fs::path>> files_of(const fs::path& folder) {
     std::error_code ignored;
     if (entry.depth() == 0 && entry->path().filename() == "colmap")
       entry.disable_recursion_pending();
-    if (entry->is_regular_file(ignored)) files.push_back(entry->path().lexically_relative(folder));
+    const bool hidden = entry->path().filename().string().starts_with('.');
+    if (hidden && entry->is_directory(ignored)) entry.disable_recursion_pending();
+    if (!hidden && entry->is_regular_file(ignored))
+      files.push_back(entry->path().lexically_relative(folder));
   }
   if (error) return fail(folder.string(), "", "cannot be read: " + error.message());
   std::ranges::sort(files);

@@ -1,5 +1,6 @@
 #include "tools/fluxgs/sweep_known.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,6 +13,8 @@ namespace fluxgs::cli {
 namespace {
 
 using nlohmann::json;
+
+const std::string kTakenOver = "taken over from another report, with its times";
 
 std::string key_of(const std::string& data_hash, const json& meaning, std::uint64_t seed) {
   return fmt::format("{} {} {}", data_hash, seed, meaning.dump());
@@ -61,7 +64,10 @@ Expected<void> KnownRuns::add(const std::filesystem::path& path) {
     if (version != FLUXGS_VERSION)
       return fail(path.string(), "versions",
                   fmt::format("made by fluxgs {}; expected {}", version, FLUXGS_VERSION));
-    for (auto& [key, run] : runs_of(*report)) runs_.insert_or_assign(key, std::move(run));
+    for (auto& [key, run] : runs_of(*report)) {
+      if (std::ranges::count(run.remarks, kTakenOver) == 0) run.remarks.push_back(kTakenOver);
+      runs_.insert_or_assign(key, std::move(run));
+    }
     return {};
   } catch (const json::exception& error) {
     return fail(path.string(), "",

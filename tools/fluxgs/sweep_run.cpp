@@ -28,7 +28,7 @@ using Options = std::vector<std::string>;
 /// A child's work, which is done when its product is there.
 struct Step {
   std::string name = {};
-  Options options = {};    ///< that the product depends on, besides the steps before
+  json meaning = {};       ///< what the product depends on, besides the steps before
   Options arguments = {};  ///< of the child
   fs::path product = {};
   bool prints = false;    ///< the product is what the child prints
@@ -53,10 +53,7 @@ Step train_step(const SweepRun& run) {
                          "--json",  report.string()};
   // So that little is lost with the power
   const Options options = merged_options({"--checkpoint-every", "1000"}, run.options);
-  Step step{.name = kTrain,
-            .options = joined({{"--preset", run.preset}, run.options}),
-            .arguments = {},
-            .product = report};
+  Step step{.name = kTrain, .meaning = run.meaning, .arguments = {}, .product = report};
   std::error_code ignored;
   if (fs::exists(checkpoint_of(run), ignored))
     step.arguments =
@@ -76,7 +73,7 @@ std::vector<Step> measuring_steps(const SweepRun& run, const SweepMeasures& meas
   const std::string stored = (run.folder / "scene.glb").string();
   const auto add = [&](std::string name, Options files, const Options& options, Step step) {
     step.name = std::move(name);
-    step.options = options;
+    step.meaning = options;
     step.arguments = joined({files, options, data});
     return step;
   };
@@ -94,7 +91,7 @@ std::vector<Step> measuring_steps(const SweepRun& run, const SweepMeasures& meas
 /// What a folder remembers.
 struct Record {
   std::string data_hash, version, build;
-  json steps = json::object();          ///< name → {options, error: text or null}
+  json steps = json::object();          ///< name → {meaning, error: text or null}
   bool training = false;                ///< a training was begun whose end nobody saw
   bool time_known = true;               ///< the times below are all there was before the checkpoint
   double seconds = 0, cpu_seconds = 0;  ///< of interrupted trainings that the checkpoint holds
@@ -190,17 +187,34 @@ class Execution {
     fs::create_directories(run_.folder, error);
     if (error) return fail(run_.folder.string(), "", "cannot be created: " + error.message());
     record_ = read_record(run_);
-    if (record_.data_hash == run_.data_hash && record_.version == FLUXGS_VERSION) return {};
-    forget_training();
+    const json trained = record_.steps.value(kTrain, json::object()).value("meaning", run_.meaning);
+    if (record_.data_hash == run_.data_hash && record_.version == FLUXGS_VERSION &&
+        trained == run_.meaning)
+      return {};
+    record_ = {.data_hash = run_.data_hash, .version = FLUXGS_VERSION, .build = {}};
+    return put_aside();
+  }
+
+  bool has(const char* name) const {
+    std::error_code ignored;
+    return fs::exists(run_.folder / name, ignored);
+  }
+
+  /// What took long to make is not thrown away because something else is asked for now.
+  Expected<void> put_aside() {
+    if (!has("train.json") && !has("scene.glb.ckpt")) return {};
+    fs::path other;
+    std::error_code error;
+    for (int i = 1; i == 1 || fs::exists(other, error); ++i)
+      other = fmt::format("{}.old-{}", run_.folder.string(), i);
+    fs::rename(run_.folder, other, error);
+    if (!error) fs::create_directories(run_.folder, error);
+    if (error) return fail(run_.folder.string(), "", "cannot be put aside: " + error.message());
+    outcome_.remarks.push_back(
+        "a run of other data, other options or another version was there and is put aside");
     return {};
   }
 
-  void forget_training() {
-    record_ = {.data_hash = run_.data_hash, .version = FLUXGS_VERSION, .build = {}};
-    for (const char* name : {"train.json", "scene.ply", "scene.glb", "scene.glb.ckpt"})
-      remove(name);
-    forget_measures();
-  }
   void forget_measures() {
     for (const char* name : {kScore, kFrames}) record_.steps.erase(name);
     for (const char* name : {"score.json", "frames.json"}) remove(name);
@@ -219,7 +233,7 @@ class Execution {
   bool step(const Step& s) {
     std::error_code ignored;
     const json known = record_.steps.value(s.name, json::object());
-    const bool same = known.value("options", json()) == json(s.options);
+    const bool same = known.value("meaning", json()) == s.meaning;
     const json error = known.value("error", json());
     if (same && error.is_string() && !tools_.retry) return tell_failure(s, error);
     if (same && error.is_null() && fs::exists(s.product, ignored)) return true;
@@ -227,11 +241,7 @@ class Execution {
       outcome_.remarks.push_back("no PSNR and SSIM: the data set has no test photos");
       return true;
     }
-    if (s.name == kTrain) {
-      if (!same || error.is_string()) forget_training();
-      return train(train_step(run_));
-    }
-    return run_step(s);
+    return s.name == kTrain ? train(s) : run_step(s);
   }
 
   bool has_test_photos() const {
@@ -248,10 +258,11 @@ class Execution {
     return true;
   }
 
-  /// Training, from a checkpoint if there is one, with the time of what that holds.
+  /// Training, from a checkpoint if there is one, with the time of what that holds. One from which
+  /// training fails is of no use.
   bool train(const Step& s) {
-    std::error_code ignored;
-    if (!fs::exists(checkpoint_of(run_), ignored)) {
+    const bool resumes = has("scene.glb.ckpt");
+    if (!resumes) {
       record_.seconds = record_.cpu_seconds = 0;
       record_.time_known = true;
       record_.build = tools_build();
@@ -261,7 +272,8 @@ class Execution {
     forget_measures();
     record_.training = true;
     const bool goes_on = run_step(s);
-    if (outcome_.state != RunState::interrupted && goes_on) remove("scene.glb.ckpt");
+    const bool failed = outcome_.state == RunState::failed;
+    if (goes_on || (failed && resumes)) remove("scene.glb.ckpt");
     return goes_on;
   }
 
@@ -274,7 +286,7 @@ class Execution {
       return false;
     }
     const fs::path log = run_.folder / "log.txt";
-    record_.steps[s.name] = {{"options", s.options}, {"error", nullptr}};
+    record_.steps[s.name] = {{"meaning", s.meaning}, {"error", nullptr}};
     if (auto written = write_record(run_, record_); !written) {
       give_up(written.error().message());
       return false;
@@ -340,6 +352,10 @@ class Execution {
       outcome_.remarks.push_back(
           "interrupted and gone on with: the time holds loading the photos before");
     collect_curves();
+    if (const auto report = read_json(run_.folder / "train.json");
+        report && report->contains("networks_error"))
+      outcome_.remarks.push_back("stored without networks: " +
+                                 report->at("networks_error").get<std::string>());
     take("score.json", "/psnr", "stored_psnr");
     take("score.json", "/ssim", "stored_ssim");
     take("score.json", "/flip", "stored_flip");

@@ -15,6 +15,8 @@
 #include <utility>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "fluxgs/error.h"
 #include "tools/fluxgs/interrupt.h"
 
@@ -25,6 +27,7 @@ struct SweepRun {
   std::filesystem::path folder;
   std::string preset;
   std::vector<std::string> options;  ///< of `fluxgs train`, without preset and seed
+  nlohmann::json meaning;            ///< training_meaning() of both
   std::uint64_t seed = 1;
   int iterations = 0;  ///< that the training takes
 };
@@ -56,12 +59,14 @@ struct RunOutcome {
 };
 
 /// Does what is not done yet: trains (from the checkpoint of an interrupted training, if it has the
-/// same options), stores, scores and times. What was made of other data, by another version or with
-/// other options is made again. Whatever fails is an outcome, too.
+/// same meaning), stores, scores and times. What was made of other data, by another version or with
+/// options that mean something else is put aside (seed-1.old-1, …) and made again. Whatever fails
+/// is an outcome, too.
 RunOutcome execute_run(const SweepRun& run, const SweepTools& tools);
 
-/// A hash of all files of a data set, by their names and contents; not of what COLMAP makes of the
-/// photos, which appears with the first training. Errors: not a folder, files that cannot be read.
+/// A hash of all files of a data set, by their names and contents; not of hidden ones, and not of
+/// what COLMAP makes of the photos, which appears with the first training. Errors: not a folder,
+/// files that cannot be read.
 Expected<std::string> hash_of_data(const std::filesystem::path& folder);
 
 /// A hash of one file.

@@ -78,11 +78,13 @@ std::string cell(const std::string& text) {
   return safe;
 }
 
-std::string shown(const Statistic& s, const SweepMetric& metric) {
+/// "28.70 ± 0.05", and of how many runs where that is not as many as others in the row are of.
+std::string shown(const Statistic& s, const SweepMetric& metric, int runs) {
   if (s.count == 0) return "–";
-  const std::string mean = fmt::format("{:.{}f}", s.mean * metric.shown, metric.digits);
-  if (s.count < 2) return mean;
-  return fmt::format("{} ± {:.{}f}", mean, s.deviation * metric.shown, metric.digits);
+  std::string text = fmt::format("{:.{}f}", s.mean * metric.shown, metric.digits);
+  if (s.count > 1) text += fmt::format(" ± {:.{}f}", s.deviation * metric.shown, metric.digits);
+  if (s.count < runs) text += fmt::format(" ({})", s.count);
+  return text;
 }
 
 /// "3", "2 of 3, 1 failed": runs of a row, on one scene or on all.
@@ -118,8 +120,11 @@ std::string group_table(const SweepTable& t, const SweepGroup& group, const Stat
   text += " runs |\n" + line + "---:|\n";
   for (const std::size_t row : rows) {
     text += fmt::format("| {} |", cell(t.rows[row].label));
+    int most = 0;
     for (const SweepMetric& metric : columns)
-      text += fmt::format(" {} |", shown(statistics(row, metric.key), metric));
+      most = std::max(most, statistics(row, metric.key).count);
+    for (const SweepMetric& metric : columns)
+      text += fmt::format(" {} |", shown(statistics(row, metric.key), metric, most));
     text += fmt::format(" {} |\n", runs_of(t, row, first, last));
   }
   return text + "\n";

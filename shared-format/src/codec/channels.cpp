@@ -15,7 +15,6 @@ namespace fluxgs::codec {
 namespace {
 
 constexpr std::size_t kMostChannels = 64;
-constexpr double kLargest = 0x1p28;
 constexpr float kLargestInHeader = 1e30f;  // so that no sum of products overflows
 
 /// Multiples of the step, not yet whole, channel by channel.
@@ -58,11 +57,11 @@ Expected<Planes> in_steps(const Channels& input, const Layout& t) {
         for (std::size_t k = 0; k < n; ++k) z += double{t.basis[c * n + k]} * centered[k];
       }
       z /= step;
-      if (!(std::abs(z) < kLargest))
+      if (!(std::abs(z) < kLargestNumber))
         return fail("", "",
                     fmt::format("splat {}: its value over the step of {:g} is {:g}, expected less "
                                 "than {:g}",
-                                i, t.step, z, kLargest));
+                                i, t.step, z, kLargestNumber));
       planes[c][i] = z;
     }
   }

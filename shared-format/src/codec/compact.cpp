@@ -13,6 +13,7 @@
 #include "codec/morton.h"
 #include "codec/positions.h"
 #include "codec/rotations.h"
+#include "codec/rounding.h"
 #include "codec/scales.h"
 #include "codec/stored_costs.h"
 #include "codec/vectors.h"
@@ -32,9 +33,6 @@ float opacity_logit(float scale) {
   const double opacity = std::clamp(root * root, kLeastOpacity, kMostOpacity);
   return io::logit(opacity);
 }
-
-// Splats that no picture shows keep a shape all the same
-constexpr double kLeastWeight = 0.05, kMostWeight = 20;
 
 // Each attribute may rest on those before it: their decoded values tell how exactly it is stored.
 enum Attribute : std::size_t { kPosition, kScale, kOpacity, kRotation, kDc, kRest, kEnergy };
@@ -320,6 +318,8 @@ Expected<SplatCloud> decode_compact(std::span<const std::byte> bytes, std::size_
     return fail("", "",
                 fmt::format("{} splats in {} bytes, expected {} at most", count, bytes.size(),
                             most_splats(bytes.size())));
+  if (count == 0 && !bytes.empty())
+    return fail("", "", fmt::format("{} bytes for no splats, expected none", bytes.size()));
   auto cloud = io::allocate_cloud(count, sh_degree, "");
   if (!cloud || count == 0) return cloud;
   Content content{std::move(*cloud), energy != nullptr};
@@ -329,6 +329,7 @@ Expected<SplatCloud> decode_compact(std::span<const std::byte> bytes, std::size_
   Reader part(*positions);
   if (auto ok = decode_positions(part, content.cloud.positions); !ok)
     return std::unexpected(ok.error());
+  if (part.left() > 0) return fail("", kNames[kPosition], "has bytes left over");
   for (const Attribute attribute : attributes_of(content.has_energy, sh_degree)) {
     const auto section = take_section(in, attribute);
     if (!section) return std::unexpected(section.error());

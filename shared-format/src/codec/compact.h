@@ -43,9 +43,9 @@ Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactOptions& op
                                std::span<const float> energy = {}, const RateFactors& rates = {});
 
 /// Decodes `count` splats, most_splats(bytes.size()) at most. Holds at most the bytes, the cloud,
-/// and 64 bytes a splat (with energy 128; of degree 2 and 3: 12 for each coefficient). Errors
-/// (without a file's name) name the attribute. If `energy` is given, the stream has it instead of
-/// colours, which stay zero.
+/// and 64 bytes a splat (with energy 128; of degree 2 and 3: 24, and 12 for each coefficient).
+/// Errors (without a file's name) name the attribute. If `energy` is given, the stream has it
+/// instead of colours, which stay zero.
 Expected<SplatCloud> decode_compact(std::span<const std::byte> bytes, std::size_t count,
                                     int sh_degree, std::vector<float>* energy = nullptr);
 

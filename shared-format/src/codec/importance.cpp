@@ -11,7 +11,6 @@
 namespace fluxgs::codec {
 namespace {
 
-constexpr float kLongest = 50;               // or one splat would set the mean
 constexpr float kFlattest = 6.5f;            // thinner ones look the same
 constexpr float kLeastOpacity = 1e-3f;       // fainter ones are not drawn
 constexpr float kFinest = 6, kCoarsest = 2;  // logarithms of the step over the mean one

@@ -10,9 +10,12 @@
 namespace fluxgs::codec {
 
 /// Natural logarithms of a splat's standard deviations, longest first, and of its opacity. Lengths
-/// count as e^±50 at most, axes as no shorter than e^−6.5 of the longest, opacities as no less than
-/// 0.001.
+/// count as e^±kLongest at most, axes as no shorter than e^−6.5 of the longest, opacities as no
+/// less than 0.001.
 using Extent = glm::vec4;
+
+/// Logarithms of lengths beyond ± this count as this: one splat alone must not set a mean.
+inline constexpr float kLongest = 50;
 
 /// The extents of splats whose opacities are not known: they count as 1.
 std::vector<Extent> extents_of(std::span<const glm::vec3> log_scales);

@@ -13,7 +13,7 @@ namespace fluxgs::codec {
 
 /// Appends `values` to `out` in about as many bits as their entropy says, plus a table of one or
 /// two bytes for each distinct value. Values that spread over more than 4,096 neighbours keep their
-/// low bits uncoded. |value| < 2³⁰.
+/// low bits uncoded (bypass bits). |value| < 2³⁰.
 void encode_values(std::span<const std::int32_t> values, Bytes& out);
 
 /// Bits that encode_values would take for the values themselves (their empirical entropy).

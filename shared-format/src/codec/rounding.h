@@ -1,4 +1,5 @@
-// Rounding to whole numbers that take few bits: not always the nearest one.
+// Rounding to whole numbers that take few bits, not always the nearest one: rate–distortion
+// optimised quantisation (RDOQ) with a constant Lagrange multiplier.
 #pragma once
 
 #include <cstdint>
@@ -7,10 +8,17 @@
 
 namespace fluxgs::codec {
 
+/// Numbers over their step are smaller.
+inline constexpr double kLargestNumber = 0x1p28;
+
+/// Weights of splats are between these times the mean: what no picture shows keeps a shape all the
+/// same.
+inline constexpr double kLeastWeight = 0.05, kMostWeight = 20;
+
 /// What rounding weighs against each other: weight·(error)² + bits·rate_weight is made small, where
 /// the error is in steps. 0 rounds to the nearest.
 struct Rounding {
-  double rate_weight = 0;
+  double rate_weight = 0;               ///< the multiplier λ
   std::span<const float> weights = {};  ///< one for each value, 1 on the average; empty: all 1
 };
 
@@ -36,7 +44,7 @@ inline constexpr int kRoundingPasses = 2;
 /// Whole numbers for `values` as what is coded: themselves or, if `predicted`, their differences
 /// from the prediction by those before. Each is the nearest or the one next to it towards the
 /// cheaper zero, so that it is off by 1.5 at most; which of the two depends on how often the
-/// numbers occur. |values| < 2²⁸.
+/// numbers occur. |values| < kLargestNumber.
 std::vector<std::int32_t> round_cheaply(std::span<const double> values, bool predicted,
                                         const Rounding& rounding);
 

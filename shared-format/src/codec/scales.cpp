@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "codec/importance.h"
+
 namespace fluxgs::codec {
 namespace {
 
-constexpr double kMostSteps = 0x1p26, kLeastSteps = 0x1p-4;
-constexpr double kLongest = 50;  // logarithms beyond would set the mean
+constexpr double kMostRootSteps = 0x1p26, kLeastRootSteps = 0x1p-4;
 constexpr double kLongestOverMean = 18;
 
 }  // namespace
@@ -15,14 +16,14 @@ constexpr double kLongestOverMean = 18;
 double mean_log_scale(std::span<const glm::vec3> log_scales) {
   double sum = 0;
   for (const glm::vec3& s : log_scales)
-    for (int c = 0; c < 3; ++c) sum += std::clamp(double{s[c]}, -kLongest, kLongest);
+    for (int c = 0; c < 3; ++c) sum += double{std::clamp(s[c], -kLongest, kLongest)};
   return sum / (3 * static_cast<double>(log_scales.size()));
 }
 
 Stepped roots_of(std::span<const glm::vec3> log_scales, float log_step) {
   const double mean = mean_log_scale(log_scales);
   const double step = std::clamp(0.5 * double{log_step} * std::exp(mean / 2), 1e-30, 1e30);
-  const double most = std::min(std::exp((mean + kLongestOverMean) / 2), kMostSteps * step);
+  const double most = std::min(std::exp((mean + kLongestOverMean) / 2), kMostRootSteps * step);
   Stepped roots{.values = {}, .step = static_cast<float>(step)};
   roots.values.reserve(3 * log_scales.size());
   for (const glm::vec3& s : log_scales)
@@ -32,7 +33,7 @@ Stepped roots_of(std::span<const glm::vec3> log_scales, float log_step) {
 }
 
 void roots_to_logs(std::span<float> roots, float step) {
-  const float least = std::max(static_cast<float>(kLeastSteps * double{step}), 1e-30f);
+  const float least = std::max(static_cast<float>(kLeastRootSteps * double{step}), 1e-30f);
   for (float& x : roots) x = 2 * std::log(std::max(x, least));
 }
 

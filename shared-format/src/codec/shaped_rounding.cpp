@@ -8,8 +8,6 @@
 namespace fluxgs::codec {
 namespace {
 
-constexpr double kLargest = 0x1p28;
-
 /// Row j, column k ≤ j of a lower triangle that is stored row by row.
 constexpr std::size_t entry(std::size_t j, std::size_t k) { return j * (j + 1) / 2 + k; }
 
@@ -32,7 +30,7 @@ Expected<void> ShapedRounding::round(std::size_t i, const Shaped& shaped, std::s
   std::ranges::fill(errors, 0.0);
   for (std::size_t k = shaped.x.size(); k-- > shaped.kept;) {
     const double z = (shaped.x[k] + made_up(shaped, k, errors)) / shaped.step;
-    if (!(std::abs(z) < kLargest))
+    if (!(std::abs(z) < kLargestNumber))
       return fail("", "",
                   fmt::format("splat {}: a value over the step of {:g} is not within ±2²⁸", i,
                               shaped.step));

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "codec/importance.h"
+#include "codec/rounding.h"
 #include "codec/scales.h"
 #include "codec/stored_costs.h"
 
@@ -16,8 +17,6 @@ float times(float step, double logarithm) {
   constexpr double kMost = 40;
   return static_cast<float>(double{step} * std::exp(std::clamp(logarithm, -kMost, kMost)));
 }
-
-constexpr double kLeastPart = 0.05, kMostPart = 20;  // as single splats in compact.cpp
 
 /// The mean of weight·step² over the whole, over that of the part.
 double whole_over_part(std::span<const float> coarseness, std::span<const float> weights,
@@ -32,7 +31,7 @@ double whole_over_part(std::span<const float> coarseness, std::span<const float>
   if (!(whole_sum > 0)) return 1;
   const double share =
       part_sum / whole_sum * static_cast<double>(weights.size()) / static_cast<double>(part.size());
-  return 1 / std::clamp(share, kLeastPart, kMostPart);
+  return 1 / std::clamp(share, kLeastWeight, kMostWeight);
 }
 
 }  // namespace

@@ -112,6 +112,7 @@ Expected<void> check_networks(const CompactNetworks& networks, const SplatCloud&
   if (cloud.sh_degree != 1)
     return fail(name, "networks",
                 fmt::format("the scene has degree {}, expected 1", cloud.sh_degree));
+  static_assert(codec::kEnergyChannels == networks::kEnergyColumns);
   const std::size_t expected = has_psi ? codec::kEnergyChannels * cloud.size() : 0;
   if (networks.energy.size() != expected)
     return fail(name, "energy",

@@ -157,7 +157,8 @@ Expected<void> read_instance(const GltfInstance& instance, const std::string& na
   return {};
 }
 
-// How many splats there are in all, within the bounds on repeated meshes.
+// How many splats there are in all, within the bounds on repeated meshes. Networks are run for
+// every node that shows them, which may take seconds: they belong to scenes of one primitive.
 Expected<std::size_t> count_splats(const std::vector<GltfInstance>& instances, std::size_t file,
                                    const std::string& name) {
   const std::size_t most_plain = file / kFileBytesPerSplat;
@@ -165,6 +166,10 @@ Expected<std::size_t> count_splats(const std::vector<GltfInstance>& instances, s
   std::size_t plain = 0, compressed = 0, decoded = 0;
   for (const GltfInstance& instance : instances) {
     const GltfSplats& splats = instance.splats;
+    if (splats.networks && instances.size() > 1)
+      return fail(name, "nodes",
+                  fmt::format("show {} primitives, expected one where networks make the colours",
+                              instances.size()));
     // Every count has 32 bits or is at most the size of the file, and there are at most 65,536.
     (splats.compression == GltfCompression::none ? plain : compressed) += splats.count;
     decoded += splats.compressed.size();

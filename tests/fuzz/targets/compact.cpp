@@ -22,9 +22,10 @@ FLUXGS_FUZZ_TARGET(compact) {
   std::vector<float> energy;
   const auto cloud =
       codec::decode_compact(parameters.rest(), count, degree, has_energy ? &energy : nullptr);
-  // compact.h: the cloud and 64 bytes a splat, or 12 for each coefficient; a table of Draco's.
+  // compact.h: the cloud and 64 bytes a splat, or 24 and 12 for each coefficient; a table of
+  // Draco's.
   const std::size_t each = std::max<std::size_t>(
-      has_energy ? 112 : 64, 12 * static_cast<std::size_t>(sh_rest_count(degree)) + 16);
+      has_energy ? 128 : 64, 12 * static_cast<std::size_t>(sh_rest_count(degree)) + 24);
   check_memory(meter.peak(), {(6 << 20) + each * count + splat_memory_bytes(count, degree), 64},
                input.size(), 0);
   if (!cloud) {

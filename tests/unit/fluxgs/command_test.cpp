@@ -63,7 +63,7 @@ TEST(Command, TrainsEvaluatesRendersConvertsAndInforms) {
       fluxgs(train(scene, fmt::format("--iterations 60 --sh-target 3 --json {} --exact {}",
                                       quoted(report), quoted(exact))));
   ASSERT_EQ(trained.status, 0) << trained.err;
-  EXPECT_EQ(trained.out, "");
+  EXPECT_NE(trained.out.find("test views: PSNR "), std::string::npos) << trained.out;
   const json run = json::parse(text_of(report));
   for (const char* key : {"options", "iterations", "seconds", "cpu_seconds", "splats", "psnr",
                           "ssim", "curves", "stages", "backend", "versions"})
@@ -114,6 +114,31 @@ TEST(Command, TrainsEvaluatesRendersConvertsAndInforms) {
   EXPECT_EQ(fluxgs("doctor --json").status, 0);
 }
 
+// Hours of training are not lost for a disk that was full at their end
+TEST(Command, ATrainingWhoseSceneCannotBeWrittenIsSaved) {
+  const test::TempFolder folder;
+  const auto scene = folder / "scene.glb";
+  // A folder takes its name while it is trained, after it was found to be free
+  write_text(
+      folder / "run.sh",
+      fmt::format("'{}' {} 2>{} &\nwhile [ ! -e {} ] && kill -0 $!; do sleep 0.01; done\n"
+                  "mkdir {}\nwait $!\n",
+                  FLUXGS_BINARY, train(scene, "--iterations 300 --checkpoint-every 10"),
+                  quoted(folder / "said"), quoted(folder / "scene.glb.ckpt"), quoted(scene)));
+  const int status = std::system(fmt::format("sh {}", quoted(folder / "run.sh")).c_str());
+  const std::string said = text_of(folder / "said");
+  ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 1) << said;
+  EXPECT_NE(said.find("the training is saved; go on with: fluxgs train "), std::string::npos)
+      << said;
+  std::filesystem::remove(scene);
+  const Outcome stored =
+      fluxgs(fmt::format("train {} -o {} --resume {} --json -", quoted(capture_folder()),
+                         quoted(scene), quoted(folder / "scene.glb.ckpt")));
+  ASSERT_EQ(stored.status, 0) << stored.err;
+  EXPECT_EQ(json::parse(stored.out)["resumed_at"], 300);
+  EXPECT_TRUE(std::filesystem::is_regular_file(scene));
+}
+
 TEST(Command, WrongUsageIsStatusTwoAndHelpHasExamples) {
   EXPECT_EQ(fluxgs("").status, 2);
   EXPECT_EQ(fluxgs("fly").status, 2);
@@ -126,6 +151,9 @@ TEST(Command, WrongUsageIsStatusTwoAndHelpHasExamples) {
   for (const char* seed : {"-1", "18446744073709551616", "0x2", "1e3", "''"})
     EXPECT_EQ(fluxgs(fmt::format("train x -o y.glb --seed {}", seed)).status, 2) << seed;
   EXPECT_EQ(fluxgs("train x -o y.glb --resume z.ckpt --iterations 9").status, 2);
+  EXPECT_EQ(fluxgs("train x -o y.glb --exact ./y.glb").status, 2);
+  EXPECT_EQ(fluxgs("convert x.ply y.glb --threads 2").status, 2);
+  EXPECT_EQ(fluxgs("convert x.ply y.glb --max-loss 40 --downscale 2").status, 2);
   EXPECT_EQ(fluxgs("render x.glb -o y.png --size 0x9").status, 2);
   EXPECT_EQ(fluxgs("render x.glb -o y.png --size 12").status, 2);
   EXPECT_NE(fluxgs("train x -o y.glb --iterations 0")
@@ -220,7 +248,7 @@ TEST(Command, CompactScenesAreSearchedForAndReportedOn) {
   EXPECT_LE(std::filesystem::file_size(folder / "c.glb"), 5000u);
   const Outcome loss = run("--max-loss 35" + data);
   EXPECT_EQ(loss.status, 0) << loss.err;
-  EXPECT_NE(loss.err.find(" dB from the pictures of "), std::string::npos) << loss.err;
+  EXPECT_NE(loss.out.find(" dB from the pictures of "), std::string::npos) << loss.err;
   EXPECT_EQ(read_scene(folder / "c.glb")->cloud.size(), 500u);
 
   expect_error(run("--max-bytes 100" + data), {"c.glb: size", "expected 100 at most"});

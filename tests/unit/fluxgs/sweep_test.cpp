@@ -18,6 +18,7 @@
 #include "run_command.h"
 #include "support/temp_folder.h"
 #include "tools/capture/capture.h"
+#include "tools/fluxgs/command.h"
 #include "tools/fluxgs/flip.h"
 #include "tools/fluxgs/read_json.h"
 #include "tools/fluxgs/report.h"
@@ -132,6 +133,13 @@ TEST(SweepTable, MarkdownShowsNumbersUnitsAndFailures) {
   EXPECT_THAT(text, HasSubstr("- scene0, flux, seed 3 failed: a \\| b?fluxgs\n"));
 }
 
+TEST(SweepTable, SaysOfHowManyRunsANumberIs) {
+  std::vector<RunOutcome> outcomes{finished(30), finished(32)};
+  outcomes[1].values["stored_flip"] = 0.05;
+  EXPECT_THAT(sweep_markdown(table_of(outcomes)),
+              HasSubstr("| flux | 31.00 ± 1.41 | 0.0500 (1) | 1000 ± 0 | 2 |\n"));
+}
+
 TEST(SweepTable, PicturesHaveAPointARowAndBars) {
   SweepTable table = table_of({finished(30), finished(32)});
   table.rows[0].group = table.rows[0].series = "cameras";
@@ -208,11 +216,53 @@ TEST(Sweep, AFailingRowDoesNotLoseTheOthersAndIsTriedAgainWhenAsked) {
   EXPECT_EQ(time_of(report), trained);
   EXPECT_GT(fs::file_size(log), tried);
 
-  settings.retry = false;  // other options: made again
-  settings.rows = {row("good", {"--cameras", "4", "--opacity-rate", "0.03"})};
+  settings.retry = false;  // other words of the same meaning
+  settings.rows = {row("good", {})};
   settings.seeds = {1};
+  settings.common = {"--max-splats=300", "--threads", "2", "--iterations", "60"};
   ASSERT_TRUE(run_sweep(settings));
+  EXPECT_EQ(time_of(report), trained);
+  settings.rows = {row("good", {"--cameras", "4", "--opacity-rate", "0.03"})};
+  const auto changed = run_sweep(settings);  // made again, but not in the place of the other
+  ASSERT_TRUE(changed);
   EXPECT_NE(time_of(report), trained);
+  EXPECT_EQ(time_of(folder / "spheres/good/seed-1.old-1/train.json"), trained);
+  EXPECT_THAT(changed->at(0, 0, 0).remarks, ElementsAre(HasSubstr("put aside")));
+}
+
+// Such as one that ran out of memory
+TEST(Sweep, ARetriedRunGoesOnFromItsCheckpoint) {
+  const test::TempFolder folder;
+  SweepSettings settings = tiny_settings(folder.path(), {row("full", {})});
+  settings.seeds = {1};
+  const fs::path run = folder / "spheres/full/seed-1";
+  fs::create_directories(run);
+  ASSERT_EQ(fluxgs(fmt::format("train {} -o {} --preset 3dgs --iterations 60 --max-splats 300 "
+                               "--checkpoint-every 40",
+                               quoted(capture_folder()), quoted(run / "scene.glb")))
+                .status,
+            0);
+  const json record = {{"data_hash", *hash_of_data(capture_folder())},
+                       {"version", FLUXGS_VERSION},
+                       {"build", ""},
+                       {"steps",
+                        {{"train",
+                          {{"meaning", training_meaning(settings.rows[0], settings.common)},
+                           {"error", "ended by signal 9"}}}}},
+                       {"training", false},
+                       {"time_known", true},
+                       {"interrupted_seconds", 1.0},
+                       {"interrupted_cpu_seconds", 1.0}};
+  ASSERT_TRUE(write_json((run / "run.json").string(), record));
+  auto table = run_sweep(settings);
+  ASSERT_TRUE(table);
+  EXPECT_EQ(table->at(0, 0, 0).error, "ended by signal 9");
+  settings.retry = true;
+  table = run_sweep(settings);
+  ASSERT_TRUE(table);
+  EXPECT_EQ(table->at(0, 0, 0).state, RunState::finished) << table->at(0, 0, 0).error;
+  EXPECT_THAT(text_of(run / "log.txt"), HasSubstr("resuming at iteration 40"));
+  EXPECT_FALSE(fs::exists(run / "scene.glb.ckpt"));
 }
 
 TEST(Sweep, InterruptedItGoesOnWithTheSameCommand) {
@@ -300,9 +350,14 @@ TEST(Sweep, BadUseIsOneLine) {
   expect_error(
       fluxgs(fmt::format("report train {} -o {}", quoted(folder / "no"), quoted(folder / "out"))),
       {"no", "data set"});
+  const auto hash = hash_of_data(capture_folder());
   expect_error(fluxgs(report_train(capture_folder() / "out", "--only densify")),
                {"--out", "inside"});
+  EXPECT_FALSE(fs::exists(capture_folder() / "out"));
+  EXPECT_EQ(hash_of_data(capture_folder()).value(), hash.value());
   EXPECT_EQ(fluxgs(report_train(folder / "out", "", " -- --seed 3")).status, 2);
+  EXPECT_EQ(fluxgs(report_train(folder / "out", "", " -- --exact x.ply")).status, 2);
+  EXPECT_EQ(fluxgs(report_train(folder / "out", "", " -- -ox.glb")).status, 2);
   EXPECT_EQ(fluxgs("report train -o x").status, 2);
   EXPECT_EQ(fluxgs("report train x").status, 2);
   const Outcome listed = fluxgs("report train --list --only cameras");

@@ -129,6 +129,18 @@ TEST(CompactNetworks, WhatDoesNotFitIsRefusedBeforeAnythingIsWritten) {
   EXPECT_FALSE(encode_compact_glb(cloud, fine_options({}), "x.glb"));
 }
 
+// Each would be run again, for as long as it may take
+TEST(CompactNetworks, BelongToOnePrimitive) {
+  FLUXGS_NEEDS_ONNXRUNTIME();
+  const SplatCloud cloud = random_cloud(20, 1);
+  const auto one = encode_compact_glb(cloud, fine_options(networks_of(cloud, true, true)), "x.glb");
+  ASSERT_TRUE(one) << one.error().message();
+  const auto scene = read_glb(fluxgs::test::joined_glb({*one, *one}), "x.glb");
+  ASSERT_FALSE(scene);
+  EXPECT_EQ(scene.error().message(),
+            "x.glb: nodes: show 2 primitives, expected one where networks make the colours");
+}
+
 TEST(CompactNetworks, DamageIsNamed) {
   FLUXGS_NEEDS_ONNXRUNTIME();
   const SplatCloud cloud = random_cloud(20, 1);

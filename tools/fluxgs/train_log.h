@@ -1,0 +1,46 @@
+// What a training did on its way: means over equal stretches, the PSNR of the test photos now and
+// then, and what its turning points were worth. For the report and its plots.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "trainer/train/trainer.h"
+
+namespace fluxgs::cli {
+
+class TrainLog {
+ public:
+  explicit TrainLog(int iterations);  ///< that are to come
+
+  /// Takes a step in, and tells the user of what happened in it.
+  void add(int iteration, const StepReport& step, std::size_t splats);
+
+  /// Twenty times in all, halfway between the even marks, at many of which opacities are reset.
+  bool psnr_is_due(int iteration) const { return iteration % (10 * stretch_) == 5 * stretch_; }
+  /// Measures the test views; the time that takes is not part of the training's.
+  void measure_psnr(int iteration, const Trainer& trainer, const std::vector<Photo>& photos);
+  double measuring_seconds() const { return measuring_; }
+  double measuring_cpu_seconds() const { return measuring_cpu_; }
+
+  double first_rate() const { return rates_.empty() ? 0 : rates_.front(); }  ///< steps a second
+  double last_rate() const { return rates_.empty() ? 0 : rates_.back(); }
+  nlohmann::json to_json() const;
+
+ private:
+  void add_switch(int iteration, const SwitchReport& report);
+  void add_late_prune(int iteration, const LatePruneReport& report);
+  void add_rounding(int iteration, const RoundingReport& report);
+
+  int stretch_, count_ = 0;
+  double loss_ = 0, l1_ = 0, start_, measuring_ = 0, measuring_cpu_ = 0;
+  std::vector<int> iteration_;
+  std::vector<double> losses_, l1s_, rates_;
+  std::vector<std::size_t> splats_;
+  std::vector<std::pair<int, double>> psnr_;
+  nlohmann::json switch_, rounding_, late_prunes_ = nlohmann::json::array();
+};
+
+}  // namespace fluxgs::cli

@@ -1,0 +1,109 @@
+#include "tools/fluxgs/train_run.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "tools/fluxgs/console.h"
+#include "tools/fluxgs/progress.h"
+#include "trainer/train/checkpoint.h"
+#include "trainer/train/memory_budget.h"
+
+namespace fluxgs::cli {
+namespace {
+
+Expected<TrainOptions> options_from(const TrainSettings& settings) {
+  auto options = preset(settings.preset);
+  if (!options) return options;
+  apply(settings.method, *options);
+  options->render.background = settings.data.background_color();
+  if (auto valid = validate(*options); !valid) return std::unexpected(valid.error());
+  return options;
+}
+
+/// What the user has asked for but will not get.
+void warn_of_options(const TrainOptions& options) {
+  const int at = resolved(options).switch_iteration;
+  if (reduces_appearance(options) && at > options.iterations)
+    spdlog::warn("warning: --switch-iter {} is behind the last step, {}: harmonics are not reduced",
+                 at, options.iterations);
+}
+
+std::size_t most_initial(const Dataset& data, const TrainOptions& options) {
+  std::size_t most = std::numeric_limits<std::size_t>::max();
+  for (const std::uint64_t limit :
+       {options.max_splats, options.target_splats, options.initial_splats})
+    if (limit > 0) most = std::min<std::size_t>(most, limit);
+  return std::min(most, splats_in_memory(data, options, kUsualPairs));
+}
+
+/// Every n-th point keeps the cloud's coverage.
+void thin_out(PointCloud& points, std::size_t most) {
+  const std::size_t count = points.positions.size();
+  if (count <= most) return;
+  const double step = static_cast<double>(count) / static_cast<double>(most);
+  for (std::size_t i = 0; i < most; ++i) {
+    const auto from = static_cast<std::size_t>(static_cast<double>(i) * step);
+    points.positions[i] = points.positions[from];
+    points.colors[i] = points.colors[from];
+  }
+  points.positions.resize(most);
+  points.colors.resize(most);
+}
+
+}  // namespace
+
+Expected<Run> new_run(const TrainSettings& settings, const Threads& threads) {
+  const auto options = options_from(settings);
+  if (!options) return std::unexpected(options.error());
+  warn_of_options(*options);
+  auto data = load(settings.data);
+  if (!data) return std::unexpected(data.error());
+  if (auto room = check_memory(*data, *options); !room) return std::unexpected(room.error());
+  auto points = initial_points(*data, options->seed, show_progress("pairs"));
+  if (!points) return std::unexpected(points.error());
+  thin_out(*points, most_initial(*data, *options));
+  spdlog::info("{} initial splats ({})", points->positions.size(), points->source);
+  TrainState state = initial_state(*data, *points, *options, threads);
+  const std::uint64_t photos_hash = hash_photos(data->train);
+  return Run{*options, std::move(*data), std::move(state), photos_hash};
+}
+
+Expected<Run> resume_run(TrainSettings& settings) {
+  auto checkpoint = read_checkpoint(settings.resume);
+  if (!checkpoint) return std::unexpected(checkpoint.error());
+  settings.preset = checkpoint->preset;
+  settings.data.downscale = checkpoint->downscale;
+  const glm::dvec3 background = checkpoint->options.render.background;
+  settings.data.background = {background.x, background.y, background.z};
+  auto data = load(settings.data);
+  if (!data) return std::unexpected(data.error());
+  if (data->train.size() != checkpoint->train_photos ||
+      hash_photos(data->train) != checkpoint->photos_hash)
+    return fail(settings.data.folder, "",
+                fmt::format("{} training photos, but not the {} that {} was made with",
+                            data->train.size(), checkpoint->train_photos, settings.resume));
+  spdlog::info("resuming at iteration {} with {} splats", checkpoint->state.iteration,
+               checkpoint->state.parameters.size());
+  return Run{checkpoint->options, std::move(*data), std::move(checkpoint->state),
+             checkpoint->photos_hash};
+}
+
+std::string checkpoint_of(const TrainSettings& settings) { return settings.out + ".ckpt"; }
+
+Expected<void> save_checkpoint(const TrainSettings& settings, const Run& run,
+                               const Trainer& trainer) {
+  return write_checkpoint(checkpoint_of(settings),
+                          {run.options, settings.preset, settings.data.downscale,
+                           run.data.train.size(), run.photos_hash, trainer.state()});
+}
+
+std::string how_to_go_on(const TrainSettings& settings) {
+  return fmt::format("saved; go on with: fluxgs train {} -o {} --resume {}",
+                     shell_quoted(settings.data.folder), shell_quoted(settings.out),
+                     shell_quoted(checkpoint_of(settings)));
+}
+
+}  // namespace fluxgs::cli

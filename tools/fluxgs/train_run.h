@@ -1,0 +1,46 @@
+// A training to start, or to go on with from a checkpoint.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "fluxgs/error.h"
+#include "tools/fluxgs/data_options.h"
+#include "tools/fluxgs/method_options.h"
+#include "trainer/data/dataset.h"
+#include "trainer/options/options.h"
+#include "trainer/train/trainer.h"
+
+namespace fluxgs::cli {
+
+/// The command line of `fluxgs train`.
+struct TrainSettings {
+  std::string out, exact, preset = preset_names().front(), backend = "auto", resume, report;
+  DataOptions data;
+  int checkpoint_every = 0;
+  MethodOptions method;
+};
+
+struct Run {
+  TrainOptions options;
+  Dataset data;
+  TrainState state;
+  std::uint64_t photos_hash;
+};
+
+/// Loads the data set and makes its first splats. Errors: options that are refused, photos that
+/// cannot be read or take too much memory.
+Expected<Run> new_run(const TrainSettings& settings, const Threads& threads);
+
+/// What settings.resume holds; its options replace those of the settings. Errors: not a checkpoint,
+/// or one of other photos.
+Expected<Run> resume_run(TrainSettings& settings);
+
+std::string checkpoint_of(const TrainSettings& settings);  ///< OUT.ckpt
+Expected<void> save_checkpoint(const TrainSettings& settings, const Run& run,
+                               const Trainer& trainer);
+
+/// "saved; go on with: fluxgs train …", as one would type it.
+std::string how_to_go_on(const TrainSettings& settings);
+
+}  // namespace fluxgs::cli
