@@ -89,8 +89,8 @@ PsiFitReport fit_psi(AppearanceModel& model, const PlanarFloats& parameters, Pla
     pass.step(only_psi, rates, options.adam);
     if (options.latent_rate > 0)
       latent_adam_step(latents, latent_state, latent_gradient, visible,
-                       {options.latent_rate * fall, options.latent_rate * fall}, options.adam,
-                       step + 1, threads, adam_kernels(isa));
+                       {options.latent_rate * fall, options.latent_rate * fall},
+                       AdamStep(options.adam, step + 1, adam_kernels(isa)), threads);
     for (const std::uint32_t i : batch) visible[i] = 0;
   }
   bake(only_psi, parameters, latents, threads, colors, isa);

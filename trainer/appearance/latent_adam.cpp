@@ -9,15 +9,12 @@ constexpr std::size_t kPiece = 4096;  // splats
 
 void latent_adam_step(PlanarFloats& latents, AdamState& state, const PlanarFloats& gradient,
                       const std::vector<std::uint8_t>& visible, const LatentRates& rates,
-                      const AdamConstants& constants, int step, const Threads& threads,
-                      const AdamKernels& kernels) {
-  const AdamStep adam(constants, step);
+                      const AdamStep& adam, const Threads& threads) {
   threads.for_pieces(latents.size(), kPiece, [&](std::size_t begin, std::size_t end) {
     for (int r = 0; r < latents.rows(); ++r)
-      kernels.adam(
-          adam.args(latents.row(r), state.first.row(r), state.second.row(r), gradient.row(r),
-                    visible.data(), r < 3 ? rates.constant : rates.directional),
-          begin, end);
+      adam.run({latents.row(r), state.first.row(r), state.second.row(r), gradient.row(r),
+                visible.data(), r < 3 ? rates.constant : rates.directional},
+               begin, end);
   });
 }
 

@@ -16,10 +16,9 @@ struct LatentRates {
 };
 
 /// Adam for the splats marked in `visible` (padded to a multiple of 16), as adam_step() for the
-/// parameters; `step` counts from 1. The moments have the latents' shape.
+/// parameters. The moments have the latents' shape.
 void latent_adam_step(PlanarFloats& latents, AdamState& state, const PlanarFloats& gradient,
                       const std::vector<std::uint8_t>& visible, const LatentRates& rates,
-                      const AdamConstants& constants, int step, const Threads& threads,
-                      const AdamKernels& kernels);
+                      const AdamStep& adam, const Threads& threads);
 
 }  // namespace fluxgs

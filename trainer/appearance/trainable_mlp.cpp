@@ -180,7 +180,7 @@ void backward(const TrainableMlp& mlp, const MlpTransposed& transposed, const Ml
 std::uint64_t adam_step(TrainableMlp& mlp, const MlpMatrices& gradient, double rate,
                         const AdamConstants& constants, const AdamKernels& kernels) {
   ++mlp.steps;
-  const AdamStep adam(constants, mlp.steps);
+  const AdamStep adam(constants, mlp.steps, kernels);
   std::uint64_t rejected = 0;
   std::vector<std::uint8_t> finite;
   for (std::size_t l = 0; l < mlp.layers(); ++l) {
@@ -189,9 +189,9 @@ std::uint64_t adam_step(TrainableMlp& mlp, const MlpMatrices& gradient, double r
     finite.resize(count);
     for (std::size_t i = 0; i < count; ++i) finite[i] = std::isfinite(g.data()[i]) ? 1 : 0;
     rejected += static_cast<std::uint64_t>(std::ranges::count(finite, 0));
-    kernels.adam(adam.args(mlp.weights[l].data(), mlp.first[l].data(), mlp.second[l].data(),
-                           g.data(), finite.data(), rate),
-                 0, count);
+    adam.run({mlp.weights[l].data(), mlp.first[l].data(), mlp.second[l].data(), g.data(),
+              finite.data(), rate},
+             0, count);
   }
   return rejected;
 }

@@ -17,35 +17,28 @@ double rate_of(const LearningRates& rates, int r) {
 
 }  // namespace
 
-AdamStep::AdamStep(const AdamConstants& constants, int step)
+AdamStep::AdamStep(const AdamConstants& constants, int step, const AdamKernels& kernels)
     : constants_(constants),
       correction1_(1 / (1 - std::pow(constants.beta1, step))),
-      correction2_(1 / (1 - std::pow(constants.beta2, step))) {}
+      correction2_(1 / (1 - std::pow(constants.beta2, step))),
+      kernels_(kernels) {}
 
-AdamArgs AdamStep::args(float* values, float* first, float* second, const float* gradient,
-                        const std::uint8_t* chosen, double rate) const {
-  return {values,
-          first,
-          second,
-          gradient,
-          chosen,
-          static_cast<float>(rate * correction1_),
-          static_cast<float>(correction2_),
-          static_cast<float>(constants_.beta1),
-          static_cast<float>(constants_.beta2),
-          static_cast<float>(constants_.epsilon)};
+void AdamStep::run(const Row& row, std::size_t begin, std::size_t end) const {
+  kernels_.adam({row.values, row.first, row.second, row.gradient, row.chosen,
+                 static_cast<float>(row.rate * correction1_), static_cast<float>(correction2_),
+                 static_cast<float>(constants_.beta1), static_cast<float>(constants_.beta2),
+                 static_cast<float>(constants_.epsilon)},
+                begin, end);
 }
 
 void adam_step(PlanarFloats& parameters, AdamState& state, const PlanarFloats& gradient,
                const std::vector<std::uint8_t>& visible, const LearningRates& rates,
-               const AdamConstants& constants, int step, int first_row, int end_row,
-               const Threads& threads, const AdamKernels& kernels) {
-  const AdamStep adam(constants, step);
+               const AdamStep& adam, RowRange rows, const Threads& threads) {
   threads.for_pieces(parameters.size(), kPiece, [&](std::size_t begin, std::size_t end) {
-    for (int r = first_row; r < end_row; ++r)
-      kernels.adam(adam.args(parameters.row(r), state.first.row(r), state.second.row(r),
-                             gradient.row(r), visible.data(), rate_of(rates, r)),
-                   begin, end);
+    for (int r = rows.first; r < rows.end; ++r)
+      adam.run({parameters.row(r), state.first.row(r), state.second.row(r), gradient.row(r),
+                visible.data(), rate_of(rates, r)},
+               begin, end);
   });
 }
 

@@ -21,26 +21,35 @@ struct AdamState {
   PlanarFloats first, second;
 };
 
-/// The constants of one step, with the corrections of the moments' bias.
+/// One step of Adam, counted from 1, on any numbers.
 class AdamStep {
  public:
-  AdamStep(const AdamConstants& constants, int step);  ///< counted from 1
+  AdamStep(const AdamConstants& constants, int step, const AdamKernels& kernels);
 
-  /// What a kernel needs for one row of numbers, its moments and its gradient. Entries where
-  /// `chosen` (padded to a multiple of 16) is 0 stay as they are.
-  AdamArgs args(float* values, float* first, float* second, const float* gradient,
-                const std::uint8_t* chosen, double rate) const;
+  /// A row of numbers that is padded to a multiple of 16, with its moments and its gradient.
+  /// Entries where `chosen` (padded, too) is 0 stay as they are.
+  struct Row {
+    float *values, *first, *second;
+    const float* gradient;
+    const std::uint8_t* chosen;
+    double rate;
+  };
+  void run(const Row& row, std::size_t begin, std::size_t end) const;  ///< begin: a multiple of 16
 
  private:
   AdamConstants constants_;
-  double correction1_, correction2_;
+  double correction1_, correction2_;  ///< of the moments' bias
+  const AdamKernels& kernels_;
 };
 
-/// One step (counted from 1) on the rows [first_row, end_row), for the splats marked in `visible`
-/// (padded to a multiple of 16). The bias correction counts steps of the whole run, as in 3DGS.
+struct RowRange {
+  int first, end;
+};
+
+/// A step on some rows of the splats marked in `visible` (padded to a multiple of 16). Its number
+/// is that of the whole run, as in 3DGS.
 void adam_step(PlanarFloats& parameters, AdamState& state, const PlanarFloats& gradient,
                const std::vector<std::uint8_t>& visible, const LearningRates& rates,
-               const AdamConstants& constants, int step, int first_row, int end_row,
-               const Threads& threads, const AdamKernels& kernels);
+               const AdamStep& adam, RowRange rows, const Threads& threads);
 
 }  // namespace fluxgs

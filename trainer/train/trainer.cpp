@@ -184,9 +184,10 @@ void Trainer::optimize() {
   const std::vector<std::uint8_t>& visible = rasterizer_->visible();
   if (has_penalties(options_))
     add_penalties(state_.parameters, visible, options_, rasterizer_->gradient(), threads_);
+  const AdamStep adam(constants, state_.iteration, adam_kernels(best_isa()));
   const auto rows = [&](int first, int end, const std::vector<std::uint8_t>& of) {
-    adam_step(state_.parameters, state_.adam, rasterizer_->gradient(), of, rates(), constants,
-              state_.iteration, first, end, threads_, adam_kernels(best_isa()));
+    adam_step(state_.parameters, state_.adam, rasterizer_->gradient(), of, rates(), adam,
+              {first, end}, threads_);
   };
   const int end = row::count(sh_degree_in_use());
   if (state_.networks) {
@@ -215,7 +216,7 @@ void Trainer::optimize_networks(const AdamConstants& constants) {
   networks_.step(n.model, {.psi = options_.psi_rate, .phi = options_.phi_rate}, constants);
   latent_adam_step(n.latents, n.adam, latent_gradient_, rasterizer_->visible(),
                    {.constant = options_.sh_dc_rate, .directional = options_.sh_rest_rate},
-                   constants, latent_steps(), threads_, adam_kernels(best_isa()));
+                   AdamStep(constants, latent_steps(), adam_kernels(best_isa())), threads_);
 }
 
 /// Visible splats that have harmonics of a degree.

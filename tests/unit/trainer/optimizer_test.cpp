@@ -29,8 +29,8 @@ TEST_P(Adam, FollowsItsDefinitionForVisibleSplatsOnly) {
   const LearningRates rates{0.1, 0.2, 0.3, 0.4, 0.5, 0.6};
   const AdamConstants constants{0.9, 0.999, 1e-15};
   for (int step = 1; step <= 5; ++step)
-    adam_step(p, state, gradient, visible, rates, constants, step, 0, row::count(1), threads,
-              adam_kernels(GetParam()));
+    adam_step(p, state, gradient, visible, rates,
+              AdamStep(constants, step, adam_kernels(GetParam())), {0, row::count(1)}, threads);
 
   const double rate_of_row[] = {0.1, 0.1, 0.1, 0.2, 0.2, 0.2, 0.3,
                                 0.3, 0.3, 0.3, 0.4, 0.5, 0.5, 0.5};

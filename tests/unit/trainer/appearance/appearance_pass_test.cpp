@@ -197,8 +197,8 @@ Trained train(int threads, Isa isa, std::size_t splats, int steps, bool psi = tr
       }
     pass.backpropagate(scene.model, gradient, scene.visible, latent_gradient);
     pass.step(scene.model, {}, kAdam);
-    latent_adam_step(out.latents, adam, latent_gradient, scene.visible, {1e-3, 1e-3}, kAdam, step,
-                     pool, adam_kernels(isa));
+    latent_adam_step(out.latents, adam, latent_gradient, scene.visible, {1e-3, 1e-3},
+                     AdamStep(kAdam, step, adam_kernels(isa)), pool);
     (step == 1 ? out.first_error : out.last_error) = std::sqrt(error);
   }
   out.model = to_floats(scene.model);
