@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "fluxgs/io/compact_glb.h"
 #include "trainer/appearance/latent_adam.h"
@@ -12,6 +13,7 @@
 #include "trainer/densify/mcmc.h"
 #include "trainer/densify/penalties.h"
 #include "trainer/model/initialize.h"
+#include "trainer/raster/blend_weights.h"
 #include "trainer/train/evaluate.h"
 #include "trainer/train/memory_budget.h"
 
@@ -121,6 +123,17 @@ SplatScores Trainer::scores(const std::vector<std::uint32_t>& views) {
                       *rasterizer_, threads_);
 }
 
+/// Of all training views; the other scores are left out.
+SplatScores Trainer::contributions() const {
+  SplatScores scores;
+  scores.contribution.resize(state_.parameters.size());
+  BlendWeights weights(state_.parameters, render_options(), threads_);
+  for (const Photo& photo : data_.train)
+    std::ranges::transform(scores.contribution, weights.of(photo.camera),
+                           scores.contribution.begin(), std::plus<>());
+  return scores;
+}
+
 /// The options with the limit that memory sets to the number of splats.
 TrainOptions Trainer::options_for_growth() const {
   TrainOptions o = options_;
@@ -142,10 +155,10 @@ DensifyCounts Trainer::densify() {
 LatePruneReport Trainer::late_prune() {
   LatePruneReport report{.splats_before = state_.parameters.size(),
                          .train_psnr_before = mean_psnr(data_.train)};
-  const SplatScores s = scores(options_.late_prune == LatePrune::contribution
-                                   ? all_indices(data_.train.size())
-                                   : sample_cameras(data_.train, options_, state_.random));
-  prune_late(state_, options_, s);
+  prune_late(state_, options_,
+             options_.late_prune == LatePrune::contribution
+                 ? contributions()
+                 : scores(sample_cameras(data_.train, options_, state_.random)));
   report.splats_after = state_.parameters.size();
   report.train_psnr_after = mean_psnr(data_.train);
   return report;
@@ -229,11 +242,13 @@ std::vector<std::uint8_t> Trainer::visible_of_degree(int degree) const {
 
 double Trainer::mean_psnr(const std::vector<Photo>& photos) const {
   if (photos.empty()) return 0;
-  const auto score =
-      evaluate(photos, cpu_view_renderer(cloud(), options_.render, threads_), threads_);
-  if (!score) return 0;
+  const ViewRenderer render = cpu_view_renderer(cloud(), options_.render, threads_);
+  PlanarImage target;
   double sum = 0;
-  for (const ViewScore& view : score->views) sum += std::min(view.psnr, kAsGoodAsThePhoto);
+  for (const Photo& photo : photos) {
+    to_planar(photo.rgb, threads_, target);
+    sum += std::min(psnr(*render(photo.camera), target), kAsGoodAsThePhoto);
+  }
   return sum / static_cast<double>(photos.size());
 }
 

@@ -102,6 +102,7 @@ class Trainer {
   DensifyCounts densify();
   LatePruneReport late_prune();
   SplatScores scores(const std::vector<std::uint32_t>& views);
+  SplatScores contributions() const;
 
   const Dataset& data_;
   TrainOptions options_;
