@@ -3,6 +3,8 @@
 #include <malloc.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -42,6 +44,7 @@ namespace {
 
 // SwiftShader's pools reach their size after some 2,000 frames
 constexpr int kWarmUp = kSanitized ? 100 : 2500, kFrames = kSanitized ? 500 : 10'000;
+constexpr std::size_t kStretches = 5;
 constexpr int kInFlight = 3;  // frames, as a window's swap chain has them
 constexpr int kWidth = 32, kHeight = 24;
 
@@ -82,6 +85,25 @@ class FramesTest : public GlTest {
             resident() - before.resident, static_cast<long>(faults.used) - before.gl};
   }
 
+  /// Over all frames. Of the process's memory the median stretch stands for all: what leaks does so
+  /// in each, while drivers take and return pools at times, the more the busier the machine.
+  Growth steady_growth(render::SceneView& view) {
+    Growth all;
+    std::array<long, kStretches> heap, resident;
+    for (std::size_t k = 0; k < kStretches; ++k) {
+      const Growth g = grown_over(view, kFrames / static_cast<int>(kStretches));
+      all.news += g.news, all.gl_allocations += g.gl_allocations, all.gl += g.gl;
+      heap[k] = g.heap, resident[k] = g.resident;
+    }
+    const auto median = [](std::array<long, kStretches> values) {
+      std::ranges::nth_element(values, values.begin() + kStretches / 2);
+      return values[kStretches / 2];
+    };
+    all.heap = static_cast<long>(kStretches) * median(heap);
+    all.resident = static_cast<long>(kStretches) * median(resident);
+    return all;
+  }
+
   void expect_steady(const char* name, const render::SceneViewSettings& settings);
 };
 
@@ -95,7 +117,7 @@ void FramesTest::expect_steady(const char* name, const render::SceneViewSettings
   const Image<float> first = must(render::read_pixels(api(), view.target()));
   view.renderer().wait_for_sorts(false);
   const auto start = std::chrono::steady_clock::now();
-  const Growth growth = grown_over(view, kFrames);
+  const Growth growth = steady_growth(view);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   std::printf(
@@ -111,8 +133,9 @@ void FramesTest::expect_steady(const char* name, const render::SceneViewSettings
   if (GetParam() != host::HostGl::angle && !kSanitized) {
     EXPECT_LT(growth.heap, 10'000);
   }
+  // Its scheduler's stacks, too, grow with the number of tasks that wait for a busy processor
   if (!kSanitized) {
-    EXPECT_LT(growth.resident, 2'000'000);
+    EXPECT_LT(growth.resident, GetParam() == host::HostGl::angle ? 10'000'000 : 2'000'000);
   }
   EXPECT_TRUE(api().debug.mistakes().empty());
   view.renderer().wait_for_sorts(true);

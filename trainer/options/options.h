@@ -120,7 +120,8 @@ struct TrainOptions {
   double mcmc_noise = 5e5;    ///< × the rate of positions
 
   // Storing as a compact file (paper, "Attributes Compression")
-  double store_loss = 0.3;        ///< dB of the training views' PSNR that rounding costs, at first
+  double store_loss = 0.3;  ///< dB of the training views' PSNR that rounding costs, at first
+  double store_psnr = 0;  ///< dB to the scene's pictures that are enough all the same; 0: none are
   Switch rounding = Switch::off;  ///< train on with rounded parameters
   int round_from = 0;             ///< iteration; 0: after 9/10 of the run
   int round_interval = 20;        ///< iterations until parameters are rounded anew

@@ -24,7 +24,7 @@ struct StoredScene {
 };
 
 /// The state as a compact file. Rounded parameters (state.rounding) are rounded once more. For
-/// others the smallest file is searched that costs `store_loss` dB of the training views' PSNR; and
+/// others the smallest file is searched with Trainer::stored_psnr(); and
 /// networks go into it only if it is then smaller than with the colours that they make. `on_trial`
 /// may be empty. Errors name the attribute.
 Expected<StoredScene> store_scene(const Trainer& trainer, const std::vector<Photo>& photos,

@@ -26,9 +26,10 @@ double pairs_of_a_splat(const RasterCounts& counts) {
   return static_cast<double>(counts.tile_pairs) / static_cast<double>(counts.visible);
 }
 
-/// dB between pictures of a scene and of a file that costs `loss` dB of its PSNR.
-double psnr_of_file(double psnr, double loss) {
-  return psnr_of_mse(added_mse(mse_of_psnr(psnr), loss));
+/// dB between pictures of a scene with this PSNR and of its file.
+double psnr_of_file(double psnr, const TrainOptions& options) {
+  const double asked = psnr_of_mse(added_mse(mse_of_psnr(psnr), options.store_loss));
+  return options.store_psnr > 0 ? std::min(asked, options.store_psnr) : asked;
 }
 
 /// A picture that is nearer to its photo, such as an all black one, is as good as the photo: this
@@ -252,9 +253,7 @@ double Trainer::mean_psnr(const std::vector<Photo>& photos) const {
   return sum / static_cast<double>(photos.size());
 }
 
-double Trainer::stored_psnr() const {
-  return psnr_of_file(mean_psnr(data_.train), options_.store_loss);
-}
+double Trainer::stored_psnr() const { return psnr_of_file(mean_psnr(data_.train), options_); }
 
 /// Finds the steps and rounds for the first time.
 RoundingReport Trainer::begin_rounding() {
@@ -262,7 +261,7 @@ RoundingReport Trainer::begin_rounding() {
   report.train_psnr_before = mean_psnr(data_.train);
   const SplatCloud exact = cloud();
   const CompactGoal goal{cameras_of(data_.train), options_.render,
-                         psnr_of_file(report.train_psnr_before, options_.store_loss)};
+                         psnr_of_file(report.train_psnr_before, options_)};
   auto found =
       compact_within(exact, exact, goal, {.steps = usual_compact_steps(exact)}, threads_, {});
   if (!found) return {.error = found.error()};

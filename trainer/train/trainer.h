@@ -74,7 +74,8 @@ class Trainer {
   SplatCloud cloud() const;
   /// dB, the mean over photos, each 58.9 dB (their own rounding) at most; 0 without any.
   double mean_psnr(const std::vector<Photo>& photos) const;
-  /// dB between pictures of the scene and of a file that costs `store_loss` on the training views.
+  /// dB between pictures of the scene and of a file that costs `store_loss` on the training views,
+  /// `store_psnr` at most.
   double stored_psnr() const;
   /// Gradients that were not finite and were therefore skipped.
   std::uint64_t rejected_gradients() const {
