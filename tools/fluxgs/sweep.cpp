@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <map>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -84,7 +85,7 @@ std::vector<std::string> notes_of_sharing(const std::vector<SweepRow>& rows,
   return notes;
 }
 
-SweepRun run_of(const SweepSettings& s, const SweepScene& scene, const SweepRow& row,
+SweepRun run_of(const SweepSettings& s, const SweepScene& scene, const SweepRow& row, json training,
                 std::uint64_t seed) {
   const std::vector<std::string> options = merged_options(s.common, row.options);
   const auto meaning = meaning_of(row.preset, options);
@@ -93,7 +94,7 @@ SweepRun run_of(const SweepSettings& s, const SweepScene& scene, const SweepRow&
           .folder = s.out / scene.name / row.name / fmt::format("seed-{}", seed),
           .preset = row.preset,
           .options = options,
-          .meaning = training_meaning(row, s.common),
+          .meaning = std::move(training),
           .seed = seed,
           .iterations = meaning ? meaning->iterations : 0};
 }
@@ -140,8 +141,8 @@ Expected<SweepTable> run_sweep(const SweepSettings& s) {
           table.outcomes[place] = *known;
           continue;
         }
-        runs.emplace_back(place,
-                          run_of(s, table.scenes[scene], representatives[row], s.seeds[seed]));
+        runs.emplace_back(place, run_of(s, table.scenes[scene], representatives[row],
+                                        table.meanings[row], s.seeds[seed]));
         iterations += runs.back().second.iterations;
       }
 

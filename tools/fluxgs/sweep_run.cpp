@@ -333,33 +333,14 @@ class Execution {
 
   /// The numbers of a finished run.
   void collect() {
-    const auto take = [this](const char* file, const char* key, const char* as, double more = 0) {
-      const auto found = read_json(run_.folder / file);
-      const json::json_pointer at(key);
-      if (found && found->contains(at) && found->at(at).is_number())
-        outcome_.values[as] = found->at(at).get<double>() + more;
-    };
-    take("train.json", "/psnr_before_storing", "psnr");
-    take("train.json", "/ssim_before_storing", "ssim");
-    take("train.json", "/splats", "splats");
-    if (record_.time_known) {
-      take("train.json", "/seconds", "seconds", record_.seconds);
-      take("train.json", "/cpu_seconds", "cpu_seconds", record_.cpu_seconds);
-    } else {
-      outcome_.remarks.push_back("no time: a part of the training was killed before it could tell");
+    if (const auto report = read_json(run_.folder / "train.json")) collect_training(*report);
+    if (const auto score = read_json(run_.folder / "score.json")) {
+      take(*score, "/psnr", "stored_psnr");
+      take(*score, "/ssim", "stored_ssim");
+      take(*score, "/flip", "stored_flip");
     }
-    if (record_.seconds > 0)
-      outcome_.remarks.push_back(
-          "interrupted and gone on with: the time holds loading the photos before");
-    collect_curves();
-    if (const auto report = read_json(run_.folder / "train.json");
-        report && report->contains("networks_error"))
-      outcome_.remarks.push_back("stored without networks: " +
-                                 report->at("networks_error").get<std::string>());
-    take("score.json", "/psnr", "stored_psnr");
-    take("score.json", "/ssim", "stored_ssim");
-    take("score.json", "/flip", "stored_flip");
-    take("frames.json", "/draw_ms/median", "draw_ms");
+    if (const auto frames = read_json(run_.folder / "frames.json"))
+      take(*frames, "/draw_ms/median", "draw_ms");
     for (const auto& [file, key] :
          {std::pair("scene.ply", "ply_bytes"), {"scene.glb", "stored_bytes"}}) {
       std::error_code error;
@@ -368,12 +349,34 @@ class Execution {
     }
   }
 
+  void take(const json& from, const char* key, const char* as, double more = 0) {
+    const json::json_pointer at(key);
+    if (from.contains(at) && from.at(at).is_number())
+      outcome_.values[as] = from.at(at).get<double>() + more;
+  }
+
+  void collect_training(const json& report) {
+    take(report, "/psnr_before_storing", "psnr");
+    take(report, "/ssim_before_storing", "ssim");
+    take(report, "/splats", "splats");
+    if (record_.time_known) {
+      take(report, "/seconds", "seconds", record_.seconds);
+      take(report, "/cpu_seconds", "cpu_seconds", record_.cpu_seconds);
+    } else {
+      outcome_.remarks.push_back("no time: a part of the training was killed before it could tell");
+    }
+    if (record_.seconds > 0)
+      outcome_.remarks.push_back(
+          "interrupted and gone on with: the time holds loading the photos before");
+    if (report.contains("networks_error"))
+      outcome_.remarks.push_back("stored without networks: " +
+                                 report.at("networks_error").get<std::string>());
+    if (report.contains("psnr")) collect_curves(report.at("curves"));
+  }
+
   /// The test photos' PSNR over the training, and what the switch did to it. A training that was
   /// gone on with has only what came after.
-  void collect_curves() {
-    const auto report = read_json(run_.folder / "train.json");
-    if (!report || !report->contains("psnr")) return;  // no test photos
-    const json& curves = report->at("curves");
+  void collect_curves(const json& curves) {
     if (curves.at("switch").is_object()) {
       const auto test = curves.at("switch").at("test_psnr").get<std::array<double, 2>>();
       outcome_.values["switch_psnr"] = test[1] - test[0];

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <glm/gtc/quaternion.hpp>
 
@@ -192,11 +193,17 @@ void cap_opacity(TrainState& state, double cap) {
     opacity[i] = std::min(opacity[i], limit);
 }
 
-/// Indices by contribution, the least first; ties by index.
-std::vector<std::uint32_t> by_contribution(const SplatScores& scores) {
-  std::vector<std::uint32_t> order = all_indices(scores.contribution.size());
-  std::ranges::stable_sort(
-      order, [&](auto a, auto b) { return scores.contribution[a] < scores.contribution[b]; });
+/// Indices by what splats contribute for what they cost, the least first; ties by index. A splat
+/// costs its place in the file and the pixels that it has drawn: half of the cost of all splats is
+/// for the one, half for the other.
+std::vector<std::uint32_t> by_worth(const SplatScores& scores) {
+  const double pixels = std::accumulate(scores.pixels.begin(), scores.pixels.end(), 0.0);
+  const double mean = pixels / static_cast<double>(scores.pixels.size());
+  std::vector<double> worth(scores.pixels.size());
+  for (std::size_t i = 0; i < worth.size(); ++i)
+    worth[i] = double{scores.contribution[i]} / std::max(mean + double{scores.pixels[i]}, 1.0);
+  std::vector<std::uint32_t> order = all_indices(worth.size());
+  std::ranges::stable_sort(order, [&](auto a, auto b) { return worth[a] < worth[b]; });
   return order;
 }
 
@@ -225,7 +232,7 @@ DensifyCounts prune_late(TrainState& state, const TrainOptions& options,
     double total = 0;
     for (float c : scores.contribution) total += static_cast<double>(c);
     double rest = total * options.late_prune_share;
-    for (std::uint32_t i : by_contribution(scores)) {
+    for (std::uint32_t i : by_worth(scores)) {
       rest -= static_cast<double>(scores.contribution[i]);
       if (rest < 0 || left == 0) break;
       fates[i] = Fate::prune, --left;

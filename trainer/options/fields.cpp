@@ -176,7 +176,9 @@ const std::vector<OptionField>& option_fields() {
       choice<&O::rounding, kSwitchNames>("rounding",
                                          "train on with the numbers that a compact file holds"),
       whole("round-from", "from this step on (0: 9/10 of the steps)", &O::round_from, 0, kMany),
-      whole("round-interval", "steps until they are rounded anew", &O::round_interval, 1, kMany),
+      whole("round-interval",
+            "steps until they are rounded anew (0: a thousandth of the steps, at least 20)",
+            &O::round_interval, 0, kMany),
       natural("initial-splats", "so many of the points become splats (0: all)", &O::initial_splats),
       real("initial-opacity", "opacity of the first splats", &O::initial_opacity, 1e-3, 0.99),
   };

@@ -124,7 +124,8 @@ struct TrainOptions {
   double store_psnr = 0;  ///< dB to the scene's pictures that are enough all the same; 0: none are
   Switch rounding = Switch::off;  ///< train on with rounded parameters
   int round_from = 0;             ///< iteration; 0: after 9/10 of the run
-  int round_interval = 20;        ///< iterations until parameters are rounded anew
+  int round_interval =
+      0;  ///< iterations until rounded anew; 0: a thousandth of the run, at least 20
 
   // Start
   std::uint64_t initial_splats = 0;  ///< every n-th point, so that they are this many; 0: all

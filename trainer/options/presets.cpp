@@ -143,6 +143,7 @@ TrainOptions resolved(TrainOptions options) {
   otherwise(options.late_prune_from, options.densify_until + options.late_prune_interval);
   otherwise(options.late_prune_until, n / 3 * 2);
   otherwise(options.round_from, n / 10 * 9);
+  otherwise(options.round_interval, std::max(n / 1000, 20));
   // Neither when the number of splats changes nor what they are made of
   options.round_from = std::max({options.round_from, options.densify_until + 1,
                                  reduces_appearance(options) ? options.switch_iteration + 1 : 0});

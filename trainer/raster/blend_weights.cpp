@@ -7,14 +7,18 @@ BlendWeights::BlendWeights(const PlanarFloats& parameters, const RenderOptions& 
     : parameters_(parameters),
       options_(options),
       rasterizer_(make_cpu_rasterizer(threads, times_)),
-      weights_(parameters.size()) {}
+      weights_(parameters.size()),
+      pixels_(parameters.size()) {}
 
 const std::vector<float>& BlendWeights::of(const Camera& camera) {
   rasterizer_->forward(parameters_, camera, options_);
   const PlanarImage no_maps(camera.width, camera.height, 2);
-  const float* row =
-      rasterizer_->score(no_maps, ScoreWeight::alpha_transmittance).row(score::contribution);
-  weights_.assign(row, row + parameters_.size());
+  const PlanarFloats& scores = rasterizer_->score(no_maps, ScoreWeight::alpha_transmittance);
+  const auto copy = [&](int row, std::vector<float>& to) {
+    to.assign(scores.row(row), scores.row(row) + parameters_.size());
+  };
+  copy(score::contribution, weights_);
+  copy(score::pixels, pixels_);
   return weights_;
 }
 

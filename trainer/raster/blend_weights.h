@@ -19,13 +19,15 @@ class BlendWeights {
 
   /// One finite weight ≥ 0 a splat, 0 where it is not seen; valid until the next call.
   const std::vector<float>& of(const Camera& camera);
+  /// How many pixels of that view each splat reaches.
+  const std::vector<float>& pixels() const { return pixels_; }
 
  private:
   const PlanarFloats& parameters_;
   RenderOptions options_;
   StageTimes times_;
   std::unique_ptr<Rasterizer> rasterizer_;
-  std::vector<float> weights_;
+  std::vector<float> weights_, pixels_;
 };
 
 }  // namespace fluxgs

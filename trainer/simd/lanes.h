@@ -79,6 +79,15 @@ inline LaneMask nonzero(const std::uint8_t* bytes) {
 }
 inline bool all(LaneMask m) { return hn::AllTrue(kTag, m.m); }
 inline bool any(LaneMask m) { return !hn::AllFalse(kTag, m.m); }
+/// Every four lanes become their least, their greatest.
+inline Lanes quad_min(Lanes a) {
+  const Lanes pairs = hn::Min(a.v, hn::Shuffle2301(a.v));
+  return hn::Min(pairs.v, hn::Shuffle1032(pairs.v));
+}
+inline Lanes quad_max(Lanes a) {
+  const Lanes pairs = hn::Max(a.v, hn::Shuffle2301(a.v));
+  return hn::Max(pairs.v, hn::Shuffle1032(pairs.v));
+}
 inline float sum(Lanes a) { return hn::GetLane(hn::SumOfLanes(kTag, a.v)); }
 
 /// 2^x for x in [−126, 127], relative error < 1.5e-7: round to the nearest integer by adding

@@ -128,10 +128,15 @@ SplatScores Trainer::scores(const std::vector<std::uint32_t>& views) {
 SplatScores Trainer::contributions() const {
   SplatScores scores;
   scores.contribution.resize(state_.parameters.size());
+  scores.pixels.resize(state_.parameters.size());
+  const auto add = [](std::vector<float>& sums, const std::vector<float>& more) {
+    std::ranges::transform(sums, more, sums.begin(), std::plus<>());
+  };
   BlendWeights weights(state_.parameters, render_options(), threads_);
-  for (const Photo& photo : data_.train)
-    std::ranges::transform(scores.contribution, weights.of(photo.camera),
-                           scores.contribution.begin(), std::plus<>());
+  for (const Photo& photo : data_.train) {
+    add(scores.contribution, weights.of(photo.camera));
+    add(scores.pixels, weights.pixels());
+  }
   return scores;
 }
 

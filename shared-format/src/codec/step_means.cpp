@@ -18,16 +18,22 @@ float times(float step, double logarithm) {
   return static_cast<float>(double{step} * std::exp(std::clamp(logarithm, -kMost, kMost)));
 }
 
-/// The mean of weight·step² over the whole, over that of the part.
-double whole_over_part(std::span<const float> coarseness, std::span<const float> weights,
-                       std::span<const std::uint32_t> part) {
-  const auto weighted = [&](std::size_t i) {
+/// weight·step² of each splat.
+std::vector<double> in_steps(std::span<const float> coarseness, std::span<const float> weights) {
+  std::vector<double> result(weights.size());
+  for (std::size_t i = 0; i < result.size(); ++i) {
     const double c = coarseness.empty() ? 1.0 : double{coarseness[i]};
-    return double{weights[i]} * c * c;
-  };
+    result[i] = double{weights[i]} * c * c;
+  }
+  return result;
+}
+
+/// The mean over the whole, over that of the part.
+double whole_over_part(std::span<const double> weights, std::span<const std::uint32_t> part) {
+  if (weights.empty()) return 1;
   double whole_sum = 0, part_sum = 0;
-  for (std::size_t i = 0; i < weights.size(); ++i) whole_sum += weighted(i);
-  for (const std::uint32_t i : part) part_sum += weighted(i);
+  for (const double weight : weights) whole_sum += weight;
+  for (const std::uint32_t i : part) part_sum += weights[i];
   if (!(whole_sum > 0)) return 1;
   const double share =
       part_sum / whole_sum * static_cast<double>(weights.size()) / static_cast<double>(part.size());
@@ -58,25 +64,28 @@ CompactSteps steps_within(const CompactSteps& steps, const StepMeans& part,
   return result;
 }
 
-RateFactors rate_factors(const SplatCloud& whole, const ErrorCosts& costs,
-                         std::span<const std::uint32_t> part) {
+RateWeights::RateWeights(const SplatCloud& whole, const ErrorCosts& costs) {
   std::vector<Extent> extents = extents_of(whole.log_scales);
-  const auto factor = [&](const Importance& importance, std::span<const float> weights) {
-    return weights.empty() ? 1.0
-                           : whole_over_part(coarseness_of(importance, extents), weights, part);
+  const auto weigh = [&](const Importance& importance, std::span<const float> weights) {
+    return weights.empty() ? std::vector<double>()
+                           : in_steps(coarseness_of(importance, extents), weights);
   };
   const auto means_or_weights = [&](const std::vector<float>& own) {
     return own.empty() ? costs.weights : mean_costs(own);
   };
-  RateFactors factors;
-  factors.scale =
-      factor(Importance(0), means_or_weights(costs_of_roots(costs.scale, whole.log_scales)));
-  factors.opacity = factor(kOpacityImportance, costs.weights);
+  scale_ = weigh(Importance(0), means_or_weights(costs_of_roots(costs.scale, whole.log_scales)));
+  opacity_ = weigh(kOpacityImportance, costs.weights);
   set_opacities(extents, whole.opacity_logits);
-  factors.rotation = factor(kRotationImportance,
-                            means_or_weights(costs_of_rotations(costs.rotation, whole.rotations)));
-  factors.color = factor(kColorImportance, costs.weights);
-  return factors;
+  rotation_ = weigh(kRotationImportance,
+                    means_or_weights(costs_of_rotations(costs.rotation, whole.rotations)));
+  color_ = weigh(kColorImportance, costs.weights);
+}
+
+RateFactors RateWeights::of(std::span<const std::uint32_t> part) const {
+  return {.scale = whole_over_part(scale_, part),
+          .opacity = whole_over_part(opacity_, part),
+          .rotation = whole_over_part(rotation_, part),
+          .color = whole_over_part(color_, part)};
 }
 
 }  // namespace fluxgs::codec

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/splat_cloud.h"
@@ -29,10 +30,18 @@ struct RateFactors {
   double scale = 1, opacity = 1, rotation = 1, color = 1;
 };
 
-/// For the splats `part` of a scene, whose weights are to count as within the whole although those
-/// of each stream are 1 on the average: how much less than the mean they count. Costs are those of
-/// the whole.
-RateFactors rate_factors(const SplatCloud& whole, const ErrorCosts& costs,
-                         std::span<const std::uint32_t> part);
+/// What errors of a scene's splats cost, in steps.
+class RateWeights {
+ public:
+  /// Of a finite cloud and the costs of its splats, if there are any.
+  RateWeights(const SplatCloud& whole, const ErrorCosts& costs);
+
+  /// For a part of the scene, whose weights are to count as within the whole although those of each
+  /// stream are 1 on the average: how much less than the mean they count.
+  RateFactors of(std::span<const std::uint32_t> part) const;
+
+ private:
+  std::vector<double> scale_, opacity_, rotation_, color_;  ///< a splat; empty: nothing is known
+};
 
 }  // namespace fluxgs::codec

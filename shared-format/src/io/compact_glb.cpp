@@ -221,14 +221,14 @@ Expected<std::vector<Part>> whole_scene(const SplatCloud& splats, const CompactO
 Expected<std::vector<Part>> parts_by_degree(const SplatCloud& splats, const CompactOptions& options,
                                             const std::string& name) {
   const codec::StepMeans means = codec::step_means(splats);
+  const codec::RateWeights weights(splats, options.costs);
   std::vector<Part> parts;
   for (const io::DegreeBucket& bucket : io::degree_buckets(splats)) {
     const SplatCloud own_splats = io::cloud_of(bucket, splats);
     CompactOptions own = options;
     own.steps = codec::steps_within(options.steps, codec::step_means(own_splats), means);
     own.costs = costs_of(options.costs, splats.sh_degree, bucket.splats, bucket.sh_degree);
-    auto part =
-        make_part(own_splats, own, codec::rate_factors(splats, options.costs, bucket.splats), name);
+    auto part = make_part(own_splats, own, weights.of(bucket.splats), name);
     if (!part) return std::unexpected(part.error());
     parts.push_back(std::move(*part));
   }

@@ -141,24 +141,24 @@ TEST(CompactDegrees, WeightsCountAsWithinTheWhole) {
   cloud.resize(4);
   ErrorCosts costs{.weights = {1, 1, 3, 3}};
   const std::vector<std::uint32_t> light{0, 1}, heavy{2, 3}, all{0, 1, 2, 3};
-  const auto low = codec::rate_factors(cloud, costs, light);
-  const auto high = codec::rate_factors(cloud, costs, heavy);
+  const auto low = codec::RateWeights(cloud, costs).of(light);
+  const auto high = codec::RateWeights(cloud, costs).of(heavy);
   for (const auto member : {&codec::RateFactors::scale, &codec::RateFactors::opacity,
                             &codec::RateFactors::rotation, &codec::RateFactors::color}) {
     EXPECT_DOUBLE_EQ(low.*member, 2);
     EXPECT_DOUBLE_EQ(high.*member, 2.0 / 3);
-    EXPECT_EQ(codec::rate_factors(cloud, costs, all).*member, 1);
-    EXPECT_EQ(codec::rate_factors(cloud, {}, light).*member, 1);
-    EXPECT_EQ(codec::rate_factors(cloud, {.weights = std::vector<float>(4)}, light).*member, 1);
+    EXPECT_EQ(codec::RateWeights(cloud, costs).of(all).*member, 1);
+    EXPECT_EQ(codec::RateWeights(cloud, {}).of(light).*member, 1);
+    EXPECT_EQ(codec::RateWeights(cloud, {.weights = std::vector<float>(4)}).of(light).*member, 1);
   }
   // By the means of their diagonals where there are costs
   costs.scale = {1, 0, 0, 0, 0, 2, 1, 0, 0, 0, 0, 2, 1, 0, 3, 0, 0, 1, 1, 0, 4, 0, 0, 0};
-  EXPECT_NEAR(codec::rate_factors(cloud, costs, light).scale, 4.0 / 3, 1e-6);
-  EXPECT_EQ(codec::rate_factors(cloud, costs, light).rotation, 2);
+  EXPECT_NEAR(codec::RateWeights(cloud, costs).of(light).scale, 4.0 / 3, 1e-6);
+  EXPECT_EQ(codec::RateWeights(cloud, costs).of(light).rotation, 2);
   costs.scale = {};
   // Twice the size, and so 2^0.7 times finer steps of colours: in such steps errors weigh less
   for (const std::uint32_t i : heavy) cloud.log_scales[i] = glm::vec3(std::log(2.0f));
-  const auto large = codec::rate_factors(cloud, costs, heavy);
+  const auto large = codec::RateWeights(cloud, costs).of(heavy);
   const double in_steps = 3 / std::exp2(1.4);
   EXPECT_DOUBLE_EQ(large.scale, 2.0 / 3);
   EXPECT_NEAR(large.color, (1 + in_steps) / 2 / in_steps, 1e-5);

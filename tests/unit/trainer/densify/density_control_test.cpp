@@ -246,5 +246,27 @@ TEST(LatePrune, RemovesTheLeastPartOfThePictures) {
   EXPECT_EQ(state.parameters.row(row::position)[1], last);
 }
 
+TEST(LatePrune, ManyPixelsForLittleGoFirst) {
+  TrainOptions options;
+  options.late_prune = LatePrune::contribution;
+  options.late_prune_share = 0.06;
+  TrainState state = state_of({0, 0, 0, 0}, std::vector<float>(4, 0.005f));
+  const float small = state.parameters.row(row::position)[0];
+  // Of 100 in all, 6 may go: 4, or 5 that cost more than others
+  SplatScores scores = scores_of({0, 0, 0, 0}, {0, 0, 0, 0}, {4, 5, 21, 70});
+  scores.pixels = {10, 1000, 10, 10};
+  EXPECT_EQ(prune_late(state, options, scores).pruned, 1u);
+  EXPECT_EQ(state.parameters.row(row::position)[0], small);
+}
+
+TEST(LatePrune, RemovesWhatNobodySees) {
+  TrainOptions options;
+  options.late_prune = LatePrune::contribution;
+  TrainState state = state_of({0, 0, 0}, std::vector<float>(3, 0.005f));
+  SplatScores scores = scores_of({0, 0, 0}, {0, 0, 0}, {0, 1, 0});
+  scores.pixels = {0, 3, 0};
+  EXPECT_EQ(prune_late(state, options, scores).pruned, 2u);
+}
+
 }  // namespace
 }  // namespace fluxgs

@@ -8,8 +8,8 @@ namespace {
 
 constexpr int kRowPacks = kTileSize / kLanes;
 
-/// The ellipse's extent on each of a tile's 16 pixel rows, padded so that rounding never loses a
-/// pixel; empty rows have left > right.
+/// The ellipse's extent on the pixel rows of each row of a tile's blocks, which fills four lanes;
+/// padded so that rounding never loses a pixel. Rows that it does not meet have left > right.
 struct Spans {
   Lanes left[kRowPacks], right[kRowPacks];
 };
@@ -29,29 +29,21 @@ Spans spans(const ProjectedSplat& s, float reach, int y0) {
     const Lanes shift = slope * dy;
     const Lanes pad = fma(half + abs(shift), Lanes(1e-6f), Lanes(0.01f));
     const Lanes middle = center - shift;
-    out.left[p] = select(touched, middle - half - pad, Lanes(1e30f));
-    out.right[p] = select(touched, middle + half + pad, Lanes(-1e30f));
+    out.left[p] = quad_min(select(touched, middle - half - pad, Lanes(1e30f)));
+    out.right[p] = quad_max(select(touched, middle + half + pad, Lanes(-1e30f)));
   }
   return out;
 }
 
-/// Bit i: row i of the tile meets the pixel centres from `from` to `to`.
-std::uint32_t rows_meeting(const Spans& s, float from, float to) {
-  std::uint32_t rows = 0;
-  for (int p = 0; p < kRowPacks; ++p)
-    rows |= bits((s.left[p] <= Lanes(to)) & (s.right[p] >= Lanes(from))) << (p * kLanes);
-  return rows;
-}
+/// First pixels of the four columns of blocks, for each row of blocks.
+alignas(64) constexpr float kColumns[16] = {0, 4, 8, 12, 0, 4, 8, 12, 0, 4, 8, 12, 0, 4, 8, 12};
 
+/// A block counts that lies between a row's left end and another row's right end, too.
 std::uint32_t blocks_of(const Spans& s, float x0) {
+  const Lanes from = Lanes::load(kColumns) + Lanes(x0 + 0.5f), to = from + Lanes(3.0f);
   std::uint32_t blocks = 0;
-  for (int column = 0; column < 4; ++column) {
-    const float from = x0 + 4.0f * static_cast<float>(column) + 0.5f;
-    std::uint32_t rows = rows_meeting(s, from, from + 3.0f);
-    rows |= rows >> 2;  // any row of each group of four
-    rows |= rows >> 1;
-    blocks |= (rows & 0x1111u) << column;
-  }
+  for (int p = 0; p < kRowPacks; ++p)
+    blocks |= bits((s.left[p] <= to) & (s.right[p] >= from)) << (p * kLanes);
   return blocks;
 }
 
