@@ -68,11 +68,11 @@ inline constexpr std::array<std::string_view, 2> kCameraSamplingNames = {"strati
 enum class Switch { off, on };
 inline constexpr std::array<std::string_view, 2> kSwitchNames = {"off", "on"};
 
-/// Which splats go once no more are added.
+/// Which splats go now and then, late in the training.
 enum class LatePrune {
   off,
   opacity,       ///< faint ones that have a part in well reconstructed pixels (design of the paper)
-  contribution,  ///< those that together make up the least of all training pictures
+  contribution,  ///< those that together add the least to all training pictures, for their cost
 };
 inline constexpr std::array<std::string_view, 3> kLatePruneNames = {"off", "opacity",
                                                                     "contribution"};

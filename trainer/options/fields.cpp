@@ -152,10 +152,12 @@ const std::vector<OptionField>& option_fields() {
       real("opacity-cap", "opacities are limited to this after each densification", &O::opacity_cap,
            0.01, 1),
       choice<&O::late_prune, kLatePruneNames>("late-prune",
-                                              "which splats go after the last densification"),
-      whole("late-prune-from",
-            "first step of late pruning (0: an interval after the last densification)",
-            &O::late_prune_from, 0, kMany),
+                                              "which splats go now and then, late in the training"),
+      whole(
+          "late-prune-from",
+          "first step of late pruning (0: a fifth of the steps; by opacity: an interval after the "
+          "last densification)",
+          &O::late_prune_from, 0, kMany),
       whole("late-prune-interval", "steps between late prunings (0: a tenth of the steps)",
             &O::late_prune_interval, 0, kMany),
       whole("late-prune-until", "last step of late pruning (0: 2/3 of the steps)",

@@ -107,9 +107,11 @@ struct TrainOptions {
   double opacity_reset_to = 0.01;     ///< 0…1, at most
   double opacity_cap = 1;             ///< opacities are limited to this after each densification
 
-  // Late pruning, when no splats are added any more
+  // Late pruning, now and then; by opacity when no splats are added any more
   LatePrune late_prune = LatePrune::off;
-  int late_prune_from = 0;          ///< iteration; 0: an interval after the last densification
+  /// Iteration; 0: a fifth of the run (contribution), an interval after the last densification
+  /// (opacity)
+  int late_prune_from = 0;
   int late_prune_interval = 0;      ///< iterations; 0: a tenth of the run
   int late_prune_until = 0;         ///< last iteration; 0: 2/3 of the run
   double late_prune_opacity = 0.1;  ///< opacity: splats below may be removed

@@ -173,12 +173,13 @@ LatePruneReport Trainer::late_prune() {
 void Trainer::control_density(StepReport& report) {
   const TrainOptions& o = options_;
   if (due(o.densify_from, o.densify_until, o.densify_interval)) report.densified = densify();
-  // None with the last densification: nothing would remove what stays faint
-  if (o.densify != Densify::mcmc && due(1, o.densify_until - 1, o.opacity_reset_interval))
-    reset_opacity(state_, options_);
+  // Before opacities are reset, after which they tell nothing
   if (o.late_prune != LatePrune::off &&
       due(o.late_prune_from, o.late_prune_until, o.late_prune_interval))
     report.pruned_late = late_prune();
+  // None with the last densification: nothing would remove what stays faint
+  if (o.densify != Densify::mcmc && due(1, o.densify_until - 1, o.opacity_reset_interval))
+    reset_opacity(state_, options_);
 }
 
 /// Lets the networks make the colours of the splats that a camera can see, from their true

@@ -178,6 +178,24 @@ TEST(TrainOptionsTest, WhatEndsWithTheRunFollowsItsLength) {
   }
 }
 
+TEST(TrainOptionsTest, LatePruningByContributionDoesNotWaitForTheLastDensification) {
+  TrainOptions o;
+  o.late_prune = LatePrune::opacity;
+  EXPECT_EQ(resolved(o).late_prune_from, 18000);  // as in the design of the paper
+  o.late_prune = LatePrune::contribution;
+  EXPECT_EQ(resolved(o).late_prune_from, 6000);
+  EXPECT_EQ(resolved(o).late_prune_interval, 3000);
+  EXPECT_EQ(resolved(o).late_prune_until, 20000);
+}
+
+TEST(TrainOptionsTest, RoundingTakesTheSameShareOfLongRuns) {
+  TrainOptions o = preset("flux").value();
+  for (const auto& [iterations, interval] : {std::pair(7000, 20), {30000, 30}, {45000, 45}}) {
+    o.iterations = iterations;
+    EXPECT_EQ(resolved(o).round_interval, interval);
+  }
+}
+
 TEST(TrainOptionsTest, RoundingWaitsForWhatChangesTheScene) {
   TrainOptions o;
   o.iterations = 100;

@@ -75,6 +75,26 @@ TEST(Train, NonFiniteGradientsAreSkippedAndCounted) {
       ASSERT_TRUE(std::isfinite(after.parameters.row(r)[i]));
 }
 
+TEST(Train, LatePruningSeesOpacitiesBeforeTheyAreReset) {
+  const Dataset& data = small_capture();
+  TrainOptions options = short_run(80);
+  options.densify_until = 60;
+  options.opacity_reset_interval = 40;
+  options.late_prune = LatePrune::contribution;
+  options.late_prune_from = options.late_prune_interval = 40;
+  const Threads threads(2);
+  StageTimes times;
+  Trainer trainer(data, options, fresh(data, options), threads, times);
+  StepReport report;
+  for (int i = 0; i < 40; ++i) report = trainer.step();
+  ASSERT_TRUE(report.pruned_late);
+  const auto reset =
+      evaluate(data.train, cpu_view_renderer(trainer.cloud(), options.render, threads), threads);
+  ASSERT_TRUE(reset);
+  EXPECT_LT(report.pruned_late->splats_after, report.pruned_late->splats_before);
+  EXPECT_GT(report.pruned_late->train_psnr_after, reset->psnr + 2);
+}
+
 TEST(Train, FoxForAShortWhile) {
   const char* folder = std::getenv("FLUXGS_DATA");
   if (!folder) GTEST_SKIP() << "FLUXGS_DATA is not set: no real photos to train on";
