@@ -1,6 +1,7 @@
 // fluxgs train: photos in, a scene file out.
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -72,7 +73,7 @@ class Training {
   Expected<void> write_results() {
     auto written = write_scenes();
     if (written) return {};
-    const auto saved = save_checkpoint(settings_, run_, trainer_);
+    const auto saved = save_checkpoint(settings_, run_, history(), trainer_);
     const Error& error = written.error();
     return fail(
         error.file, error.field,
@@ -90,7 +91,8 @@ class Training {
 
  private:
   Expected<void> after_step(const StepReport& step, Progress& progress);
-  void make_report(double seconds, double cpu);
+  TrainHistory history() const;
+  void make_report();
   Expected<void> write_scenes();
   Expected<SplatCloud> write_out();
   Expected<StoredScene> store();
@@ -113,19 +115,19 @@ class Training {
   StageTimes times_;
   Trainer trainer_;
   TrainLog log_;
-  double smooth_loss_ = 0, seconds_ = 0;
+  const double start_ = wall_seconds(), cpu_start_ = cpu_seconds();
+  double smooth_loss_ = 0;
+  std::optional<TrainHistory> whole_;  ///< once all steps are done
   bool saved_ = false;
   json report_;
 };
 
 Expected<void> Training::to_end() {
-  const double start = wall_seconds(), cpu_start = cpu_seconds();
   Progress progress("it", run_.options.iterations, first_);
   while (!trainer_.done())
     if (auto ok = after_step(trainer_.step(), progress); !ok) return ok;
   progress.finish(trainer_.state().iteration);
-  make_report(wall_seconds() - start - log_.measuring_seconds(),
-              cpu_seconds() - cpu_start - log_.measuring_cpu_seconds());
+  make_report();
   return {};
 }
 
@@ -143,7 +145,7 @@ Expected<void> Training::after_step(const StepReport& step, Progress& progress) 
   const bool interrupted = interrupts_.count() > 0;
   const bool periodic = settings_.checkpoint_every > 0 && i % settings_.checkpoint_every == 0;
   if (!periodic && !interrupted) return {};
-  const auto saved = save_checkpoint(settings_, run_, trainer_);
+  const auto saved = save_checkpoint(settings_, run_, history(), trainer_);
   if (interrupted)
     return saved ? fail("", fmt::format("interrupted at iteration {}", i), how_to_go_on(settings_))
                  : saved;
@@ -151,12 +153,21 @@ Expected<void> Training::after_step(const StepReport& step, Progress& progress) 
   return {};
 }
 
-void Training::make_report(double seconds, double cpu) {
-  seconds_ = seconds;
-  const int steps = std::max(trainer_.state().iteration - first_, 1);
+/// Of the steps up to now, without what measuring them took.
+TrainHistory Training::history() const {
+  if (whole_) return *whole_;
+  return joined(run_.history, {wall_seconds() - start_ - log_.measuring_seconds(),
+                               cpu_seconds() - cpu_start_ - log_.measuring_cpu_seconds(), times_,
+                               log_.to_json()});
+}
+
+void Training::make_report() {
+  whole_ = history();
+  const TrainHistory& all = *whole_;
+  const int steps = std::max(trainer_.state().iteration, 1);
   json stages = json::object();
   for (std::size_t s = 0; s < kStageNames.size(); ++s)
-    stages[std::string(kStageNames[s])] = 1e3 * times_.seconds[s] / steps;
+    stages[std::string(kStageNames[s])] = 1e3 * all.stages.seconds[s] / steps;
   report_ = {{"data", settings_.data.folder},
              {"preset", settings_.preset},
              {"options", options_json(resolved(run_.options))},
@@ -165,15 +176,15 @@ void Training::make_report(double seconds, double cpu) {
              {"instruction_set", name_of(best_isa())},
              {"iterations", trainer_.state().iteration},
              {"resumed_at", first_},
-             {"seconds", seconds},
-             {"cpu_seconds", cpu},
-             {"cpu_ms_per_iteration", 1e3 * cpu / steps},
+             {"seconds", all.seconds},
+             {"cpu_seconds", all.cpu_seconds},
+             {"cpu_ms_per_iteration", 1e3 * all.cpu_seconds / steps},
              {"iterations_per_second", {{"start", log_.first_rate()}, {"end", log_.last_rate()}}},
              {"splats", trainer_.state().parameters.size()},
              {"peak_memory_bytes", peak_memory()},
              {"rejected_gradients", trainer_.rejected_gradients()},
              {"stages", stages},
-             {"curves", log_.to_json()},
+             {"curves", all.curves},
              {"versions",
               {{"fluxgs", FLUXGS_VERSION}, {"opencv", CV_VERSION}, {"compiler", __VERSION__}}}};
 }
@@ -182,7 +193,7 @@ void Training::make_report(double seconds, double cpu) {
 void Training::save_once() {
   if (saved_ || interrupts_.count() == 0) return;
   saved_ = true;
-  if (const auto saved = save_checkpoint(settings_, run_, trainer_); saved)
+  if (const auto saved = save_checkpoint(settings_, run_, history(), trainer_); saved)
     spdlog::info("the scene is still being stored; {}", how_to_go_on(settings_));
   else
     spdlog::warn("warning: {}", saved.error().message());
@@ -254,7 +265,7 @@ Expected<void> Training::write_scenes() {
   if (!cloud) return std::unexpected(cloud.error());
   if (auto scored = score(*cloud); !scored) return scored;
   tell(fmt::format("{}: {} splats, {:.1f} s\n", one_line(settings_.out, std::string::npos),
-                   trainer_.state().parameters.size(), seconds_));
+                   trainer_.state().parameters.size(), whole_->seconds));
   return {};
 }
 

@@ -88,16 +88,17 @@ Expected<Run> resume_run(TrainSettings& settings) {
   spdlog::info("resuming at iteration {} with {} splats", checkpoint->state.iteration,
                checkpoint->state.parameters.size());
   return Run{checkpoint->options, std::move(*data), std::move(checkpoint->state),
-             checkpoint->photos_hash};
+             checkpoint->photos_hash, history_of(checkpoint->history)};
 }
 
 std::string checkpoint_of(const TrainSettings& settings) { return settings.out + ".ckpt"; }
 
 Expected<void> save_checkpoint(const TrainSettings& settings, const Run& run,
-                               const Trainer& trainer) {
-  return write_checkpoint(checkpoint_of(settings),
-                          {run.options, settings.preset, settings.data.downscale,
-                           run.data.train.size(), run.photos_hash, trainer.state()});
+                               const TrainHistory& history, const Trainer& trainer) {
+  return write_checkpoint(
+      checkpoint_of(settings),
+      {run.options, settings.preset, settings.data.downscale, run.data.train.size(),
+       run.photos_hash, trainer.state(), text_of(history)});
 }
 
 std::string how_to_go_on(const TrainSettings& settings) {

@@ -7,6 +7,7 @@
 #include "fluxgs/error.h"
 #include "tools/fluxgs/data_options.h"
 #include "tools/fluxgs/method_options.h"
+#include "tools/fluxgs/train_history.h"
 #include "trainer/data/dataset.h"
 #include "trainer/options/options.h"
 #include "trainer/train/trainer.h"
@@ -26,6 +27,7 @@ struct Run {
   Dataset data;
   TrainState state;
   std::uint64_t photos_hash;
+  TrainHistory history = {};  ///< of the parts before this one
 };
 
 /// Loads the data set and makes its first splats. Errors: options that are refused, photos that
@@ -37,8 +39,9 @@ Expected<Run> new_run(const TrainSettings& settings, const Threads& threads);
 Expected<Run> resume_run(TrainSettings& settings);
 
 std::string checkpoint_of(const TrainSettings& settings);  ///< OUT.ckpt
+/// `history`: of all parts up to now.
 Expected<void> save_checkpoint(const TrainSettings& settings, const Run& run,
-                               const Trainer& trainer);
+                               const TrainHistory& history, const Trainer& trainer);
 
 /// "saved; go on with: fluxgs train …", as one would type it.
 std::string how_to_go_on(const TrainSettings& settings);

@@ -82,7 +82,8 @@ json header_of(const Checkpoint& c) {
           {"most_pairs", c.state.most_pairs},
           {"random", random.str()},
           {"view_order", c.state.view_order},
-          {"next_view", c.state.next_view}};
+          {"next_view", c.state.next_view},
+          {"history", c.history}};
 }
 
 /// The value of a choice by its name; −1, which validate() refuses, for others.
@@ -115,6 +116,7 @@ void read_header(const json& header, Checkpoint& c) {
   c.state.switched_at = header.at("switched_at").get<int>();
   c.state.most_pairs = header.value("most_pairs", 0.0);
   c.state.rounding = read_rounding(header);
+  c.history = header.value("history", "");
 }
 
 /// What follows the header, by the header's word.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -20,6 +21,7 @@ struct Checkpoint {
   std::size_t train_photos = 0;
   std::uint64_t photos_hash = 0;  ///< hash_photos() of them; checked when the run goes on
   TrainState state;
+  std::string history = {};  ///< the caller's, of what was before; nothing here looks at it
 };
 
 /// Every option by its name on the command line, for checkpoints and reports.

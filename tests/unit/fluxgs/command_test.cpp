@@ -135,7 +135,12 @@ TEST(Command, ATrainingWhoseSceneCannotBeWrittenIsSaved) {
       fluxgs(fmt::format("train {} -o {} --resume {} --json -", quoted(capture_folder()),
                          quoted(scene), quoted(folder / "scene.glb.ckpt")));
   ASSERT_EQ(stored.status, 0) << stored.err;
-  EXPECT_EQ(json::parse(stored.out)["resumed_at"], 300);
+  // What it says is of the whole training, not of what was left of it
+  const json report = json::parse(stored.out);
+  EXPECT_EQ(report["resumed_at"], 300);
+  EXPECT_EQ(report["curves"]["iteration"].back(), 300);
+  EXPECT_GT(report["cpu_ms_per_iteration"], 0.01);
+  EXPECT_GT(report["stages"]["backward"], 0);
   EXPECT_TRUE(std::filesystem::is_regular_file(scene));
 }
 
@@ -425,9 +430,14 @@ TEST(Command, InterruptedTrainingResumesToTheSameBytes) {
   ASSERT_TRUE(std::filesystem::exists(folder / "stopped.ply.ckpt")) << said;
   EXPECT_FALSE(std::filesystem::exists(folder / "stopped.ply"));
   const Outcome resumed =
-      fluxgs(fmt::format("train {} -o {} --resume {}", quoted(capture_folder()),
+      fluxgs(fmt::format("train {} -o {} --resume {} --json -", quoted(capture_folder()),
                          quoted(folder / "stopped.ply"), quoted(folder / "stopped.ply.ckpt")));
   ASSERT_EQ(resumed.status, 0) << resumed.err;
+  const json report = json::parse(resumed.out);
+  const auto marks = report["curves"]["iteration"].get<std::vector<int>>();
+  EXPECT_TRUE(std::ranges::is_sorted(marks));
+  EXPECT_LT(marks.front(), report["resumed_at"]);
+  EXPECT_GT(marks.back(), report["resumed_at"]);
   EXPECT_EQ(*read_file(folder / "straight.ply"), *read_file(folder / "stopped.ply"));
 }
 

@@ -1,0 +1,55 @@
+#include "tools/fluxgs/train_history.h"
+
+namespace fluxgs::cli {
+namespace {
+
+using nlohmann::json;
+
+json joined(const json& before, const json& after) {
+  if (before.is_null()) return after;
+  json curves = before;
+  for (const auto& [key, value] : after.items()) {
+    json& all = curves[key];
+    if (all.is_array() && value.is_array())
+      all.insert(all.end(), value.begin(), value.end());
+    else if (!value.is_null())
+      all = value;
+  }
+  return curves;
+}
+
+}  // namespace
+
+std::string text_of(const TrainHistory& history) {
+  return json{{"seconds", history.seconds},
+              {"cpu_seconds", history.cpu_seconds},
+              {"stages", history.stages.seconds},
+              {"curves", history.curves}}
+      .dump();
+}
+
+TrainHistory history_of(const std::string& text) {
+  try {
+    const json all = json::parse(text);
+    TrainHistory history;
+    all.at("seconds").get_to(history.seconds);
+    all.at("cpu_seconds").get_to(history.cpu_seconds);
+    all.at("stages").get_to(history.stages.seconds);
+    history.curves = all.at("curves");
+    return history;
+  } catch (const json::exception&) {
+    return {};
+  }
+}
+
+TrainHistory joined(const TrainHistory& before, const TrainHistory& after) {
+  TrainHistory all = after;
+  all.seconds += before.seconds;
+  all.cpu_seconds += before.cpu_seconds;
+  for (std::size_t s = 0; s < all.stages.seconds.size(); ++s)
+    all.stages.seconds[s] += before.stages.seconds[s];
+  all.curves = joined(before.curves, after.curves);
+  return all;
+}
+
+}  // namespace fluxgs::cli
