@@ -168,6 +168,8 @@ void Training::make_report() {
   json stages = json::object();
   for (std::size_t s = 0; s < kStageNames.size(); ++s)
     stages[std::string(kStageNames[s])] = 1e3 * all.stages.seconds[s] / steps;
+  json rates = all.curves.at("iterations_per_second");
+  if (rates.empty()) rates = {0.0};
   report_ = {{"data", settings_.data.folder},
              {"preset", settings_.preset},
              {"options", options_json(resolved(run_.options))},
@@ -179,7 +181,7 @@ void Training::make_report() {
              {"seconds", all.seconds},
              {"cpu_seconds", all.cpu_seconds},
              {"cpu_ms_per_iteration", 1e3 * all.cpu_seconds / steps},
-             {"iterations_per_second", {{"start", log_.first_rate()}, {"end", log_.last_rate()}}},
+             {"iterations_per_second", {{"start", rates.front()}, {"end", rates.back()}}},
              {"splats", trainer_.state().parameters.size()},
              {"peak_memory_bytes", peak_memory()},
              {"rejected_gradients", trainer_.rejected_gradients()},

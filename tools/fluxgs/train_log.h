@@ -25,8 +25,6 @@ class TrainLog {
   double measuring_seconds() const { return measuring_; }
   double measuring_cpu_seconds() const { return measuring_cpu_; }
 
-  double first_rate() const { return rates_.empty() ? 0 : rates_.front(); }  ///< steps a second
-  double last_rate() const { return rates_.empty() ? 0 : rates_.back(); }
   nlohmann::json to_json() const;
 
  private:
