@@ -13,6 +13,7 @@
 #include "tools/fluxgs/data_options.h"
 #include "tools/fluxgs/measuring_views.h"
 #include "tools/fluxgs/progress.h"
+#include "tools/fluxgs/start_view.h"
 #include "trainer/compress/compact_search.h"
 
 namespace fluxgs::cli {
@@ -42,13 +43,23 @@ void warn_of_outliers(const ConvertSettings& s, const SplatCloud& cloud) {
         s.in, step);
 }
 
-Expected<void> write_compact(const ConvertSettings& s, const SplatCloud& cloud) {
+Expected<void> write_compact(const ConvertSettings& s, const SceneFile& scene) {
+  const SplatCloud& cloud = scene.cloud;
   const CompactOptions options{usual_compact_steps(cloud, s.coarseness), s.plain_attributes};
   const auto bytes = encode_compact_glb(cloud, options, s.out);
   if (!bytes) return std::unexpected(bytes.error());
-  if (auto written = write_file_atomic(s.out, *bytes); !written) return written;
+  if (auto written = write_glb(s.out, *bytes, scene.start); !written) return written;
   fmt::print("{}: {} splats, {} bytes\n", shown(s.out), cloud.size(), bytes->size());
   return {};
+}
+
+/// Only a .glb says where it is looked at from.
+Expected<void> write_plain(const ConvertSettings& s, const SceneFile& scene,
+                           const SceneFormat& format) {
+  if (format.name != "glb") return write_scene(s.out, scene.cloud);
+  const auto bytes = format.encode(scene.cloud, s.out);
+  if (!bytes) return std::unexpected(bytes.error());
+  return write_glb(s.out, *bytes, scene.start);
 }
 
 Expected<CompactTrial> search(const ConvertSettings& s, const SplatCloud& cloud) {
@@ -73,11 +84,12 @@ Expected<CompactTrial> search(const ConvertSettings& s, const SplatCloud& cloud)
   return found;
 }
 
-Expected<void> write_searched(const ConvertSettings& s, const SplatCloud& cloud, int full_degree) {
-  if (cloud.size() == 0) return write_compact(s, cloud);
+Expected<void> write_searched(const ConvertSettings& s, const SceneFile& scene, int full_degree) {
+  const SplatCloud& cloud = scene.cloud;
+  if (cloud.size() == 0) return write_compact(s, scene);
   const auto found = search(s, cloud);
   if (!found) return std::unexpected(found.error());
-  if (auto written = write_file_atomic(s.out, found->file); !written) return written;
+  if (auto written = write_glb(s.out, found->file, scene.start); !written) return written;
   const std::string error =
       found->mse > 0 ? fmt::format("{:.2f} dB from", found->psnr()) : "exactly";
   fmt::print("{}: {} splats, {} bytes, {} the pictures of {}{}\n", shown(s.out), cloud.size(),
@@ -98,9 +110,9 @@ Expected<void> convert(const ConvertSettings& s) {
   limit_sh_degree(scene->cloud, s.sh_degree);
   warn_of_lost_degrees(s.out, **format, scene->cloud.sh_degree);
   if (compact) warn_of_outliers(s, scene->cloud);
-  if (s.searches()) return write_searched(s, scene->cloud, full_degree);
-  if (compact) return write_compact(s, scene->cloud);
-  if (auto written = write_scene(s.out, scene->cloud); !written) return written;
+  if (s.searches()) return write_searched(s, *scene, full_degree);
+  if (compact) return write_compact(s, *scene);
+  if (auto written = write_plain(s, *scene, **format); !written) return written;
   fmt::print("{}: {} splats\n", shown(s.out), scene->cloud.size());
   return {};
 }

@@ -16,6 +16,7 @@
 #include "tools/fluxgs/paths.h"
 #include "tools/fluxgs/peak_memory.h"
 #include "tools/fluxgs/progress.h"
+#include "tools/fluxgs/start_view.h"
 #include "tools/fluxgs/train_log.h"
 #include "tools/fluxgs/train_run.h"
 #include "trainer/base/clock.h"
@@ -237,7 +238,8 @@ Expected<SplatCloud> Training::write_out() {
   }
   auto stored = store();
   if (!stored) return std::unexpected(stored.error());
-  if (auto written = write_file_atomic(settings_.out, stored->file); !written)
+  const StartView start = start_view_of(run_.data.train);
+  if (auto written = write_glb(settings_.out, stored->file, start); !written)
     return std::unexpected(written.error());
   return std::move(stored->cloud);
 }

@@ -279,7 +279,7 @@ Expected<void> load_into(Viewer& v, const ViewSettings& s) {
   }
   const auto up = parse_up(s.up);
   if (!up) return std::unexpected(up.error());
-  ViewStart start = choose_start(scene->cloud, *data, camera, *up, s.size);
+  ViewStart start = choose_start(*scene, *data, camera, *up, s.size);
   v.navigation = start.navigation;
   const glm::dvec3& axis = v.navigation.up;
   spdlog::info("up: {:.2f},{:.2f},{:.2f} ({}; F flips it)", axis.x, axis.y, axis.z,

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "camera/first_view.h"
 #include "camera/up_axis.h"
 #include "trainer/data/scene_focus.h"
 
@@ -18,14 +19,15 @@ struct NamedUp {
   std::string source;
 };
 
-NamedUp choose_up(const SplatCloud& cloud, const std::optional<Dataset>& data,
+NamedUp choose_up(const SceneFile& scene, const std::optional<Dataset>& data,
                   const std::optional<glm::dvec3>& given) {
   if (given) return {*given, "as given"};
   if (data) {
     const camera::UpAxis up = camera::up_of_cameras(cameras_of(data->train));
     return {up.direction, fmt::format("from the photos, confidence {:.2f}", up.confidence)};
   }
-  const camera::UpAxis up = camera::up_of_cloud(cloud);
+  if (scene.start) return {scene.start->up, "from the scene"};
+  const camera::UpAxis up = camera::up_of_cloud(scene.cloud);
   if (up.confidence > 0)
     return {up.direction, fmt::format("from the splats, confidence {:.2f}", up.confidence)};
   return {up.direction, "as usual; the splats do not say"};
@@ -56,16 +58,18 @@ Expected<std::optional<glm::dvec3>> parse_up(const std::string& text) {
   return up / length;
 }
 
-ViewStart choose_start(const SplatCloud& cloud, const std::optional<Dataset>& data,
+ViewStart choose_start(const SceneFile& scene, const std::optional<Dataset>& data,
                        const std::optional<Camera>& camera, const std::optional<glm::dvec3>& up,
                        const PictureSize& size) {
-  const camera::SceneBounds bounds = camera::robust_bounds(cloud);
-  const NamedUp chosen = choose_up(cloud, data, up);
+  const camera::SceneBounds bounds = camera::robust_bounds(scene.cloud);
+  const NamedUp chosen = choose_up(scene, data, up);
   camera::ViewState view;
   if (camera) {
     view = view_into(bounds, *camera);
   } else if (data) {
     view = camera::view_of(data->train[0].camera, focus_distances(data->train)[0]);
+  } else if (scene.start) {
+    view = camera::first_view(scene.cloud, scene.start, {size.width, size.height}).view;
   } else {
     view = camera::fitting_view(bounds, chosen.direction, camera::kUsualFieldOfView,
                                 glm::dvec2(size.width, size.height));

@@ -6,6 +6,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "codec/same_everywhere.h"
 #include "io/activation.h"
 
 namespace fluxgs::codec {
@@ -32,7 +33,7 @@ std::vector<Extent> extents_of(std::span<const glm::vec3> log_scales) {
 
 void set_opacities(std::span<Extent> extents, std::span<const float> opacity_logits) {
   for (std::size_t i = 0; i < extents.size(); ++i)
-    extents[i].w = std::log(std::max(io::sigmoid(opacity_logits[i]), kLeastOpacity));
+    extents[i].w = same_log(std::max(io::sigmoid(opacity_logits[i]), kLeastOpacity));
 }
 
 double mean_importance(const Importance& importance, std::span<const Extent> extents) {
@@ -46,7 +47,7 @@ std::vector<float> coarseness_of(const Importance& importance, std::span<const E
   result.reserve(extents.size());
   for (const Extent& extent : extents) result.push_back(glm::dot(importance, extent));
   const auto mean = static_cast<float>(mean_importance(importance, extents));
-  for (float& x : result) x = std::exp(std::clamp(mean - x, -kFinest, kCoarsest));
+  for (float& x : result) x = same_exp(std::clamp(mean - x, -kFinest, kCoarsest));
   return result;
 }
 

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fluxgs/printable.h"
+#include "gltf_camera.h"
 #include "json_text.h"
 
 namespace fluxgs::io {
@@ -350,6 +351,7 @@ Expected<GltfJson> check_document(const json& root, std::size_t bin_bytes,
   }
   if (check.failed()) return std::unexpected(check.error());
   result.reduced = reduced.dump();
+  result.start = find_start_view(root);
   return result;
 }
 

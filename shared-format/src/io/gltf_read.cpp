@@ -248,6 +248,7 @@ Expected<SceneFile> read(std::span<const std::byte> bytes, const std::string& na
   scene.dropped = drop_non_finite(scene.cloud);
   scene.format = "glb";
   scene.extensions = json->extensions_used;
+  scene.start = json->start;
   scene.attribute_bits = bits_of(*instances, scene.cloud.sh_degree);
   scene.bytes = bytes.size();
   return scene;

@@ -1,0 +1,17 @@
+// Where a scene is looked at from first.
+#pragma once
+
+#include <optional>
+
+#include "camera/navigation.h"
+#include "fluxgs/io/start_view.h"
+#include "fluxgs/splat_cloud.h"
+
+namespace fluxgs::camera {
+
+/// A scene's own start view, with the target where something is seen in the picture's middle, and
+/// its own up; otherwise all of the scene, with up_of_cloud(). `size` of the picture, pixels.
+Navigation first_view(const SplatCloud& cloud, const std::optional<StartView>& start,
+                      const glm::dvec2& size);
+
+}  // namespace fluxgs::camera

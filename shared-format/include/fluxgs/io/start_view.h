@@ -1,0 +1,31 @@
+// Where a scene is looked at from first: a camera of the .glb.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <glm/gtc/quaternion.hpp>
+#include <glm/vec3.hpp>
+
+#include "fluxgs/error.h"
+
+namespace fluxgs {
+
+/// In the frame of the SplatCloud; camera axes x right, y down, z forward (OpenCV).
+struct StartView {
+  glm::dvec3 position{0.0};            ///< of the eye, scene units
+  glm::dquat orientation{1, 0, 0, 0};  ///< camera → world, of unit length
+  double fov_y = 0.87;                 ///< of the picture's full height, radians, 0…π
+  glm::dvec3 up{0, -1, 0};             ///< what is up in the scene, of unit length
+};
+
+/// The same .glb with a perspective camera at the top level of its default scene, before other
+/// nodes' cameras (glTF 2.0, section 3.10); `extras.up` of its node is the scene's up in glTF's
+/// frame. Fails on what is no .glb, on one without a scene and on numbers that are not finite or
+/// out of their range.
+Expected<std::vector<std::byte>> with_start_view(std::span<const std::byte> glb,
+                                                 const StartView& view, const std::string& name);
+
+}  // namespace fluxgs
