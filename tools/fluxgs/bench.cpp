@@ -174,6 +174,7 @@ Expected<void> bench_scene(const BenchSettings& s) {
       bench::benchmark_frames(stage->context->api(), *stage->renderer, stage->target, *views,
                               options, s.protocol, [&](int done, int all) {
                                 bar(static_cast<std::size_t>(done), static_cast<std::size_t>(all));
+                                return true;
                               });
   if (!result) return std::unexpected(result.error());
   const auto counts = counts_of(*stage, cloud, views->front(), options);

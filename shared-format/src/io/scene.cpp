@@ -81,7 +81,8 @@ Expected<const SceneFormat*> scene_format_for(const std::filesystem::path& path)
                           lower_case(path.extension().string()), writable_extensions()));
 }
 
-Expected<SceneFile> read_scene(std::span<const std::byte> bytes, const std::string& name) {
+Expected<const SceneFormat*> recognise_scene(std::span<const std::byte> bytes,
+                                             const std::string& name) {
   if (bytes.empty()) return fail(name, "", "the file is empty; expected a scene");
   const SceneFormat* format = find_format(bytes);
   if (format == nullptr) {
@@ -93,9 +94,15 @@ Expected<SceneFile> read_scene(std::span<const std::byte> bytes, const std::stri
     return fail(name, "format",
                 fmt::format("{} names other files; expected the path of a file", format->name));
   }
-  auto scene = format->read(bytes, name);
+  return format;
+}
+
+Expected<SceneFile> read_scene(std::span<const std::byte> bytes, const std::string& name) {
+  const auto format = recognise_scene(bytes, name);
+  if (!format) return std::unexpected(format.error());
+  auto scene = (*format)->read(bytes, name);
   if (!scene) return scene;
-  scene->format = format->name;
+  scene->format = (*format)->name;
   scene->bytes = bytes.size();
   return scene;
 }

@@ -78,6 +78,7 @@ TEST_P(BenchTest, TimesFramesAndLeavesTheRendererAsItWas) {
       api(), *made, target, views, {}, {.warmup = 2, .frames = 6}, [&](int done, int of) {
         told = done;
         all = of;
+        return true;
       }));
   EXPECT_EQ(told, all);
   EXPECT_EQ(all, 2 + 3 * 6);
@@ -89,6 +90,18 @@ TEST_P(BenchTest, TimesFramesAndLeavesTheRendererAsItWas) {
   EXPECT_EQ(made->settings().shortcuts.key_bits, 20);
   EXPECT_EQ(made->settings().shortcuts.min_size, 0.5);
   EXPECT_EQ(made->settings().shortcuts.resort_motion, 0);
+}
+
+TEST_P(BenchTest, StopsWhenItIsTold) {
+  must(renderer().upload(random_cloud(50, 0, 1)));
+  const auto target =
+      must(render::RenderTarget::create(api(), 64, 48, render::TargetFormat::rgba8));
+  const std::vector<Camera> views = {orbit_camera(64, 48, {}, 2, 0, 3)};
+  const auto result =
+      bench::benchmark_frames(api(), renderer(), target, views, {}, {.warmup = 2, .frames = 6},
+                              [](int done, int) { return done < 3; });
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().what, bench::kStopped);
 }
 
 // The model's fragments and vertices against the driver's own counters, which only desktop GL has.

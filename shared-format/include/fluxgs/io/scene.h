@@ -36,6 +36,10 @@ std::span<const SceneFormat> scene_formats();
 /// The extensions that can be written: ".ply, .glb, ...".
 std::string writable_extensions();
 
+/// The format of a content. Fails on what is no scene, and on one that names other files.
+Expected<const SceneFormat*> recognise_scene(std::span<const std::byte> bytes,
+                                             const std::string& name);
+
 /// Read a scene from memory; `name` appears in errors. A scene of several files is an error.
 Expected<SceneFile> read_scene(std::span<const std::byte> bytes, const std::string& name);
 

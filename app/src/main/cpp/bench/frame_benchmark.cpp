@@ -80,8 +80,14 @@ class Protocol {
       api_.Finish();
     });
     if (!drawn) return std::unexpected(drawn.error());
-    if (progress_) progress_(++done_, protocol_.warmup + 3 * protocol_.frames);
+    ++done_;
+    if (auto ok = go_on(); !ok) return std::unexpected(ok.error());
     return ms;
+  }
+
+  Expected<void> go_on() const {
+    if (!progress_ || progress_(done_, protocol_.warmup + 3 * protocol_.frames)) return {};
+    return fail("benchmark", "", kStopped);
   }
 
   Expected<void> warm_up() {
@@ -143,8 +149,7 @@ class Protocol {
     if (!drawn) return drawn;
     result.pipelined_ms = ms / protocol_.frames;
     done_ += protocol_.frames;
-    if (progress_) progress_(done_, protocol_.warmup + 3 * protocol_.frames);
-    return {};
+    return go_on();
   }
 
   gl::Api& api_;

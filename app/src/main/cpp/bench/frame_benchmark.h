@@ -33,12 +33,14 @@ struct FrameBenchmark {
   std::optional<StageMedians> stages;  ///< where the driver has timestamps
 };
 
-/// Told after each frame how many of all are done.
-using FrameProgress = std::function<void(int done, int all)>;
+inline constexpr char kStopped[] = "was stopped";
+
+/// Told after each frame how many of all are done; false stops the benchmark.
+using FrameProgress = std::function<bool(int done, int all)>;
 
 /// Draws the views in turn, again and again; a moving path is many views a small step apart.
 /// Precondition: at least one view, frames ≥ 1. The renderer's shortcuts are kept. Fails where
-/// draw() does.
+/// draw() does, and with Error::what kStopped when it is stopped.
 Expected<FrameBenchmark> benchmark_frames(gl::Api& api, render::Renderer& renderer,
                                           const render::RenderTarget& target,
                                           std::span<const Camera> views,

@@ -24,6 +24,12 @@ Expected<void> SceneView::check_context() const {
   return fail("OpenGL", "", "the context was lost");
 }
 
+void SceneView::set_scale(double scale) {
+  if (scale == settings_.scale) return;
+  settings_.scale = scale;
+  fitted_ = {};
+}
+
 void SceneView::close() {
   target_ = {};
   fitted_ = {};
@@ -72,6 +78,7 @@ Expected<SceneView::Size> SceneView::picture_for(Size size) const {
 
 std::size_t SceneView::splats_for(const Size& picture) const {
   std::uint64_t most = most_splats(api_->capabilities, degrees_);
+  if (settings_.most_splats) most = std::min<std::uint64_t>(most, *settings_.most_splats);
   if (settings_.memory) {
     most = std::min(
         most, splats_that_fit(*settings_.memory, degrees_, renderer_->settings(), plan(picture)));

@@ -24,6 +24,7 @@ struct SceneViewSettings {
   /// Bytes that the scene, its frames and the picture may take together (memory_estimate.h). Not
   /// given: what the driver has.
   std::optional<std::size_t> memory = {};
+  std::optional<std::size_t> most_splats = {};  ///< show no more than these
 };
 
 /// Not thread-safe; every call on the thread on which the context is current. When a call fails and
@@ -45,6 +46,9 @@ class SceneView {
   /// memory is short, another number of splats. Fails as Renderer::draw() does, and when the
   /// context is lost.
   Expected<void> draw(const Camera& camera, const RenderOptions& options);
+
+  /// Of the frames that follow; another picture is made for the next one.
+  void set_scale(double scale);
 
   /// Lets go of all GL objects.
   void close();

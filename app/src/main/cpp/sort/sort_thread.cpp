@@ -30,7 +30,16 @@ SortThread::SortThread(std::vector<glm::vec3> positions)
     buffer = std::make_shared<IndexBuffer>();
     buffer->indices.resize(positions_.size());
   }
-  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  thread_ = std::thread([this] { run(); });
+}
+
+SortThread::~SortThread() {
+  {
+    const std::lock_guard lock(mutex_);
+    stops_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
 }
 
 std::uint64_t SortThread::request(const SortView& view) {
@@ -71,9 +80,11 @@ void SortThread::sort(const SortView& view, IndexBuffer& into) {
   into.count = radix_sort(keys_, view.keys.bits, scratch_, into.indices);
 }
 
-void SortThread::run(const std::stop_token& stop) {
+void SortThread::run() {
   std::unique_lock lock(mutex_);
-  while (changed_.wait(lock, stop, [this] { return wanted_.has_value(); })) {
+  for (;;) {
+    changed_.wait(lock, [this] { return wanted_.has_value() || stops_; });
+    if (stops_) return;
     const SortView view = *wanted_;
     const std::uint64_t ticket = last_ticket_;
     wanted_.reset();

@@ -6,7 +6,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <stop_token>
 #include <thread>
 #include <vector>
 
@@ -31,6 +30,9 @@ class SortThread {
  public:
   /// The positions are relative to the scene's origin; splats that are not finite are never listed.
   explicit SortThread(std::vector<glm::vec3> positions);
+  ~SortThread();
+  SortThread(const SortThread&) = delete;
+  SortThread& operator=(const SortThread&) = delete;
 
   /// Asks for the order of a view; one that waits to be begun is forgotten. Returns its ticket.
   std::uint64_t request(const SortView& view);
@@ -42,7 +44,7 @@ class SortThread {
   SharedIndices wait(std::uint64_t ticket) const;
 
  private:
-  void run(const std::stop_token& stop);
+  void run();
   void sort(const SortView& view, IndexBuffer& into);
   std::shared_ptr<IndexBuffer> free_buffer();
 
@@ -53,12 +55,14 @@ class SortThread {
   std::array<std::shared_ptr<IndexBuffer>, 3> pool_;
 
   mutable std::mutex mutex_;
-  mutable std::condition_variable_any changed_;
+  mutable std::condition_variable changed_;
   std::optional<SortView> wanted_;
   std::uint64_t last_ticket_ = 0;
   SharedIndices newest_;
+  bool stops_ = false;
 
-  std::jthread thread_;  // last: it must be gone before what it uses
+  // Not a jthread, which the C++ library of Android's NDK r27 does not have
+  std::thread thread_;
 };
 
 }  // namespace fluxgs::sort

@@ -1,0 +1,194 @@
+#include "bench/scene_benchmark.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include "camera/first_view.h"
+#include "camera/orbit.h"
+#include "gl/steps.h"
+
+namespace fluxgs::bench {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kStillViews = 8;
+constexpr double kPathStep = 0.5 * std::numbers::pi / 180;  // radians a frame
+
+glm::dvec2 as_vector(const PictureSide& size) { return {size.width, size.height}; }
+
+/// The first view turned about the scene's up.
+Camera turned(const camera::Navigation& first, double angle, const PictureSide& size) {
+  // A drag across the shorter side is half a turn
+  const double pixels = angle / std::numbers::pi * std::min(size.width, size.height);
+  const camera::ViewState view = camera::orbit(first.view, {pixels, 0}, as_vector(size), first.up);
+  return camera::camera_of(view, size.width, size.height);
+}
+
+/// What a row is measured on. Members in the order in which they depend on each other.
+struct Stage {
+  std::unique_ptr<render::Renderer> renderer;
+  render::RenderTarget target;
+};
+
+Expected<Stage> set_up(gl::Api& api, const SplatCloud& cloud, const SceneBenchmarkPlan& plan,
+                       const SceneBenchmarkRow& row) {
+  Stage stage;
+  const auto accumulation =
+      plan.accumulation.value_or(render::accurate_accumulation(api.capabilities));
+  const render::RendererSettings settings{.sorter = row.sorter, .timestamps = true};
+  auto done = gl::in_turn(
+      [&] { return gl::take(render::Renderer::create(api, settings), stage.renderer); },
+      [&] { return stage.renderer->upload(cloud); },
+      [&] {
+        return gl::take(render::RenderTarget::create(api, row.size.width, row.size.height,
+                                                     render::TargetFormat::rgba8, accumulation),
+                        stage.target);
+      });
+  if (!done) return std::unexpected(done.error());
+  return stage;
+}
+
+render::TargetPlan plan_of(const render::RenderTarget& target) {
+  return {.width = target.width(),
+          .height = target.height(),
+          .format = target.format(),
+          .accumulation = target.accumulation()};
+}
+
+std::vector<SceneBenchmarkRow> rows_of(const SceneBenchmarkPlan& plan) {
+  using render::SorterKind;
+  std::vector<SceneBenchmarkRow> rows;
+  for (const PictureSide& size : plan.sizes)
+    for (const auto& [sorter, wanted] : {std::pair(SorterKind::gpu_radix, plan.gpu_sort),
+                                         std::pair(SorterKind::cpu_async, plan.cpu_sort)})
+      for (const auto& [moves, asked] :
+           {std::pair(false, plan.still_views), std::pair(true, plan.path)}) {
+        if (!wanted || !asked) continue;
+        SceneBenchmarkRow& row = rows.emplace_back();
+        row.size = size;
+        row.sorter = sorter;
+        row.moves = moves;
+      }
+  return rows;
+}
+
+Expected<void> measure(gl::Api& api, const SplatCloud& cloud, const std::optional<StartView>& start,
+                       const SceneBenchmarkPlan& plan, const FrameProgress& progress,
+                       SceneBenchmarkRow& row) {
+  auto stage = set_up(api, cloud, plan, row);
+  if (!stage) return std::unexpected(stage.error());
+  const std::vector<Camera> views = row.moves
+                                        ? path_views(cloud, start, row.size, plan.protocol.frames)
+                                        : still_views(cloud, start, row.size);
+  const RenderOptions options{
+      .near_plane = camera::first_view(cloud, start, as_vector(row.size)).units.near_plane};
+  const auto times = benchmark_frames(api, *stage->renderer, stage->target, views, options,
+                                      plan.protocol, progress);
+  if (!times) return std::unexpected(times.error());
+  row.times = *times;
+  if (auto drawn = stage->renderer->draw(views.front(), options, stage->target); !drawn)
+    return drawn;
+  const auto counts = count_frame(*stage->renderer, cloud, views.front(), options, stage->target);
+  if (!counts) return std::unexpected(counts.error());
+  row.counts = *counts;
+  const render::RendererSettings& settings = stage->renderer->settings();
+  row.traffic = model_traffic(row.counts, settings, plan_of(stage->target));
+  row.memory =
+      render::estimate_memory(count_degrees(cloud), settings, plan_of(stage->target)).total();
+  return {};
+}
+
+json json_of(const Summary& s) {
+  return {{"median", s.median}, {"p95", s.p95}, {"mean", s.mean}, {"least", s.least}};
+}
+
+json json_of(const std::optional<StageMedians>& stages) {
+  if (!stages) return nullptr;
+  return {{"project", stages->project},
+          {"sort", stages->sort},
+          {"draw", stages->draw},
+          {"resolve", stages->resolve}};
+}
+
+json json_of(const SceneBenchmarkRow& row) {
+  return {{"width", row.size.width},
+          {"height", row.size.height},
+          {"sorter", row.sorter == render::SorterKind::gpu_radix ? "gpu" : "cpu"},
+          {"views", row.moves ? "path" : "still"},
+          {"draw_ms", json_of(row.times.draw_ms)},
+          {"sort_to_photon_ms", json_of(row.times.sort_to_photon_ms)},
+          {"pipelined_ms", row.times.pipelined_ms},
+          {"stages", json_of(row.times.stages)},
+          {"splats_drawn", row.counts.drawn},
+          {"fragments", row.counts.fragments},
+          {"bytes_per_frame", row.traffic.tiled()},
+          {"gpu_memory_bytes", row.memory}};
+}
+
+}  // namespace
+
+std::vector<Camera> still_views(const SplatCloud& cloud, const std::optional<StartView>& start,
+                                const PictureSide& size) {
+  const camera::Navigation first = camera::first_view(cloud, start, as_vector(size));
+  std::vector<Camera> views;
+  for (int i = 0; i < kStillViews; ++i)
+    views.push_back(turned(first, 2 * std::numbers::pi * i / kStillViews, size));
+  return views;
+}
+
+std::vector<Camera> path_views(const SplatCloud& cloud, const std::optional<StartView>& start,
+                               const PictureSide& size, int frames) {
+  const camera::Navigation first = camera::first_view(cloud, start, as_vector(size));
+  std::vector<Camera> views;
+  for (int i = 0; i < frames; ++i) views.push_back(turned(first, i * kPathStep, size));
+  return views;
+}
+
+Expected<SceneBenchmark> benchmark_scene(gl::Api& api, const SplatCloud& cloud,
+                                         const std::optional<StartView>& start,
+                                         const SceneBenchmarkPlan& plan,
+                                         const FrameProgress& progress) {
+  SceneBenchmark result;
+  std::vector<SceneBenchmarkRow> rows = rows_of(plan);
+  const int count = static_cast<int>(rows.size());
+  for (int i = 0; i < count; ++i) {
+    SceneBenchmarkRow& row = rows[static_cast<std::size_t>(i)];
+    const FrameProgress whole = [&](int done, int all) {
+      return !progress || progress(i * all + done, count * all);
+    };
+    if (auto ok = measure(api, cloud, start, plan, whole, row); !ok) {
+      if (ok.error().what != kStopped) return std::unexpected(ok.error());
+      result.stopped = kStopped;
+      break;
+    }
+    result.rows.push_back(row);
+  }
+  return result;
+}
+
+std::string rows_json(const SceneBenchmark& benchmark) {
+  json list = json::array();
+  for (const SceneBenchmarkRow& row : benchmark.rows) list.push_back(json_of(row));
+  return list.dump();
+}
+
+std::string driver_json(const gl::Api& api) {
+  const gl::Capabilities& c = api.capabilities;
+  return json{{"vendor", c.vendor},
+              {"renderer", c.renderer},
+              {"version", c.version},
+              {"quirks", api.quirks.names()},
+              {"timestamps", c.timestamps},
+              {"half_float_targets", c.half_float_targets},
+              {"float_targets", c.float_targets},
+              {"max_shared_memory_bytes", c.max_shared_memory_bytes},
+              {"max_vertex_storage_blocks", c.max_vertex_storage_blocks},
+              {"max_texture_size", c.max_texture_size}}
+      .dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+}  // namespace fluxgs::bench

@@ -1,0 +1,37 @@
+// What a processor makes of a scene, in numbers that are the same on every one: to find compilers,
+// C libraries and cores that compute differently.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "fluxgs/error.h"
+#include "fluxgs/io/scene_file.h"
+
+namespace fluxgs::bench {
+
+struct SelfTest {
+  std::size_t splats = 0;
+  std::uint64_t decoded = 0;    ///< hash of every attribute's bits
+  std::uint64_t sorted = 0;     ///< of the orders that the CPU's sorter finds, on its thread
+  std::uint64_t projected = 0;  ///< of the projections in float32, as shaders compute them
+  bool operator==(const SelfTest&) const = default;
+};
+
+/// Three views are sorted and projected.
+SelfTest self_test(const SplatCloud& cloud);
+
+/// One JSON object: splats, decoded, sorted, projected (hashes as 16 hexadecimal digits).
+std::string to_json(const SelfTest& result);
+
+}  // namespace fluxgs::bench
+
+extern "C" {
+/// For callers without C++: reads a scene from memory, tests, and writes the JSON of the result, or
+/// {"error": "…"}, to `json`, 0 at its end. Returns the length of the whole text, which is cut to
+/// `room` bytes.
+std::size_t fluxgs_self_test(const std::uint8_t* scene, std::size_t bytes, char* json,
+                             std::size_t room);
+}

@@ -1,0 +1,59 @@
+// The render scale that holds the display's rate, and keeps the device cool.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+namespace fluxgs::viewer {
+
+/// The scales that are tried: each has some 0.7 times the pixels of the one before. Few, as every
+/// change makes new pictures.
+inline constexpr std::array<double, 6> kScales{1, 0.85, 0.7, 0.6, 0.5, 0.4};
+
+/// How warm the device is, as Android tells.
+struct Heat {
+  /// PowerManager.THERMAL_STATUS_…: 0 none, 1 light, 2 moderate, 3 severe, 4 critical, 5 emergency,
+  /// 6 shutdown.
+  int status = 0;
+  /// PowerManager.getThermalHeadroom(): 1 is where severe throttling begins; NaN: not known.
+  double headroom = 0;
+};
+
+/// The largest scale that is wise: below 1 before the system begins to throttle.
+double coolest_scale(const Heat& heat);
+
+/// One step down when frames take longer than the display's, which is seen soon; one step up when
+/// they have fitted for long enough, and again down, and a longer wait, when that was too much.
+class ScaleControl {
+ public:
+  /// `frame_seconds`: of the display; what is drawn should take no longer.
+  explicit ScaleControl(double frame_seconds = 1.0 / 60) : frame_seconds_(frame_seconds) {}
+
+  void set_frame_seconds(double seconds);
+
+  /// Tells how long a frame took that was drawn while others were too, from the one before. Returns
+  /// the scale for the next.
+  double frame(double seconds);
+
+  /// The picture stood still: what follows has nothing to do with the time between.
+  void pause() { counted_ = 0; }
+
+  void set_most(double scale) { most_ = scale; }  ///< coolest_scale(), or the user's
+
+  double scale() const;
+
+ private:
+  void step_down();
+  void step_up();
+
+  double frame_seconds_;
+  double most_ = 1;
+  std::size_t step_ = 0;  // into kScales
+  double mean_ = 0;       // of the frames' times, smoothed
+  int counted_ = 0;       // frames since the last change or pause
+  double fitting_ = 0;    // seconds for which frames have fitted
+  double patience_ = 2;   // seconds to wait before a step up
+  bool trying_ = false;   // the last change was a step up
+};
+
+}  // namespace fluxgs::viewer

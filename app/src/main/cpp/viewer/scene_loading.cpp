@@ -1,0 +1,192 @@
+#include "viewer/scene_loading.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <exception>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "fluxgs/io/scene.h"
+
+namespace fluxgs::viewer {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kChunk = std::size_t{1} << 20;
+constexpr int kLookEveryMs = 100;  // whether it was cancelled
+
+std::string megabytes(std::uint64_t bytes) {
+  constexpr double kMegabyte = 1e6;
+  return fmt::format("{:.1f} MB", static_cast<double>(bytes) / kMegabyte);
+}
+
+}  // namespace
+
+/// What the thread and the owner share.
+struct SceneLoading::Job {
+  int descriptor = -1;
+  std::string name;
+  LoadLimits limits;
+  std::atomic<bool> cancelled = false;
+  mutable std::mutex mutex;
+  LoadState state;
+  std::optional<SceneFile> scene;
+
+  Job() = default;
+  Job(const Job&) = delete;
+  Job& operator=(const Job&) = delete;
+  ~Job() {
+    if (descriptor >= 0) ::close(descriptor);
+  }
+
+  template <class Change>
+  void update(Change&& change) {
+    const std::lock_guard lock(mutex);
+    change(state);
+  }
+
+  std::unexpected<Error> too_large(std::uint64_t needed) const {
+    return fail(name, "memory",
+                fmt::format("needs about {}, but only {} are free", megabytes(needed),
+                            megabytes(limits.memory)));
+  }
+
+  /// False when it was cancelled.
+  Expected<bool> wait_for_bytes() const {
+    const auto start = Clock::now();
+    while (!cancelled) {
+      pollfd asked{descriptor, POLLIN, 0};
+      const int found = ::poll(&asked, 1, kLookEveryMs);
+      if (found > 0) return true;
+      if (found < 0 && errno != EINTR)
+        return fail(name, "read", std::generic_category().message(errno));
+      if (std::chrono::duration<double>(Clock::now() - start).count() > limits.patience)
+        return fail(
+            name, "read",
+            fmt::format("nothing came for {:.0f} s from where it is kept", limits.patience));
+    }
+    return false;
+  }
+
+  /// How large the file says it is; nothing where it does not (a pipe).
+  Expected<std::optional<std::uint64_t>> announced_size() const {
+    struct stat status{};
+    if (::fstat(descriptor, &status) != 0)
+      return fail(name, "open", std::generic_category().message(errno));
+    if (S_ISDIR(status.st_mode)) return fail(name, "open", "is a folder; expected a scene");
+    if (!S_ISREG(status.st_mode)) return std::nullopt;
+    return static_cast<std::uint64_t>(status.st_size);
+  }
+
+  Expected<Bytes> read_all() {
+    const auto size = announced_size();
+    if (!size) return std::unexpected(size.error());
+    if (*size && **size > limits.memory) return too_large(**size);
+    Bytes bytes;
+    if (*size) bytes.reserve(**size);
+    update([&](LoadState& s) { s.bytes = size->value_or(0); });
+    while (!cancelled) {
+      const auto there = wait_for_bytes();
+      if (!there) return std::unexpected(there.error());
+      if (!*there) break;
+      const std::size_t before = bytes.size();
+      bytes.resize(before + kChunk);
+      const auto got = ::read(descriptor, bytes.data() + before, kChunk);
+      bytes.resize(before + static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+      if (got < 0 && (errno == EINTR || errno == EAGAIN)) continue;
+      if (got < 0) return fail(name, "read", std::generic_category().message(errno));
+      if (got == 0) break;
+      if (bytes.size() > limits.memory) return too_large(bytes.size());
+      update([&](LoadState& s) { s.read = bytes.size(); });
+    }
+    return bytes;
+  }
+
+  Expected<SceneFile> load() {
+    const auto bytes = read_all();
+    if (!bytes) return std::unexpected(bytes.error());
+    if (cancelled) return SceneFile{};
+    const auto estimate = estimate_scene(*bytes, name);
+    if (!estimate) return std::unexpected(estimate.error());
+    update([&](LoadState& s) {
+      s.estimate = *estimate;
+      s.phase = LoadPhase::decoding;
+    });
+    const std::uint64_t needed = bytes->size() + estimate->decoded;
+    if (needed > limits.memory) return too_large(needed);
+    return read_scene(*bytes, name);
+  }
+
+  void finish(Expected<SceneFile> loaded) {
+    update([&](LoadState& s) {
+      if (cancelled) {
+        s.phase = LoadPhase::cancelled;
+      } else if (!loaded) {
+        s.phase = LoadPhase::failed;
+        s.error = loaded.error().message();
+      } else if (loaded->cloud.size() == 0) {
+        s.phase = LoadPhase::failed;
+        s.error = fail(name, "", "the scene is empty; expected splats").error().message();
+      } else {
+        s.phase = LoadPhase::ready;
+        scene = std::move(*loaded);
+      }
+    });
+  }
+
+  void run() {
+    try {
+      finish(load());
+    } catch (const std::exception& problem) {  // of memory
+      finish(
+          fail(name, "memory", fmt::format("not enough to open the scene ({})", problem.what())));
+    }
+  }
+};
+
+void SceneLoading::begin(int descriptor, const std::string& name, const LoadLimits& limits) {
+  cancel();
+  auto job = std::make_shared<Job>();
+  job->descriptor = descriptor;
+  job->name = name;
+  job->limits = limits;
+  job->state.phase = LoadPhase::reading;
+  job_ = job;
+  // Not waited for: reading from a provider that stalls may take as long as it likes
+  try {
+    std::thread([job] { job->run(); }).detach();
+  } catch (const std::system_error& problem) {
+    job->finish(fail(name, "thread", problem.what()));
+  }
+}
+
+void SceneLoading::cancel() {
+  if (job_) job_->cancelled = true;
+  job_.reset();
+}
+
+LoadState SceneLoading::state() const {
+  if (!job_) return {};
+  const std::lock_guard lock(job_->mutex);
+  return job_->state;
+}
+
+std::optional<SceneFile> SceneLoading::take() {
+  if (!job_) return std::nullopt;
+  const std::lock_guard lock(job_->mutex);
+  if (job_->state.phase != LoadPhase::ready) return std::nullopt;
+  return std::exchange(job_->scene, std::nullopt);
+}
+
+}  // namespace fluxgs::viewer

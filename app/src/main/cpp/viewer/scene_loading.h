@@ -1,0 +1,58 @@
+// Reading a scene on a thread of its own, from whatever a stranger's app hands over.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "fluxgs/io/scene_estimate.h"
+#include "fluxgs/io/scene_file.h"
+
+namespace fluxgs::viewer {
+
+enum class LoadPhase { idle, reading, decoding, ready, failed, cancelled };
+
+struct LoadState {
+  LoadPhase phase = LoadPhase::idle;
+  std::uint64_t read = 0, bytes = 0;      ///< of the file; bytes is 0 where the size is not known
+  std::optional<SceneEstimate> estimate;  ///< once the file is read
+  std::string error;                      ///< one line, when it failed
+};
+
+struct LoadLimits {
+  /// Bytes that the file and what is decoded from it may take together.
+  std::uint64_t memory = std::uint64_t{1} << 31;
+  /// Seconds without a byte after which a provider is given up.
+  double patience = 30;
+};
+
+/// One scene at a time. All functions are for one thread; none of them waits for the file.
+class SceneLoading {
+ public:
+  SceneLoading() = default;
+  ~SceneLoading() { cancel(); }
+  SceneLoading(const SceneLoading&) = delete;
+  SceneLoading& operator=(const SceneLoading&) = delete;
+
+  /// Begins to read from a file descriptor, which is closed when it is no longer needed: a file, or
+  /// a pipe of a provider. An earlier loading is cancelled. `name` is for errors.
+  void begin(int descriptor, const std::string& name, const LoadLimits& limits);
+
+  /// What was begun is forgotten: its thread ends by itself, as soon as it notices.
+  void cancel();
+
+  LoadState state() const;
+
+  /// The scene, once, when the phase is ready.
+  std::optional<SceneFile> take();
+
+ private:
+  struct Job;
+  std::shared_ptr<Job> job_;
+};
+
+}  // namespace fluxgs::viewer

@@ -1,0 +1,40 @@
+// What a session draws on: a GL context, and a window that comes and goes.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "fluxgs/image.h"
+#include "gl/api.h"
+#include "render/render_target.h"
+
+namespace fluxgs::viewer {
+
+/// All functions but the constructor on one thread, the session's.
+class Screen {
+ public:
+  Screen() = default;
+  virtual ~Screen() = default;
+  Screen(const Screen&) = delete;
+  Screen& operator=(const Screen&) = delete;
+
+  /// A new context, current from now on, in place of any that there was; a window that is attached
+  /// stays. Everything that was made in the old one must be gone, or that one lost. Fails where
+  /// the device has no OpenGL ES 3.1.
+  virtual Expected<gl::Api*> make_context() = 0;
+  /// Null before make_context().
+  virtual gl::Api* api() = 0;
+
+  /// Pictures go to this window from now on; the platform's own handle, ownership of which is
+  /// passed.
+  virtual Expected<void> attach(void* window) = 0;
+  /// The window is no longer touched when this returns.
+  virtual void detach() = 0;
+  virtual bool has_window() const = 0;
+
+  /// Copies a picture to the window and shows it. Fails, with the context marked as lost
+  /// (gl::context_lost()), when that is why.
+  virtual Expected<void> present(const render::RenderTarget& target, int width, int height) = 0;
+};
+
+}  // namespace fluxgs::viewer

@@ -1,0 +1,139 @@
+// A viewer on a thread of its own, for a shell whose main thread must never wait for the GPU: what
+// people do goes in, pictures appear on the screen, and what there is to tell can be asked for.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "bench/scene_benchmark.h"
+#include "viewer/scene_loading.h"
+#include "viewer/screen.h"
+#include "viewer/viewer.h"
+
+namespace fluxgs::viewer {
+
+/// What the shell shows of a session.
+struct SessionState {
+  LoadState loading;
+  bool has_scene = false;  ///< there is one to look at
+  bool drawn = false;      ///< and a picture of it was shown
+  bool flipped = false;
+  ViewerStats stats;
+  std::string error;          ///< of drawing, one line; it is over until another scene is loaded
+  int contexts = 0;           ///< how many were made: more than 1 means that some were lost
+  std::string driver;         ///< bench::driver_json(), once there is a context
+  std::size_t dropped = 0;    ///< splats of the file that were left out for a NaN or infinity
+  double first_frame_ms = 0;  ///< from begin of loading until the first picture was shown
+};
+
+struct BenchmarkState {
+  bool running = false;
+  int done = 0, all = 0;  ///< frames
+  std::string rows;       ///< bench::rows_json(), when it has ended
+  std::string stopped;    ///< why, if it ended early
+  std::string error;
+};
+
+/// Every function may be called from one thread, the shell's main thread; only surface_destroyed()
+/// and picture() wait for the drawing thread.
+class Session {
+ public:
+  /// `screen` is used on the session's thread only, and gone before the session is.
+  explicit Session(std::unique_ptr<Screen> screen);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  // The window. Pictures of another size may be wanted at any time.
+  void surface_created(void* window);
+  void surface_changed(int width, int height);
+  /// Returns when the window is no longer touched.
+  void surface_destroyed();
+
+  /// Opens a scene from a descriptor, see SceneLoading, and looks at it from this place if given.
+  /// The scene before stays until then.
+  void load(int descriptor, const std::string& name, const LoadLimits& limits,
+            const std::optional<Place>& place = {});
+  void cancel_loading();
+
+  /// The display is about to show another frame; `seconds` on any clock that goes on.
+  void frame(double seconds);
+
+  void touch(TouchPhase phase, int changed, std::vector<Finger> fingers, double seconds);
+  void turn(const DevicePose& pose);
+  void set(const ViewerSettings& settings);
+  void set_heat(const Heat& heat);
+  void flip_up();
+  void reset_view();
+
+  SessionState state() const;
+  std::optional<Place> place() const;
+  /// The last picture, RGB; nothing where there is none.
+  std::optional<Image<std::uint8_t>> picture();
+
+  /// Instead of drawing to the screen; nothing without a scene.
+  void start_benchmark(const bench::SceneBenchmarkPlan& plan);
+  /// `why` is what the result says of it: a call, heat.
+  void stop_benchmark(const std::string& why);
+  BenchmarkState benchmark() const;
+
+  /// As if the GPU had been reset (tests, debugging).
+  void lose_context();
+
+ private:
+  using Task = std::function<void()>;
+  void post(Task task);
+  void post_and_wait(Task task);
+  void run();
+  // On the drawing thread:
+  void run_tasks();
+  void take_scene();
+  Expected<void> make_ready();
+  Expected<void> show_frame();
+  void draw_frame(double seconds);
+  void begin_again();
+  void give_up(const Error& error);
+  bool report_progress(int done, int all);
+  Expected<bench::SceneBenchmark> measure(const bench::SceneBenchmarkPlan& plan);
+  void run_benchmark(const bench::SceneBenchmarkPlan& plan);
+  void publish();
+
+  // The drawing thread's own
+  std::unique_ptr<Screen> screen_;
+  Viewer viewer_;
+  int width_ = 0, height_ = 0;
+  std::optional<double> last_frame_;
+  std::shared_ptr<const SplatCloud> cloud_;
+  std::optional<StartView> start_;
+  bool failed_ = false;  // to draw this scene
+  bool drawn_ = false;   // a picture of it
+  bool redraw_ = false;  // whether anything moved or not
+  int losses_ = 0;       // of contexts, since the last picture
+
+  // Of both
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Task> tasks_;
+  std::optional<double> frame_wanted_;
+  bool stops_ = false;
+  SceneLoading loading_;
+  std::optional<Place> place_wanted_;
+  std::chrono::steady_clock::time_point load_began_;
+  SessionState state_;
+  std::optional<Place> place_;
+  BenchmarkState benchmark_;
+  std::optional<std::string> benchmark_stop_;
+
+  std::thread thread_;
+};
+
+}  // namespace fluxgs::viewer

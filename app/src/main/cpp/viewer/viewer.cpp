@@ -1,0 +1,273 @@
+#include "viewer/viewer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "camera/first_view.h"
+#include "camera/focus.h"
+
+namespace fluxgs::viewer {
+namespace {
+
+constexpr double kSmoothing = 0.1;
+constexpr double kMeasureEvery = 0.4;  // seconds
+constexpr double kLargest = 1e12;      // of a place's coordinates
+
+using Seconds = std::chrono::duration<double>;
+
+double seconds_between(std::chrono::steady_clock::time_point from,
+                       std::chrono::steady_clock::time_point to) {
+  return Seconds(to - from).count();
+}
+
+void smooth(double& mean, double value) {
+  mean = mean > 0 ? std::lerp(mean, value, kSmoothing) : value;
+}
+
+/// What was kept of a view, if it is one.
+std::optional<std::pair<camera::ViewState, glm::dvec3>> restored(const Place& p) {
+  for (const double value : p)
+    if (!(std::abs(value) <= kLargest)) return std::nullopt;
+  const glm::dquat turn(p[3], p[4], p[5], p[6]);
+  const glm::dvec3 up(p[9], p[10], p[11]);
+  const bool sound = glm::length(turn) > 0.5 && glm::length(up) > 0.5 && p[7] > 0 && p[8] > 0 &&
+                     p[8] < std::numbers::pi;
+  if (!sound) return std::nullopt;
+  const camera::ViewState view{.target = {p[0], p[1], p[2]},
+                               .orientation = glm::normalize(turn),
+                               .distance = p[7],
+                               .fov_y = p[8]};
+  return std::pair(view, glm::normalize(up));
+}
+
+bool same(const camera::ViewState& a, const camera::ViewState& b) {
+  return a.target == b.target && a.orientation == b.orientation && a.distance == b.distance &&
+         a.fov_y == b.fov_y;
+}
+
+/// Settings that GL objects are made for.
+bool needs_remaking(const ViewerSettings& a, const ViewerSettings& b) {
+  return a.sorter != b.sorter || a.most_splats != b.most_splats || a.memory != b.memory;
+}
+
+}  // namespace
+
+void Viewer::show(std::shared_ptr<const SplatCloud> cloud, const std::optional<StartView>& start,
+                  const std::optional<Place>& place) {
+  close();
+  cloud_ = std::move(cloud);
+  start_ = start;
+  place_ = place;
+  navigated_ = false;
+  flipped_ = false;
+  stats_ = {};
+  anchor_anew(gyroscope_);
+}
+
+// Needs to know how large the picture is.
+void Viewer::begin_navigation() {
+  if (navigated_ || !cloud_) return;
+  navigation_ = camera::first_view(*cloud_, start_, glm::dvec2(size_));
+  navigated_ = true;
+  const auto kept = place_ ? restored(*place_) : std::nullopt;
+  if (!kept) return;
+  navigation_.view = kept->first;
+  flipped_ = glm::dot(kept->second, navigation_.up) < 0;
+  if (flipped_) camera::flip_up(navigation_);
+  navigation_.view = kept->first;
+  navigation_.up = kept->second;
+}
+
+render::SceneViewSettings Viewer::scene_settings(const gl::Api& api) const {
+  using render::SorterKind;
+  render::SceneViewSettings s{.renderer = {.timestamps = true}};
+  const bool on_cpu = settings_.sorter == SorterChoice::cpu ||
+                      (settings_.sorter == SorterChoice::automatic && api.quirks.runs_on_cpu);
+  s.renderer.sorter = on_cpu ? SorterKind::cpu_async : SorterKind::gpu_radix;
+  s.memory = settings_.memory;
+  if (settings_.most_splats > 0) s.most_splats = settings_.most_splats;
+  s.scale = settings_.scale > 0 ? settings_.scale : scale_control_.scale();
+  return s;
+}
+
+Expected<void> Viewer::make(gl::Api& api) {
+  scene_.emplace(cloud_, scene_settings(api));
+  auto opened = scene_->open(api, size_.x, size_.y);
+  if (!opened) scene_.reset();
+  stale_ = true;
+  remake_ = false;
+  return opened;
+}
+
+Expected<void> Viewer::open(gl::Api& api, int width, int height) {
+  if (!cloud_) return fail("viewer", "", "there is no scene to open");
+  api_ = &api;
+  size_ = {std::max(width, 1), std::max(height, 1)};
+  begin_navigation();
+  return make(api);
+}
+
+void Viewer::close() {
+  scene_.reset();
+  presented_.reset();
+  sort_began_.reset();
+  measured_.reset();
+}
+
+void Viewer::set(const ViewerSettings& settings) {
+  if (settings == settings_) return;
+  remake_ = remake_ || needs_remaking(settings, settings_);
+  if (settings.gyroscope != settings_.gyroscope) anchor_anew(gyroscope_);
+  settings_ = settings;
+  scale_control_.set_frame_seconds(settings.frame_seconds);
+  gestures_.one_finger = settings.gyroscope ? camera::DragAction::look : camera::DragAction::orbit;
+  stale_ = true;
+}
+
+void Viewer::resize(int width, int height) {
+  const glm::ivec2 size(std::max(width, 1), std::max(height, 1));
+  if (size == size_) return;
+  size_ = size;
+  stale_ = true;
+  presented_.reset();
+}
+
+void Viewer::touch(const TouchEvent& event) {
+  if (!navigated_) return;
+  const camera::ViewState before = navigation_.view;
+  const auto pixel = apply(event, glm::dvec2(size_), gestures_, navigation_);
+  if (!same(before, navigation_.view)) anchor_anew(gyroscope_);
+  if (!pixel) return;
+  const camera::Navigation& n = navigation_;
+  const auto point =
+      camera::visible_point(*cloud_, n.view, *pixel, glm::dvec2(size_), n.units.near_plane);
+  if (point) camera::go_to(navigation_, camera::focused_on(n.view, *point, n.units.distances));
+}
+
+void Viewer::turn(const DevicePose& pose) {
+  if (!navigated_ || !settings_.gyroscope || !gestures_.fingers.empty()) return;
+  if (navigation_.transition || camera::moving(navigation_.glide)) return anchor_anew(gyroscope_);
+  const camera::ViewState before = navigation_.view;
+  follow(pose, gyroscope_, navigation_);
+  // Sensors tremble; what nobody sees is not drawn
+  constexpr double kStill = 2e-8;  // 1 − cos of half of 0.023°
+  if (1 - std::abs(glm::dot(before.orientation, navigation_.view.orientation)) < kStill) {
+    navigation_.view = before;
+    return;
+  }
+  stale_ = true;
+}
+
+void Viewer::flip_up() {
+  if (!navigated_) return;
+  camera::flip_up(navigation_);
+  flipped_ = !flipped_;
+  anchor_anew(gyroscope_);
+  stale_ = true;
+}
+
+void Viewer::reset_view() {
+  if (!navigated_) return;
+  camera::reset(navigation_);
+  anchor_anew(gyroscope_);
+}
+
+std::optional<Place> Viewer::place() const {
+  if (!navigated_) return place_;
+  const camera::ViewState& v = navigation_.view;
+  const glm::dvec3& up = navigation_.up;
+  return Place{v.target.x,
+               v.target.y,
+               v.target.z,
+               v.orientation.w,
+               v.orientation.x,
+               v.orientation.y,
+               v.orientation.z,
+               v.distance,
+               v.fov_y,
+               up.x,
+               up.y,
+               up.z};
+}
+
+bool Viewer::advance(double seconds) {
+  if (!is_open()) return false;
+  constexpr double kLongestStep = 0.1;  // after a pause the scene must not jump
+  const bool moved =
+      camera::advance(navigation_, std::min(seconds, kLongestStep), glm::dvec2(size_));
+  stale_ = stale_ || moved;
+  const bool draws = stale_ || !scene_->renderer().order_is_current();
+  if (!draws) {
+    presented_.reset();
+    scale_control_.pause();
+    frame_seconds_ = 0;
+  }
+  return draws;
+}
+
+double Viewer::wanted_scale() {
+  if (settings_.scale > 0) return settings_.scale;
+  scale_control_.set_most(coolest_scale(heat_));
+  return scale_control_.scale();
+}
+
+Expected<void> Viewer::draw() {
+  if (remake_) {
+    scene_.reset();
+    if (auto made = make(*api_); !made) return made;
+  }
+  scene_->set_scale(wanted_scale());
+  const Camera camera = camera::camera_of(navigation_.view, size_.x, size_.y);
+  RenderOptions options;
+  options.sh_degree = settings_.sh_degree;
+  options.near_plane = navigation_.units.near_plane;
+  auto drawn = scene_->draw(camera, options);
+  if (drawn) stale_ = false;
+  if (drawn) watch_sorting();
+  return drawn;
+}
+
+void Viewer::watch_sorting() {
+  const auto now = Clock::now();
+  const bool current = scene_->renderer().order_is_current();
+  if (!current && !sort_began_) sort_began_ = now;
+  if (!current || !sort_began_) return;
+  smooth(sort_seconds_, seconds_between(*sort_began_, now));
+  sort_began_.reset();
+}
+
+void Viewer::presented() {
+  const auto now = Clock::now();
+  if (presented_) {
+    const double passed = seconds_between(*presented_, now);
+    smooth(frame_seconds_, passed);
+    scale_control_.frame(passed);
+  }
+  presented_ = now;
+}
+
+ViewerStats Viewer::stats() {
+  if (!is_open()) return {};
+  const auto now = Clock::now();
+  if (!measured_ || seconds_between(*measured_, now) > kMeasureEvery) {
+    measured_ = now;
+    const auto frame = scene_->renderer().stats();
+    stats_.drawn = frame ? frame->drawn : 0;
+    const bool has_clock = frame && frame->stages;
+    const auto& stages = has_clock ? *frame->stages : render::StageTimes{};
+    stats_.frame_ms = has_clock ? stages.project + stages.sort + stages.draw + stages.resolve
+                                : 1e3 * frame_seconds_;
+    const bool on_gpu = scene_->renderer().settings().sorter == render::SorterKind::gpu_radix;
+    stats_.sort_ms = on_gpu ? stages.sort : 1e3 * sort_seconds_;
+  }
+  stats_.frames_per_second = frame_seconds_ > 0 ? 1 / frame_seconds_ : 0;
+  stats_.shown = scene_->splats();
+  stats_.splats = cloud_->size();
+  stats_.width = scene_->target().blend_width();
+  stats_.height = scene_->target().blend_height();
+  stats_.scale = settings_.scale > 0 ? settings_.scale : scale_control_.scale();
+  return stats_;
+}
+
+}  // namespace fluxgs::viewer

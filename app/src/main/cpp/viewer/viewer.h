@@ -1,0 +1,130 @@
+// A scene that people look at on a screen: what they do, what is drawn, and how fast.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "camera/navigation.h"
+#include "fluxgs/io/start_view.h"
+#include "render/scene_view.h"
+#include "viewer/gestures.h"
+#include "viewer/gyroscope.h"
+#include "viewer/scale_control.h"
+
+namespace fluxgs::viewer {
+
+enum class SorterChoice { automatic, gpu, cpu };
+
+/// What people set.
+struct ViewerSettings {
+  double scale = 0;  ///< of the picture that is blended, 0.2…1; 0: what holds the display's rate
+  SorterChoice sorter = SorterChoice::automatic;
+  int sh_degree = 3;                       ///< 0…3
+  std::size_t most_splats = 0;             ///< 0: all
+  bool gyroscope = false;                  ///< look around by turning the device
+  double frame_seconds = 1.0 / 60;         ///< of the display
+  std::optional<std::size_t> memory = {};  ///< bytes of the GPU, see SceneViewSettings
+  bool operator==(const ViewerSettings&) const = default;
+};
+
+/// Of the last second or so.
+struct ViewerStats {
+  double frames_per_second = 0;       ///< while something moves; 0 at rest
+  double frame_ms = 0;                ///< the GPU's, or where it has no clock from frame to frame
+  double sort_ms = 0;                 ///< from when the camera moved to an order of that view
+  std::uint32_t drawn = 0;            ///< splats that were not culled
+  std::size_t shown = 0, splats = 0;  ///< of the scene: for which there is room; all
+  int width = 0, height = 0;          ///< of the picture that is blended
+  double scale = 1;
+};
+
+/// Where a view is, to be kept over the end of the process: target, orientation (w, x, y, z),
+/// distance, field of view, up.
+using Place = std::array<double, 12>;
+
+/// Not thread-safe. Between open() and close() a context must be current; close() may be called
+/// without one after it was lost.
+class Viewer {
+ public:
+  explicit Viewer(const ViewerSettings& settings = {}) : settings_(settings) {}
+
+  /// Another scene, from its start; or from a place where it was looked at before, if that is one.
+  /// To be followed by open().
+  void show(std::shared_ptr<const SplatCloud> cloud, const std::optional<StartView>& start,
+            const std::optional<Place>& place = {});
+  bool has_scene() const { return cloud_ != nullptr; }
+
+  /// Makes the GL objects of the scene for pictures of this size, after another scene, in a new
+  /// context. Fails as SceneView::open() does.
+  Expected<void> open(gl::Api& api, int width, int height);
+  bool is_open() const { return scene_.has_value(); }
+  /// Lets go of all GL objects. The scene and where it is looked at from stay.
+  void close();
+
+  /// New settings, for the next frame. Those that need other GL objects make them then.
+  void set(const ViewerSettings& settings);
+  const ViewerSettings& settings() const { return settings_; }
+  void set_heat(const Heat& heat) { heat_ = heat; }
+
+  void resize(int width, int height);
+
+  void touch(const TouchEvent& event);
+  void turn(const DevicePose& pose);
+  void flip_up();
+  void reset_view();
+  /// Whether the scene was turned upside down by flip_up().
+  bool is_flipped() const { return flipped_; }
+  std::optional<Place> place() const;
+
+  /// Lets time pass. Whether a frame is to be drawn: something moved, or the last one was not
+  /// final.
+  bool advance(double seconds);
+
+  /// Enqueues a frame. Fails as SceneView::draw() does.
+  Expected<void> draw();
+  const render::RenderTarget& target() const { return scene_->target(); }
+
+  /// After a frame was handed to the screen.
+  void presented();
+
+  /// Waits for the GPU once in a while.
+  ViewerStats stats();
+
+  const camera::Navigation& navigation() const { return navigation_; }
+  render::SceneView& scene() { return *scene_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Expected<void> make(gl::Api& api);
+  render::SceneViewSettings scene_settings(const gl::Api& api) const;
+  double wanted_scale();
+  void begin_navigation();
+  void watch_sorting();
+
+  ViewerSettings settings_;
+  Heat heat_;
+  std::shared_ptr<const SplatCloud> cloud_;
+  std::optional<StartView> start_;
+  std::optional<Place> place_;  // to begin at
+  camera::Navigation navigation_;
+  bool navigated_ = false;  // there is a navigation of the scene
+  bool flipped_ = false;
+  Gestures gestures_;
+  Gyroscope gyroscope_;
+  glm::ivec2 size_{0};
+  gl::Api* api_ = nullptr;
+  std::optional<render::SceneView> scene_;
+  ScaleControl scale_control_;
+  bool stale_ = true;    // the picture is not of the present view
+  bool remake_ = false;  // settings changed that need other GL objects
+
+  // Times
+  std::optional<Clock::time_point> presented_, sort_began_, measured_;
+  double frame_seconds_ = 0, sort_seconds_ = 0;  // smoothed
+  ViewerStats stats_;
+};
+
+}  // namespace fluxgs::viewer

@@ -1,0 +1,25 @@
+// What opening a scene will take, from what its file says before anything is decoded.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "fluxgs/error.h"
+
+namespace fluxgs {
+
+struct SceneEstimate {
+  std::string format;         ///< see scene_formats()
+  std::uint64_t splats = 0;   ///< as the file announces; 0 where only decoding tells
+  int sh_degree = 0;          ///< the highest
+  std::uint64_t decoded = 0;  ///< bytes of the SplatCloud
+};
+
+/// Looks at headers only. What is damaged further on is seen when the scene is read. Fails, as
+/// read_scene() does, on what is no scene at all.
+Expected<SceneEstimate> estimate_scene(std::span<const std::byte> bytes, const std::string& name);
+
+}  // namespace fluxgs

@@ -1,0 +1,90 @@
+#include "fluxgs/io/scene_estimate.h"
+
+#include <algorithm>
+
+#include "fluxgs/io/scene.h"
+#include "glb_container.h"
+#include "gltf_document.h"
+#include "ply_header.h"
+#include "spz_packed.h"
+
+namespace fluxgs {
+namespace {
+
+using namespace io;
+
+struct Announced {
+  std::uint64_t splats = 0;
+  int sh_degree = 0;
+};
+
+int degree_of_rest(std::size_t numbers) {
+  for (int degree = 3; degree > 0; --degree)
+    if (numbers >= 3 * static_cast<std::size_t>(sh_rest_count(degree))) return degree;
+  return 0;
+}
+
+Expected<Announced> in_ply(std::span<const std::byte> bytes, const std::string& name) {
+  const auto header = parse_ply_header(bytes, name);
+  if (!header) return std::unexpected(header.error());
+  Announced result;
+  std::size_t rest = 0;
+  for (const PlyElement& element : header->elements) {
+    if (element.name == "vertex") result.splats = element.count;
+    if (element.name != "vertex" && element.name != "sh") continue;  // sh: of compressed ones
+    rest += static_cast<std::size_t>(std::ranges::count_if(
+        element.properties,
+        [](const PlyProperty& property) { return property.name.starts_with("f_rest_"); }));
+  }
+  result.sh_degree = degree_of_rest(rest);
+  return result;
+}
+
+Expected<Announced> in_glb(std::span<const std::byte> bytes, const std::string& name) {
+  const auto chunks = parse_glb_container(bytes, name);
+  if (!chunks) return std::unexpected(chunks.error());
+  const auto json = check_gltf_json(chunks->json, chunks->bin.size(), name);
+  if (!json) return std::unexpected(json.error());
+  const auto instances = find_gltf_splats(*json, chunks->bin, name);
+  if (!instances) return std::unexpected(instances.error());
+  Announced result;
+  for (const GltfInstance& instance : *instances) {
+    result.splats += instance.splats.count;
+    result.sh_degree = std::max(result.sh_degree, instance.splats.sh_degree);
+  }
+  return result;
+}
+
+Expected<Announced> in_spz(std::span<const std::byte> bytes, const std::string& name) {
+  const auto header = read_spz_header({bytes, name, ""});
+  if (!header) return std::unexpected(header.error());
+  return Announced{header->count, std::clamp(header->sh_degree, 0, 3)};
+}
+
+Expected<Announced> announced(const std::string& format, std::span<const std::byte> bytes,
+                              const std::string& name) {
+  constexpr std::size_t kSplatRecord = 32;
+  if (format == "ply" || format == "compressed.ply") return in_ply(bytes, name);
+  if (format == "glb") return in_glb(bytes, name);
+  if (format == "spz") return in_spz(bytes, name);
+  if (format == "splat") return Announced{bytes.size() / kSplatRecord, 0};
+  return Announced{};
+}
+
+}  // namespace
+
+Expected<SceneEstimate> estimate_scene(std::span<const std::byte> bytes, const std::string& name) {
+  const auto format = recognise_scene(bytes, name);
+  if (!format) return std::unexpected(format.error());
+  const std::string format_name((*format)->name);
+  const auto found = announced(format_name, bytes, name);
+  if (!found) return std::unexpected(found.error());
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 40;  // beyond, nobody has the memory
+  return SceneEstimate{
+      .format = format_name,
+      .splats = found->splats,
+      .sh_degree = found->sh_degree,
+      .decoded = splat_memory_bytes(std::min(found->splats, kMost), found->sh_degree)};
+}
+
+}  // namespace fluxgs

@@ -1,0 +1,174 @@
+// Reading scenes from descriptors: files, pipes, providers that stall, hostile content.
+#include "viewer/scene_loading.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "fluxgs/io/gltf.h"
+#include "tests/support/scenes.h"
+
+namespace fluxgs::viewer {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+LoadState settled(const SceneLoading& loading) {
+  for (int i = 0; i < 1000; ++i) {
+    const LoadState state = loading.state();
+    if (state.phase != LoadPhase::reading && state.phase != LoadPhase::decoding) return state;
+    std::this_thread::sleep_for(10ms);
+  }
+  return loading.state();
+}
+
+std::vector<std::byte> scene_bytes() { return *encode_glb(test::random_cloud(500, 1), "scene"); }
+
+/// A file without a name that holds these bytes.
+int file_of(const std::vector<std::byte>& bytes) {
+  std::FILE* file = std::tmpfile();
+  std::fwrite(bytes.data(), 1, bytes.size(), file);
+  std::fflush(file);
+  const int descriptor = ::dup(::fileno(file));
+  std::fclose(file);
+  ::lseek(descriptor, 0, SEEK_SET);
+  return descriptor;
+}
+
+struct Pipe {
+  int in = -1, out = -1;
+  Pipe() {
+    int ends[2] = {-1, -1};
+    EXPECT_EQ(::pipe(ends), 0);
+    out = ends[0];
+    in = ends[1];
+  }
+};
+
+bool is_open(int descriptor) { return ::fcntl(descriptor, F_GETFD) != -1; }
+
+TEST(SceneLoading, ReadsAFile) {
+  SceneLoading loading;
+  EXPECT_EQ(loading.state().phase, LoadPhase::idle);
+  const int descriptor = file_of(scene_bytes());
+  loading.begin(descriptor, "scene.glb", {});
+  const LoadState state = settled(loading);
+  ASSERT_EQ(state.phase, LoadPhase::ready) << state.error;
+  EXPECT_EQ(state.bytes, scene_bytes().size());
+  EXPECT_EQ(state.read, state.bytes);
+  EXPECT_EQ(state.estimate->splats, 500U);
+  const auto scene = loading.take();
+  ASSERT_TRUE(scene);
+  EXPECT_EQ(scene->cloud.size(), 500U);
+  EXPECT_FALSE(loading.take()) << "once";
+  loading.cancel();
+  std::this_thread::sleep_for(50ms);
+  EXPECT_FALSE(is_open(descriptor));
+}
+
+TEST(SceneLoading, ReadsAPipe) {
+  SceneLoading loading;
+  Pipe pipe;
+  loading.begin(pipe.out, "shared", {});
+  const auto bytes = scene_bytes();
+  std::thread writer([&] {
+    std::size_t done = 0;
+    while (done < bytes.size()) {
+      const auto put =
+          ::write(pipe.in, bytes.data() + done, std::min<std::size_t>(1000, bytes.size() - done));
+      ASSERT_GT(put, 0);
+      done += static_cast<std::size_t>(put);
+    }
+    ::close(pipe.in);
+  });
+  const LoadState state = settled(loading);
+  writer.join();
+  ASSERT_EQ(state.phase, LoadPhase::ready) << state.error;
+  EXPECT_EQ(state.bytes, 0U) << "a pipe does not say";
+}
+
+TEST(SceneLoading, GivesUpAProviderThatStalls) {
+  SceneLoading loading;
+  Pipe pipe;
+  ASSERT_EQ(::write(pipe.in, "glTF", 4), 4);
+  loading.begin(pipe.out, "cloud.glb", {.patience = 0.3});
+  const LoadState state = settled(loading);
+  EXPECT_EQ(state.phase, LoadPhase::failed);
+  EXPECT_THAT(state.error, HasSubstr("cloud.glb: read: nothing came"));
+  ::close(pipe.in);
+}
+
+TEST(SceneLoading, CancelDoesNotWaitForAProvider) {
+  SceneLoading loading;
+  Pipe pipe;
+  loading.begin(pipe.out, "cloud.glb", {});
+  const auto start = std::chrono::steady_clock::now();
+  loading.cancel();
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 50ms);
+  EXPECT_EQ(loading.state().phase, LoadPhase::idle);
+  for (int i = 0; i < 100 && is_open(pipe.out); ++i) std::this_thread::sleep_for(10ms);
+  EXPECT_FALSE(is_open(pipe.out)) << "the thread ends by itself";
+  ::close(pipe.in);
+}
+
+TEST(SceneLoading, RefusesKindlyWhatIsTooLarge) {
+  SceneLoading loading;
+  const int descriptor = file_of(scene_bytes());
+  ASSERT_EQ(::ftruncate(descriptor, off_t{2} << 30), 0);  // 2 GB, of which nothing is read
+  loading.begin(descriptor, "huge.ply", {.memory = 1'000'000'000});
+  LoadState state = settled(loading);
+  EXPECT_EQ(state.phase, LoadPhase::failed);
+  EXPECT_EQ(state.error, "huge.ply: memory: needs about 2147.5 MB, but only 1000.0 MB are free");
+  EXPECT_EQ(state.read, 0U);
+
+  const auto bytes = scene_bytes();
+  loading.begin(file_of(bytes), "tight.glb", {.memory = bytes.size() + 1000});
+  state = settled(loading);
+  EXPECT_EQ(state.phase, LoadPhase::failed) << "the file fits, what it decodes to does not";
+  EXPECT_THAT(state.error, HasSubstr("tight.glb: memory: needs about"));
+
+  std::signal(SIGPIPE, SIG_IGN);
+  Pipe pipe;  // without an end, and without a size
+  loading.begin(pipe.out, "endless", {.memory = 5'000'000});
+  std::thread writer([&] {
+    const std::vector<std::byte> zeros(1 << 16);
+    while (::write(pipe.in, zeros.data(), zeros.size()) > 0) {
+    }
+  });
+  state = settled(loading);
+  EXPECT_EQ(state.phase, LoadPhase::failed);
+  EXPECT_THAT(state.error, HasSubstr("endless: memory"));
+  loading.cancel();
+  writer.join();  // its pipe is closed
+  ::close(pipe.in);
+}
+
+TEST(SceneLoading, SaysWhatIsWrongWithOtherFiles) {
+  SceneLoading loading;
+  const auto error_of = [&](int descriptor) {
+    loading.begin(descriptor, "file", {});
+    const LoadState state = settled(loading);
+    EXPECT_EQ(state.phase, LoadPhase::failed);
+    return state.error;
+  };
+  EXPECT_THAT(error_of(file_of({})), HasSubstr("file: the file is empty"));
+  EXPECT_THAT(error_of(file_of(std::vector<std::byte>(1000))), HasSubstr("no known scene format"));
+  auto cut = scene_bytes();
+  cut.resize(cut.size() / 2);
+  EXPECT_FALSE(error_of(file_of(cut)).empty());
+  EXPECT_THAT(error_of(::open("/tmp", O_RDONLY)), HasSubstr("is a folder"));
+  EXPECT_FALSE(error_of(-1).empty());
+  EXPECT_THAT(error_of(file_of(*encode_glb({}, "empty"))), HasSubstr("the scene is empty"));
+}
+
+}  // namespace
+}  // namespace fluxgs::viewer

@@ -1,0 +1,307 @@
+// The viewer on its own thread, with each implementation of GL behind it.
+#include "viewer/session.h"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <functional>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "camera/first_view.h"
+#include "fluxgs/io/gltf.h"
+#include "platform/host/offscreen_screen.h"
+#include "tests/support/scenes.h"
+#include "tools/reference/reference_renderer.h"
+
+namespace fluxgs::viewer {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+constexpr int kWidth = 96, kHeight = 64;
+constexpr host::HostGl kImplementations[] = {host::HostGl::egl, host::HostGl::osmesa,
+                                             host::HostGl::angle};
+
+int file_of(const std::vector<std::byte>& bytes) {
+  std::FILE* file = std::tmpfile();
+  std::fwrite(bytes.data(), 1, bytes.size(), file);
+  std::fflush(file);
+  const int descriptor = ::dup(::fileno(file));
+  std::fclose(file);
+  ::lseek(descriptor, 0, SEEK_SET);
+  return descriptor;
+}
+
+const StartView kStart{.position = {0, 0, -4}, .fov_y = 0.8};
+
+SplatCloud scene(std::uint32_t seed = 1) { return test::random_cloud(400, 1, seed); }
+
+std::vector<std::byte> file_with_start(std::uint32_t seed = 1) {
+  return *with_start_view(*encode_glb(scene(seed), "scene"), kStart, "scene");
+}
+
+class SessionTest : public testing::TestWithParam<host::HostGl> {
+ protected:
+  void SetUp() override {
+    const auto context = host::HostContext::create(GetParam());
+    if (!context) GTEST_SKIP() << context.error().message();
+    settings_.scale = 1;
+    begin();
+  }
+
+  void begin() {
+    session_ = std::make_unique<Session>(host::make_offscreen_screen(GetParam()));
+    session_->set(settings_);
+    session_->surface_created(this);
+    session_->surface_changed(kWidth, kHeight);
+  }
+
+  /// Lets the display go on until something holds.
+  bool run_until(const std::function<bool(const SessionState&)>& holds) {
+    for (int i = 0; i < 3000; ++i) {
+      session_->frame(time_ += 1.0 / 60);
+      std::this_thread::sleep_for(5ms);
+      if (holds(session_->state())) return true;
+    }
+    return false;
+  }
+  bool load(const std::vector<std::byte>& bytes, const std::optional<Place>& place = {}) {
+    session_->load(file_of(bytes), "scene.glb", {}, place);
+    return run_until([](const SessionState& s) { return s.drawn || !s.error.empty(); });
+  }
+  /// The picture once everything has come to rest.
+  Image<std::uint8_t> picture() {
+    for (int i = 0; i < 20; ++i) {
+      session_->frame(time_ += 1.0 / 60);
+      std::this_thread::sleep_for(5ms);
+    }
+    const auto taken = session_->picture();
+    EXPECT_TRUE(taken);
+    return taken.value_or(Image<std::uint8_t>(kWidth, kHeight, 3));
+  }
+
+  std::unique_ptr<Session> session_;
+  ViewerSettings settings_;
+  double time_ = 0;
+};
+
+/// dB between two pictures of 8 bits.
+double psnr(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b) {
+  if (a.pixels.size() != b.pixels.size()) return 0;
+  double sum = 0;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+    const double d = (double(a.pixels[i]) - double(b.pixels[i])) / 255;
+    sum += d * d;
+  }
+  return -10 * std::log10(std::max(sum / static_cast<double>(a.pixels.size()), 1e-12));
+}
+
+Image<std::uint8_t> reference_picture() {
+  const SceneFile file = *read_glb(file_with_start(), "scene");
+  const auto n = camera::first_view(file.cloud, file.start, {kWidth, kHeight});
+  RenderOptions options;
+  options.near_plane = n.units.near_plane;
+  const ReferenceImage image =
+      render_reference(file.cloud, camera::camera_of(n.view, kWidth, kHeight), options);
+  Image<std::uint8_t> result(kWidth, kHeight, 3);
+  for (std::size_t i = 0; i < result.pixels.size(); ++i)
+    result.pixels[i] =
+        static_cast<std::uint8_t>(std::lround(255 * std::clamp(image.color.pixels[i], 0.0, 1.0)));
+  return result;
+}
+
+TEST_P(SessionTest, ShowsASceneFromItsStart) {
+  ASSERT_TRUE(load(file_with_start()));
+  const SessionState state = session_->state();
+  EXPECT_EQ(state.error, "");
+  EXPECT_TRUE(state.has_scene);
+  EXPECT_EQ(state.contexts, 1);
+  EXPECT_GT(state.first_frame_ms, 0);
+  EXPECT_EQ(state.stats.splats, 400U);
+  EXPECT_EQ(state.stats.width, kWidth);
+  EXPECT_TRUE(nlohmann::json::parse(state.driver).contains("renderer"));
+  EXPECT_GT(psnr(picture(), reference_picture()), 50);
+}
+
+TEST_P(SessionTest, StandsStillWhenNothingMoves) {
+  ASSERT_TRUE(load(file_with_start()));
+  picture();
+  EXPECT_TRUE(run_until([](const SessionState& s) { return s.stats.frames_per_second == 0; }));
+}
+
+TEST_P(SessionTest, AFingerTurnsItAndResetLeadsBack) {
+  ASSERT_TRUE(load(file_with_start()));
+  const auto before = picture();
+  session_->touch(TouchPhase::down, 0, {{0, {50, 30}}}, 1);
+  session_->touch(TouchPhase::moved, 0, {{0, {80, 30}}}, 1.1);
+  session_->touch(TouchPhase::up, 0, {{0, {80, 30}}}, 2);
+  EXPECT_LT(psnr(picture(), before), 30);
+  session_->reset_view();
+  ASSERT_TRUE(run_until([this](const SessionState&) { return time_ > 3; }));
+  EXPECT_GT(psnr(picture(), before), 50);
+}
+
+TEST_P(SessionTest, FlippingTurnsItUpsideDown) {
+  ASSERT_TRUE(load(file_with_start()));
+  const auto before = picture();
+  session_->flip_up();
+  const auto flipped = picture();
+  EXPECT_TRUE(session_->state().flipped);
+  Image<std::uint8_t> turned = before;  // half a turn in the picture's plane
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      std::copy_n(before.at(kWidth - 1 - x, kHeight - 1 - y), 3, turned.at(x, y));
+  EXPECT_GT(psnr(flipped, turned), 40);
+}
+
+TEST_P(SessionTest, APlaceIsKeptOverTheEndOfTheProcess) {
+  ASSERT_TRUE(load(file_with_start()));
+  session_->touch(TouchPhase::down, 0, {{0, {50, 30}}}, 1);
+  session_->touch(TouchPhase::moved, 0, {{0, {80, 40}}}, 1.1);
+  session_->touch(TouchPhase::cancelled, 0, {}, 2);
+  session_->flip_up();
+  const auto before = picture();
+  const auto place = session_->place();
+  ASSERT_TRUE(place);
+  begin();
+  ASSERT_TRUE(load(file_with_start(), place));
+  EXPECT_GT(psnr(picture(), before), 50);
+  EXPECT_TRUE(session_->state().flipped);
+  begin();
+  Place broken = *place;
+  broken[7] = std::nan("");
+  ASSERT_TRUE(load(file_with_start(), broken));
+  EXPECT_GT(psnr(picture(), reference_picture()), 50) << "no place, so the start";
+}
+
+TEST_P(SessionTest, TheWindowComesAndGoes) {
+  ASSERT_TRUE(load(file_with_start()));
+  const auto before = picture();
+  session_->surface_destroyed();
+  session_->flip_up();
+  session_->flip_up();
+  session_->surface_changed(40, 60);
+  session_->surface_created(this);
+  EXPECT_EQ(picture().width, 40) << "turned to portrait";
+  session_->surface_changed(kWidth, kHeight);
+  EXPECT_GT(psnr(picture(), before), 50);
+  session_->surface_changed(0, 0);
+  session_->frame(time_ += 1);
+  EXPECT_EQ(session_->state().error, "");
+}
+
+TEST_P(SessionTest, ALostContextIsMadeAgain) {
+  ASSERT_TRUE(load(file_with_start()));
+  const auto before = picture();
+  session_->lose_context();
+  EXPECT_TRUE(run_until([](const SessionState& s) { return s.contexts == 2; }));
+  EXPECT_GT(psnr(picture(), before), 50);
+  EXPECT_EQ(session_->state().error, "");
+}
+
+TEST_P(SessionTest, ABadFileLeavesTheSceneBefore) {
+  ASSERT_TRUE(load(file_with_start()));
+  const auto before = picture();
+  session_->load(file_of(std::vector<std::byte>(100)), "bad.glb", {});
+  ASSERT_TRUE(
+      run_until([](const SessionState& s) { return s.loading.phase == LoadPhase::failed; }));
+  EXPECT_THAT(session_->state().loading.error, HasSubstr("bad.glb: format"));
+  EXPECT_GT(psnr(picture(), before), 50);
+  ASSERT_TRUE(load(file_with_start(2)));
+  EXPECT_TRUE(run_until([](const SessionState& s) { return s.loading.phase == LoadPhase::ready; }));
+  EXPECT_LT(psnr(picture(), before), 40) << "another scene";
+}
+
+TEST_P(SessionTest, SettingsChangeWhatIsDrawn) {
+  ASSERT_TRUE(load(file_with_start()));
+  const auto before = picture();
+  settings_.sorter = SorterChoice::gpu;
+  session_->set(settings_);
+  EXPECT_GT(psnr(picture(), before), 45) << "the other sorter";
+  settings_.scale = 0.5;
+  session_->set(settings_);
+  EXPECT_TRUE(run_until([](const SessionState& s) { return s.stats.width == kWidth / 2; }));
+  EXPECT_LT(psnr(picture(), before), 45);
+  settings_.scale = 1;
+  settings_.most_splats = 100;
+  session_->set(settings_);
+  EXPECT_TRUE(run_until([](const SessionState& s) { return s.stats.shown == 100; }));
+  settings_.most_splats = 0;
+  settings_.sh_degree = 0;
+  session_->set(settings_);
+  EXPECT_TRUE(run_until([](const SessionState& s) { return s.stats.shown == 400; }));
+  EXPECT_LT(psnr(picture(), before), 45);
+}
+
+TEST_P(SessionTest, TheGyroscopeLooksAround) {
+  ASSERT_TRUE(load(file_with_start()));
+  const auto before = picture();
+  settings_.gyroscope = true;
+  session_->set(settings_);
+  const glm::dquat upright = glm::angleAxis(std::numbers::pi / 2, glm::dvec3(1, 0, 0));
+  session_->turn({.rotation = upright, .seconds = 0});
+  session_->turn({.rotation = upright, .seconds = 9});
+  EXPECT_GT(psnr(picture(), before), 40);
+  session_->turn({.rotation = glm::angleAxis(0.3, glm::dvec3(0, 0, 1)) * upright, .seconds = 9.1});
+  EXPECT_LT(psnr(picture(), before), 30);
+}
+
+TEST_P(SessionTest, BenchmarksAndDrawsOn) {
+  ASSERT_TRUE(load(file_with_start()));
+  const auto before = picture();
+  session_->start_benchmark(
+      {.sizes = {{64, 48}, {32, 24}}, .protocol = {.warmup = 1, .frames = 3}});
+  EXPECT_TRUE(run_until([this](const SessionState&) { return !session_->benchmark().running; }));
+  const BenchmarkState state = session_->benchmark();
+  EXPECT_EQ(state.error, "");
+  EXPECT_EQ(state.stopped, "");
+  EXPECT_EQ(state.done, state.all);
+  const auto rows = nlohmann::json::parse(state.rows);
+  ASSERT_EQ(rows.size(), 8U) << "2 sizes, 2 sorters, still and moving";
+  for (const auto& row : rows) {
+    EXPECT_GT(row["draw_ms"]["median"].get<double>(), 0);
+    EXPECT_GT(row["splats_drawn"].get<int>(), 0);
+  }
+  EXPECT_GT(psnr(picture(), before), 50);
+}
+
+TEST_P(SessionTest, ABenchmarkCanBeStopped) {
+  ASSERT_TRUE(load(file_with_start()));
+  session_->start_benchmark(
+      {.sizes = {{64, 48}, {32, 24}}, .protocol = {.warmup = 1, .frames = 100'000}});
+  EXPECT_TRUE(run_until([this](const SessionState&) { return session_->benchmark().done > 3; }));
+  session_->surface_destroyed();  // does not wait for its end
+  session_->stop_benchmark("a call");
+  EXPECT_TRUE(run_until([this](const SessionState&) { return !session_->benchmark().running; }));
+  EXPECT_EQ(session_->benchmark().stopped, "a call");
+  EXPECT_EQ(session_->benchmark().rows, "[]");
+}
+
+TEST_P(SessionTest, WithoutASceneThereIsNothingToMeasure) {
+  session_->start_benchmark({});
+  EXPECT_TRUE(run_until([this](const SessionState&) { return !session_->benchmark().running; }));
+  EXPECT_THAT(session_->benchmark().error, HasSubstr("there is no scene"));
+  EXPECT_FALSE(session_->picture());
+}
+
+TEST_P(SessionTest, EndsInTheMiddleOfAnything) {
+  session_->load(file_of(file_with_start()), "scene.glb", {});
+  session_.reset();
+  begin();
+  ASSERT_TRUE(load(file_with_start()));
+  session_->start_benchmark({.protocol = {.frames = 100'000}});
+  std::this_thread::sleep_for(50ms);
+  session_.reset();
+}
+
+INSTANTIATE_TEST_SUITE_P(Gl, SessionTest, testing::ValuesIn(kImplementations),
+                         [](const auto& which) { return std::string(host::name(which.param)); });
+
+}  // namespace
+}  // namespace fluxgs::viewer
