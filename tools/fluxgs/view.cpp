@@ -159,7 +159,7 @@ Expected<void> recover(Viewer& v, const ViewSettings& s) {
 Expected<void> draw(Viewer& v, const host::WindowSize& size) {
   const Camera camera = camera::camera_of(v.navigation.view, size.width, size.height);
   if (auto drawn = v.scene->draw(camera, v.options); !drawn) return drawn;
-  host::draw_to_window(v.window->api(), v.scene->target(), size);
+  render::copy_to_window(v.window->api(), v.scene->target(), size.width, size.height);
   return {};
 }
 

@@ -1,6 +1,6 @@
-// Functions that what is decoded depends on, with the same bits from every C library: float versions
-// differ in their last bits (glibc, musl and bionic do), double ones rounded to float agree but for
-// one argument in a hundred million.
+// Functions that what is decoded depends on, with the same bits from every C library: float
+// versions differ in their last bits (glibc, musl and bionic do), double ones rounded to float
+// agree but for one argument in a hundred million.
 #pragma once
 
 #include <cmath>

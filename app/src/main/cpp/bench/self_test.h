@@ -32,6 +32,7 @@ extern "C" {
 /// For callers without C++: reads a scene from memory, tests, and writes the JSON of the result, or
 /// {"error": "…"}, to `json`, 0 at its end. Returns the length of the whole text, which is cut to
 /// `room` bytes.
-std::size_t fluxgs_self_test(const std::uint8_t* scene, std::size_t bytes, char* json,
-                             std::size_t room);
+__attribute__((visibility("default"))) std::size_t fluxgs_self_test(const std::uint8_t* scene,
+                                                                    std::size_t bytes, char* json,
+                                                                    std::size_t room);
 }

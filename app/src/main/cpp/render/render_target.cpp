@@ -118,6 +118,16 @@ const gl::Texture& RenderTarget::blend_texture() const {
   return needs_resolve() ? blend_color_ : color_;
 }
 
+void copy_to_window(gl::Api& api, const RenderTarget& target, int width, int height) {
+  const bool same = target.width() == width && target.height() == height;
+  target.framebuffer().bind(GL_READ_FRAMEBUFFER);
+  api.BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+  // Row 0 of the target is the picture's top, that of a window its bottom
+  api.BlitFramebuffer(0, 0, target.width(), target.height(), 0, height, width, 0,
+                      GL_COLOR_BUFFER_BIT, same ? GL_NEAREST : GL_LINEAR);
+  api.BindFramebuffer(GL_FRAMEBUFFER, 0);
+}
+
 Expected<Image<float>> read_pixels(gl::Api& api, const RenderTarget& target) {
   Image<float> image(target.width(), target.height(), 4);
   target.framebuffer().bind();

@@ -57,6 +57,10 @@ class RenderTarget {
   gl::Framebuffer framebuffer_, blend_framebuffer_;
 };
 
+/// Copies the picture to the window's framebuffer (number 0), enlarged or reduced to its size.
+/// Colours are copied as they are: the target's are sRGB-encoded already.
+void copy_to_window(gl::Api& api, const RenderTarget& target, int width, int height);
+
 /// Waits for the GPU and copies the picture: RGBA, top row first, 0…1 for rgba8.
 Expected<Image<float>> read_pixels(gl::Api& api, const RenderTarget& target);
 

@@ -71,10 +71,6 @@ Expected<std::unique_ptr<Window>> open_window(const WindowOptions& options);
 /// The version of the library that opens windows, whether or not there is a display.
 Expected<std::string> window_library_version();
 
-/// Copies a picture to the window's framebuffer, enlarged or reduced to `size`. Colours are copied
-/// as they are: the target's are sRGB-encoded already.
-void draw_to_window(gl::Api& api, const render::RenderTarget& target, const WindowSize& size);
-
 /// What is in the window's framebuffer: RGB, top row first. To be called before present(), which
 /// leaves nothing defined there. Waits for the GPU.
 Expected<Image<std::uint8_t>> read_window(gl::Api& api, const WindowSize& size);

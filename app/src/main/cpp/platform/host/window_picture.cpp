@@ -1,4 +1,4 @@
-// Pictures to and from the framebuffer of a window, whose row 0 is at the bottom.
+// The picture in the framebuffer of a window, whose row 0 is at the bottom.
 #include <algorithm>
 #include <cstdint>
 #include <vector>
@@ -6,16 +6,6 @@
 #include "platform/host/window.h"
 
 namespace fluxgs::host {
-
-void draw_to_window(gl::Api& api, const render::RenderTarget& target, const WindowSize& size) {
-  const bool same = target.width() == size.width && target.height() == size.height;
-  target.framebuffer().bind(GL_READ_FRAMEBUFFER);
-  api.BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
-  // Row 0 of the target is the picture's top
-  api.BlitFramebuffer(0, 0, target.width(), target.height(), 0, size.height, size.width, 0,
-                      GL_COLOR_BUFFER_BIT, same ? GL_NEAREST : GL_LINEAR);
-  api.BindFramebuffer(GL_FRAMEBUFFER, 0);
-}
 
 Expected<Image<std::uint8_t>> read_window(gl::Api& api, const WindowSize& size) {
   Image<std::uint8_t> image(size.width, size.height, 3);

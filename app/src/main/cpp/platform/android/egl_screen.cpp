@@ -1,0 +1,175 @@
+#include "platform/android/egl_screen.h"
+
+// clang-format off
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
+#include <android/native_window.h>
+#include <dlfcn.h>
+// clang-format on
+
+#include <cstdio>
+#include <initializer_list>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace fluxgs::android {
+namespace {
+
+std::string hexadecimal(EGLint error) {
+  char text[16];
+  std::snprintf(text, sizeof text, "0x%x", static_cast<unsigned>(error));
+  return text;
+}
+
+std::unexpected<Error> egl_failure(const char* what) {
+  return fail("EGL", what, "failed with error " + hexadecimal(eglGetError()));
+}
+
+/// Drivers need not return functions of the core API from eglGetProcAddress() before EGL 1.5.
+void* function(const char* name) {
+  static void* const library = dlopen("libGLESv3.so", RTLD_NOW | RTLD_LOCAL);
+  if (library != nullptr)
+    if (void* found = dlsym(library, name)) return found;
+  return reinterpret_cast<void*>(eglGetProcAddress(name));
+}
+
+class EglScreen final : public viewer::Screen {
+ public:
+  ~EglScreen() override {
+    detach();
+    drop_context();
+    if (display_ != EGL_NO_DISPLAY) eglTerminate(display_);
+  }
+
+  Expected<gl::Api*> make_context() override {
+    drop_context();
+    if (auto opened = open_display(); !opened) return std::unexpected(opened.error());
+    if (auto made = create_context(); !made) return std::unexpected(made.error());
+    if (window_ != nullptr)
+      if (auto surface = create_surface(); !surface) return std::unexpected(surface.error());
+    if (auto current = make_current(); !current) return std::unexpected(current.error());
+    auto api = gl::load_api(function);
+    if (!api) return std::unexpected(api.error());
+    api_ = std::move(*api);
+    return api_.get();
+  }
+  gl::Api* api() override { return api_.get(); }
+
+  Expected<void> attach(void* window) override {
+    detach();
+    window_ = static_cast<ANativeWindow*>(window);
+    if (context_ == EGL_NO_CONTEXT || window_ == nullptr) return {};
+    if (auto surface = create_surface(); !surface) return surface;
+    return make_current();
+  }
+
+  void detach() override {
+    if (window_surface_ != EGL_NO_SURFACE) {
+      // A surface that is current is only marked for deletion
+      eglMakeCurrent(display_, idle_surface_, idle_surface_, context_);
+      eglDestroySurface(display_, window_surface_);
+      window_surface_ = EGL_NO_SURFACE;
+    }
+    if (window_ != nullptr) ANativeWindow_release(std::exchange(window_, nullptr));
+  }
+  bool has_window() const override { return window_ != nullptr; }
+
+  Expected<void> present(const render::RenderTarget& target, int width, int height) override {
+    if (window_surface_ == EGL_NO_SURFACE) return {};
+    render::copy_to_window(*api_, target, width, height);
+    if (eglSwapBuffers(display_, window_surface_) == EGL_TRUE) return {};
+    const EGLint error = eglGetError();
+    if (error == EGL_CONTEXT_LOST) api_->lost = true;
+    // The window is about to go: surface_destroyed() is on its way
+    if (error == EGL_BAD_SURFACE || error == EGL_BAD_NATIVE_WINDOW) return {};
+    return fail("EGL", "eglSwapBuffers", "failed with error " + hexadecimal(error));
+  }
+
+ private:
+  Expected<void> open_display() {
+    if (display_ != EGL_NO_DISPLAY) return {};
+    display_ = eglGetDisplay(EGL_DEFAULT_DISPLAY);
+    if (display_ == EGL_NO_DISPLAY || eglInitialize(display_, nullptr, nullptr) != EGL_TRUE)
+      return egl_failure("eglInitialize");
+    const EGLint wanted[] = {EGL_RENDERABLE_TYPE,
+                             EGL_OPENGL_ES3_BIT,
+                             EGL_SURFACE_TYPE,
+                             EGL_WINDOW_BIT | EGL_PBUFFER_BIT,
+                             EGL_RED_SIZE,
+                             8,
+                             EGL_GREEN_SIZE,
+                             8,
+                             EGL_BLUE_SIZE,
+                             8,
+                             EGL_NONE};
+    EGLint count = 0;
+    if (eglChooseConfig(display_, wanted, &config_, 1, &count) != EGL_TRUE || count < 1)
+      return egl_failure("eglChooseConfig");
+    return {};
+  }
+
+  /// With the promise to be told of a reset, where the driver gives it.
+  Expected<void> create_context() {
+    for (const bool robust : {true, false}) {
+      std::vector<EGLint> attributes = {EGL_CONTEXT_MAJOR_VERSION_KHR, 3,
+                                        EGL_CONTEXT_MINOR_VERSION_KHR, 1};
+      if (robust)
+        attributes.insert(attributes.end(), {EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY_EXT,
+                                             EGL_LOSE_CONTEXT_ON_RESET_EXT});
+      attributes.push_back(EGL_NONE);
+      context_ = eglCreateContext(display_, config_, EGL_NO_CONTEXT, attributes.data());
+      if (context_ != EGL_NO_CONTEXT) break;
+    }
+    if (context_ == EGL_NO_CONTEXT)
+      return fail("EGL", "context",
+                  "this device has no OpenGL ES 3.1 (error " + hexadecimal(eglGetError()) + ")");
+    const EGLint size[] = {EGL_WIDTH, 1, EGL_HEIGHT, 1, EGL_NONE};
+    idle_surface_ = eglCreatePbufferSurface(display_, config_, size);
+    if (idle_surface_ == EGL_NO_SURFACE) return egl_failure("eglCreatePbufferSurface");
+    return {};
+  }
+
+  Expected<void> create_surface() {
+    EGLint format = 0;
+    eglGetConfigAttrib(display_, config_, EGL_NATIVE_VISUAL_ID, &format);
+    ANativeWindow_setBuffersGeometry(window_, 0, 0, format);
+    window_surface_ = eglCreateWindowSurface(display_, config_, window_, nullptr);
+    if (window_surface_ == EGL_NO_SURFACE) return egl_failure("eglCreateWindowSurface");
+    return {};
+  }
+
+  Expected<void> make_current() {
+    const EGLSurface surface = window_surface_ != EGL_NO_SURFACE ? window_surface_ : idle_surface_;
+    if (eglMakeCurrent(display_, surface, surface, context_) == EGL_TRUE) return {};
+    const EGLint error = eglGetError();
+    if (error == EGL_CONTEXT_LOST && api_) api_->lost = true;
+    return fail("EGL", "eglMakeCurrent", "failed with error " + hexadecimal(error));
+  }
+
+  void drop_context() {
+    api_.reset();
+    if (display_ == EGL_NO_DISPLAY) return;
+    eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    for (EGLSurface* surface : {&window_surface_, &idle_surface_}) {
+      if (*surface != EGL_NO_SURFACE) eglDestroySurface(display_, *surface);
+      *surface = EGL_NO_SURFACE;
+    }
+    if (context_ != EGL_NO_CONTEXT) eglDestroyContext(display_, context_);
+    context_ = EGL_NO_CONTEXT;
+  }
+
+  EGLDisplay display_ = EGL_NO_DISPLAY;
+  EGLConfig config_ = nullptr;
+  EGLContext context_ = EGL_NO_CONTEXT;
+  EGLSurface window_surface_ = EGL_NO_SURFACE;
+  EGLSurface idle_surface_ = EGL_NO_SURFACE;  // of one pixel, while there is no window
+  ANativeWindow* window_ = nullptr;
+  std::unique_ptr<gl::Api> api_;
+};
+
+}  // namespace
+
+std::unique_ptr<viewer::Screen> make_egl_screen() { return std::make_unique<EglScreen>(); }
+
+}  // namespace fluxgs::android

@@ -1,0 +1,350 @@
+// The functions of org.fluxgs.app.Native: a thin layer over viewer::Session. No exception of C++
+// crosses into Java: it becomes a RuntimeException. A session that is not there is an
+// IllegalStateException, arrays of the wrong length an IllegalArgumentException.
+#include <jni.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <exception>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "bench/self_test.h"
+#include "platform/android/platform.h"
+#include "platform/android/session_json.h"
+#include "viewer/session.h"
+
+namespace fluxgs::android {
+namespace {
+
+using viewer::Session;
+
+/// The sessions by the numbers that Java knows them by. A number is never used twice, so that one
+/// that is gone is noticed.
+class Sessions {
+ public:
+  jlong add(std::shared_ptr<Session> session) {
+    const std::lock_guard lock(mutex_);
+    sessions_.emplace(++last_, std::move(session));
+    return last_;
+  }
+  std::shared_ptr<Session> find(jlong handle) {
+    const std::lock_guard lock(mutex_);
+    const auto found = sessions_.find(handle);
+    if (found == sessions_.end()) throw std::logic_error("there is no such session");
+    return found->second;
+  }
+  void remove(jlong handle) {
+    std::shared_ptr<Session> gone = find(handle);  // ends outside of the lock
+    const std::lock_guard lock(mutex_);
+    sessions_.erase(handle);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<jlong, std::shared_ptr<Session>> sessions_;
+  jlong last_ = 0;
+};
+
+Sessions& sessions() {
+  static Sessions all;
+  return all;
+}
+
+void throw_java(JNIEnv* env, const char* name, const char* message) {
+  if (env->ExceptionCheck()) return;
+  if (jclass type = env->FindClass(name)) env->ThrowNew(type, message);
+}
+
+/// Runs `work`; what it throws becomes Java's.
+template <class Work>
+auto guarded(JNIEnv* env, Work&& work) -> decltype(work()) {
+  try {
+    return work();
+  } catch (const std::invalid_argument& problem) {
+    throw_java(env, "java/lang/IllegalArgumentException", problem.what());
+  } catch (const std::logic_error& problem) {
+    throw_java(env, "java/lang/IllegalStateException", problem.what());
+  } catch (const std::exception& problem) {
+    throw_java(env, "java/lang/RuntimeException", problem.what());
+  } catch (...) {
+    throw_java(env, "java/lang/RuntimeException", "unknown failure");
+  }
+  return decltype(work())();
+}
+
+/// Java has modified UTF-8, and only of what it was given; other bytes must not reach it.
+jstring to_java(JNIEnv* env, const std::string& text) {
+  std::vector<jchar> units;
+  units.reserve(text.size());
+  // nlohmann::json has made it valid UTF-8
+  for (std::size_t i = 0; i < text.size();) {
+    const auto byte = [&](std::size_t at) -> std::uint32_t {
+      return at < text.size() ? static_cast<unsigned char>(text[at]) : 0x80U;
+    };
+    std::uint32_t code = byte(i);
+    const std::size_t length = code < 0x80 ? 1 : code < 0xE0 ? 2 : code < 0xF0 ? 3 : 4;
+    if (length > 1) code &= 0x7FU >> length;
+    for (std::size_t k = 1; k < length; ++k) code = code << 6 | (byte(i + k) & 0x3FU);
+    i += length;
+    if (code < 0x10000) {
+      units.push_back(static_cast<jchar>(code));
+    } else {
+      units.push_back(static_cast<jchar>(0xD800 + ((code - 0x10000) >> 10)));
+      units.push_back(static_cast<jchar>(0xDC00 + ((code - 0x10000) & 0x3FF)));
+    }
+  }
+  return env->NewString(units.data(), static_cast<jsize>(units.size()));
+}
+
+std::string from_java(JNIEnv* env, jstring text) {
+  if (text == nullptr) return {};
+  const char* bytes = env->GetStringUTFChars(text, nullptr);
+  if (bytes == nullptr) throw std::bad_alloc();
+  std::string result(bytes);
+  env->ReleaseStringUTFChars(text, bytes);
+  return result;
+}
+
+std::vector<jdouble> numbers(JNIEnv* env, jdoubleArray array) {
+  std::vector<jdouble> values(static_cast<std::size_t>(env->GetArrayLength(array)));
+  env->GetDoubleArrayRegion(array, 0, static_cast<jsize>(values.size()), values.data());
+  return values;
+}
+std::vector<jint> numbers(JNIEnv* env, jintArray array) {
+  std::vector<jint> values(static_cast<std::size_t>(env->GetArrayLength(array)));
+  env->GetIntArrayRegion(array, 0, static_cast<jsize>(values.size()), values.data());
+  return values;
+}
+std::vector<jfloat> numbers(JNIEnv* env, jfloatArray array) {
+  std::vector<jfloat> values(static_cast<std::size_t>(env->GetArrayLength(array)));
+  env->GetFloatArrayRegion(array, 0, static_cast<jsize>(values.size()), values.data());
+  return values;
+}
+
+void expect(bool holds, const char* what) {
+  if (!holds) throw std::invalid_argument(what);
+}
+
+std::optional<viewer::Place> place_from(JNIEnv* env, jdoubleArray array) {
+  if (array == nullptr) return std::nullopt;
+  const std::vector<jdouble> values = numbers(env, array);
+  viewer::Place place;
+  expect(values.size() == place.size(), "a place has 12 numbers");
+  std::ranges::copy(values, place.begin());
+  return place;
+}
+
+constexpr double kMillisecond = 1e-3, kNanosecond = 1e-9;
+
+}  // namespace
+}  // namespace fluxgs::android
+
+using namespace fluxgs;           // NOLINT(google-build-using-namespace)
+using namespace fluxgs::android;  // NOLINT(google-build-using-namespace)
+
+#define FLUXGS_JNI(type, name) extern "C" JNIEXPORT type JNICALL Java_org_fluxgs_app_Native_##name
+
+FLUXGS_JNI(jlong, create)(JNIEnv* env, jclass) {
+  return guarded(env, [] { return sessions().add(std::make_shared<Session>(make_screen())); });
+}
+
+FLUXGS_JNI(void, destroy)(JNIEnv* env, jclass, jlong session) {
+  guarded(env, [&] { sessions().remove(session); });
+}
+
+FLUXGS_JNI(void, surfaceCreated)(JNIEnv* env, jclass, jlong session, jobject surface) {
+  guarded(env, [&] {
+    const auto found = sessions().find(session);
+    if (void* window = window_of(env, surface)) found->surface_created(window);
+  });
+}
+
+FLUXGS_JNI(void, surfaceChanged)(JNIEnv* env, jclass, jlong session, jint width, jint height) {
+  guarded(env, [&] { sessions().find(session)->surface_changed(width, height); });
+}
+
+FLUXGS_JNI(void, surfaceDestroyed)(JNIEnv* env, jclass, jlong session) {
+  guarded(env, [&] { sessions().find(session)->surface_destroyed(); });
+}
+
+FLUXGS_JNI(void, load)
+(JNIEnv* env, jclass, jlong session, jint descriptor, jstring name, jlong memory,
+ jdoubleArray place) {
+  guarded(env, [&] {
+    try {
+      viewer::LoadLimits limits;
+      limits.memory = static_cast<std::uint64_t>(std::max<jlong>(memory, 0));
+      const auto found = sessions().find(session);
+      const auto from = place_from(env, place);
+      found->load(descriptor, from_java(env, name), limits, from);
+    } catch (...) {
+      ::close(descriptor);  // it was passed on
+      throw;
+    }
+  });
+}
+
+FLUXGS_JNI(void, cancelLoading)(JNIEnv* env, jclass, jlong session) {
+  guarded(env, [&] { sessions().find(session)->cancel_loading(); });
+}
+
+FLUXGS_JNI(void, frame)(JNIEnv* env, jclass, jlong session, jlong nanoseconds) {
+  guarded(env,
+          [&] { sessions().find(session)->frame(kNanosecond * static_cast<double>(nanoseconds)); });
+}
+
+FLUXGS_JNI(void, touch)
+(JNIEnv* env, jclass, jlong session, jint phase, jint changed, jintArray ids, jfloatArray positions,
+ jlong milliseconds) {
+  guarded(env, [&] {
+    const std::vector<jint> names = numbers(env, ids);
+    const std::vector<jfloat> at = numbers(env, positions);
+    expect(at.size() == 2 * names.size(), "there are two coordinates for each finger");
+    expect(phase >= 0 && phase <= 3, "a phase is 0 to 3");
+    std::vector<viewer::Finger> fingers;
+    for (std::size_t i = 0; i < names.size(); ++i)
+      fingers.push_back({names[i], {at[2 * i], at[2 * i + 1]}});
+    sessions().find(session)->touch(static_cast<viewer::TouchPhase>(phase), changed,
+                                    std::move(fingers),
+                                    kMillisecond * static_cast<double>(milliseconds));
+  });
+}
+
+FLUXGS_JNI(void, turn)
+(JNIEnv* env, jclass, jlong session, jfloat x, jfloat y, jfloat z, jfloat w, jint screen_turns,
+ jlong nanoseconds) {
+  guarded(env, [&] {
+    const auto d = [](jfloat v) { return static_cast<double>(v); };
+    sessions().find(session)->turn({.rotation = {d(w), d(x), d(y), d(z)},
+                                    .screen_turns = screen_turns,
+                                    .seconds = kNanosecond * static_cast<double>(nanoseconds)});
+  });
+}
+
+FLUXGS_JNI(void, set)
+(JNIEnv* env, jclass, jlong session, jfloat scale, jint sorter, jint sh_degree, jint most_splats,
+ jboolean gyroscope, jfloat frame_seconds, jlong memory) {
+  guarded(env, [&] {
+    expect(sorter >= 0 && sorter <= 2, "a sorter is 0 to 2");
+    expect(scale == 0 || (scale >= 0.2F && scale <= 1), "a scale is 0 or 0.2 to 1");
+    viewer::ViewerSettings settings;
+    settings.scale = static_cast<double>(scale);
+    settings.sorter = static_cast<viewer::SorterChoice>(sorter);
+    settings.sh_degree = std::clamp<int>(sh_degree, 0, 3);
+    settings.most_splats = static_cast<std::size_t>(std::max<jint>(most_splats, 0));
+    settings.gyroscope = gyroscope == JNI_TRUE;
+    settings.frame_seconds = static_cast<double>(frame_seconds);
+    if (memory > 0) settings.memory = static_cast<std::size_t>(memory);
+    sessions().find(session)->set(settings);
+  });
+}
+
+FLUXGS_JNI(void, setHeat)(JNIEnv* env, jclass, jlong session, jint status, jfloat headroom) {
+  guarded(env,
+          [&] { sessions().find(session)->set_heat({status, static_cast<double>(headroom)}); });
+}
+
+FLUXGS_JNI(void, flipUp)(JNIEnv* env, jclass, jlong session) {
+  guarded(env, [&] { sessions().find(session)->flip_up(); });
+}
+
+FLUXGS_JNI(void, resetView)(JNIEnv* env, jclass, jlong session) {
+  guarded(env, [&] { sessions().find(session)->reset_view(); });
+}
+
+FLUXGS_JNI(void, loseContext)(JNIEnv* env, jclass, jlong session) {
+  guarded(env, [&] { sessions().find(session)->lose_context(); });
+}
+
+FLUXGS_JNI(jstring, state)(JNIEnv* env, jclass, jlong session) {
+  return guarded(env, [&] { return to_java(env, to_json(sessions().find(session)->state())); });
+}
+
+FLUXGS_JNI(jdoubleArray, place)(JNIEnv* env, jclass, jlong session) {
+  return guarded(env, [&]() -> jdoubleArray {
+    const auto place = sessions().find(session)->place();
+    if (!place) return nullptr;
+    const auto count = static_cast<jsize>(place->size());
+    jdoubleArray result = env->NewDoubleArray(count);
+    if (result != nullptr) env->SetDoubleArrayRegion(result, 0, count, place->data());
+    return result;
+  });
+}
+
+// Width, height, then a colour a pixel as Bitmap.setPixels() takes them.
+FLUXGS_JNI(jintArray, picture)(JNIEnv* env, jclass, jlong session) {
+  return guarded(env, [&]() -> jintArray {
+    const auto picture = sessions().find(session)->picture();
+    if (!picture) return nullptr;
+    std::vector<jint> values = {picture->width, picture->height};
+    values.reserve(2 + picture->pixels.size() / 3);
+    for (std::size_t i = 0; i < picture->pixels.size(); i += 3) {
+      const std::uint32_t colour = 0xFF000000U | std::uint32_t{picture->pixels[i]} << 16 |
+                                   std::uint32_t{picture->pixels[i + 1]} << 8 |
+                                   std::uint32_t{picture->pixels[i + 2]};
+      values.push_back(static_cast<jint>(colour));
+    }
+    const auto count = static_cast<jsize>(values.size());
+    jintArray result = env->NewIntArray(count);
+    if (result != nullptr) env->SetIntArrayRegion(result, 0, count, values.data());
+    return result;
+  });
+}
+
+FLUXGS_JNI(void, startBenchmark)
+(JNIEnv* env, jclass, jlong session, jintArray sizes, jint warmup, jint frames, jboolean gpu_sort,
+ jboolean cpu_sort) {
+  guarded(env, [&] {
+    const std::vector<jint> sides = numbers(env, sizes);
+    expect(!sides.empty() && sides.size() % 2 == 0, "sizes are pairs of width and height");
+    expect(warmup >= 0 && frames >= 1 && frames <= 100'000, "frames are 1 to 100000");
+    bench::SceneBenchmarkPlan plan;
+    plan.sizes.clear();
+    for (std::size_t i = 0; i < sides.size(); i += 2) {
+      expect(sides[i] >= 1 && sides[i + 1] >= 1, "sizes are at least 1");
+      plan.sizes.push_back({sides[i], sides[i + 1]});
+    }
+    plan.protocol = {.warmup = warmup, .frames = frames};
+    plan.gpu_sort = gpu_sort == JNI_TRUE;
+    plan.cpu_sort = cpu_sort == JNI_TRUE;
+    sessions().find(session)->start_benchmark(plan);
+  });
+}
+
+FLUXGS_JNI(void, stopBenchmark)(JNIEnv* env, jclass, jlong session, jstring why) {
+  guarded(env, [&] { sessions().find(session)->stop_benchmark(from_java(env, why)); });
+}
+
+FLUXGS_JNI(jstring, benchmark)(JNIEnv* env, jclass, jlong session) {
+  return guarded(env, [&] { return to_java(env, to_json(sessions().find(session)->benchmark())); });
+}
+
+FLUXGS_JNI(jstring, selfTest)(JNIEnv* env, jclass, jbyteArray scene) {
+  return guarded(env, [&] {
+    std::vector<jbyte> bytes(static_cast<std::size_t>(env->GetArrayLength(scene)));
+    env->GetByteArrayRegion(scene, 0, static_cast<jsize>(bytes.size()), bytes.data());
+    std::vector<char> text(2000);
+    fluxgs_self_test(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), text.data(),
+                     text.size());
+    return to_java(env, text.data());
+  });
+}
+
+FLUXGS_JNI(jstring, about)(JNIEnv* env, jclass) {
+  return guarded(env, [&] {
+    return to_java(env, nlohmann::json{{"version", FLUXGS_VERSION},
+                                       {"platform", kPlatform},
+                                       {"build", FLUXGS_APP_BUILD}}
+                            .dump());
+  });
+}
