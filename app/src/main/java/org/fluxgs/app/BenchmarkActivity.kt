@@ -1,0 +1,288 @@
+package org.fluxgs.app
+
+import android.app.Activity
+import android.content.Intent
+import android.net.Uri
+import android.os.Bundle
+import android.os.Handler
+import android.os.Looper
+import android.util.Log
+import android.view.View
+import android.view.WindowManager
+import android.widget.Button
+import android.widget.ProgressBar
+import android.widget.TextView
+import java.io.File
+import java.io.FileInputStream
+import java.io.IOException
+import org.json.JSONObject
+
+/**
+ * The benchmark: off the screen, so that no display limits it. Also from a shell:
+ *
+ *     adb shell am start -W -n org.fluxgs.app/.BenchmarkActivity -e scene garden.glb -e json garden.json
+ *
+ * Both names are of files in the app's own folder on the device (Android/data/org.fluxgs.app/files);
+ * without a scene it is the sample. The log (tag FluxGsBenchmark) says "done FILE" or "failed REASON".
+ */
+class BenchmarkActivity : Activity() {
+    private lateinit var session: Session
+    private lateinit var plan: BenchmarkPlan
+    private lateinit var uri: Uri
+    private lateinit var thermals: Thermals
+    private lateinit var status: TextView
+    private lateinit var bar: ProgressBar
+    private val main = Handler(Looper.getMainLooper())
+    private var opening: SceneOpening? = null
+    private var report: BenchmarkReport? = null
+    private var before = Heat()
+    private var name = ""
+    private var selfTest: JSONObject? = null
+    internal var result: BenchmarkResult? = null
+        private set
+
+    private val look = object : Runnable {
+        override fun run() {
+            if (advance()) main.postDelayed(this, LOOK_EVERY_MS)
+        }
+    }
+
+    override fun onCreate(state: Bundle?) {
+        super.onCreate(state)
+        setContentView(R.layout.benchmark)
+        window.addFlags(WindowManager.LayoutParams.FLAG_KEEP_SCREEN_ON)
+        Insets.pad(findViewById(R.id.root))
+        status = findViewById(R.id.status)
+        bar = findViewById(R.id.bar)
+        thermals = Thermals(this)
+        session = Session()
+        findViewById<Button>(R.id.stop).setOnClickListener {
+            session.stopBenchmark(getString(R.string.stopped_by_user))
+        }
+        findViewById<Button>(R.id.share_json).setOnClickListener { share("json") }
+        findViewById<Button>(R.id.share_csv).setOnClickListener { share("csv") }
+        findViewById<Button>(R.id.again).setOnClickListener { begin() }
+        try {
+            plan = BenchmarkPlan.of(intent)
+            uri = sceneOf(intent)
+        } catch (problem: IllegalArgumentException) {
+            fail(problem.message ?: problem.toString())
+            return
+        }
+        val kept = state?.getString(RESULT)?.let { BenchmarkResult.of(it) }
+        if (kept != null) show(kept) else begin()
+    }
+
+    /** A name is of a file in the app's folder; there is no way out of it. */
+    private fun ownFile(name: String): File {
+        val folder = (getExternalFilesDir(null) ?: filesDir).canonicalFile
+        val file = File(folder, name).canonicalFile
+        require(file.path.startsWith(folder.path + File.separator)) {
+            "'$name' is not inside of $folder"
+        }
+        return file
+    }
+
+    private fun sceneOf(intent: Intent): Uri {
+        val scene = intent.getStringExtra("scene") ?: return intent.data ?: Scene.SAMPLE
+        if (scene == "sample") return Scene.SAMPLE
+        val file = ownFile(scene)
+        require(file.isFile) { "there is no $file: push the scene there first" }
+        return Uri.fromFile(file)
+    }
+
+    private fun begin() {
+        result = null
+        findViewById<View>(R.id.results).visibility = View.GONE
+        findViewById<View>(R.id.stop).visibility = View.VISIBLE
+        bar.visibility = View.VISIBLE
+        bar.isIndeterminate = true
+        status.text = getString(R.string.opening)
+        report = null
+        before = thermals.now()
+        opening = SceneOpening(this, uri, { descriptor, found ->
+            name = found
+            selfTest = selfTestOf(descriptor.fileDescriptor, descriptor.statSize)
+            session.load(descriptor.detachFd(), found, FreeMemory.forScene(this), null)
+            main.removeCallbacks(look)
+            main.post(look)
+        }, { fail(it) })
+        opening?.start()
+    }
+
+    /** Of scenes that are small enough to be read twice. */
+    private fun selfTestOf(descriptor: java.io.FileDescriptor, size: Long): JSONObject? {
+        if (size !in 1..SELF_TEST_BYTES) return null
+        return try {
+            val stream = FileInputStream(descriptor)
+            val bytes = ByteArray(size.toInt())
+            var read = 0
+            while (read < bytes.size) {
+                val got = stream.channel.read(
+                    java.nio.ByteBuffer.wrap(bytes, read, bytes.size - read), read.toLong(),
+                )
+                if (got < 0) return null
+                read += got
+            }
+            JSONObject(Native.selfTest(bytes))
+        } catch (_: IOException) {
+            null // a pipe: it can be read once only
+        }
+    }
+
+    /** Whether there is more to wait for. */
+    private fun advance(): Boolean {
+        val state = session.state() ?: return false
+        val loading = state.loading
+        if (loading.failed) return fail(loading.error)
+        if (!loading.ready) return true
+        if (report == null) {
+            report = BenchmarkReport(this, plan)
+            session.startBenchmark(plan)
+        }
+        val outcome = session.benchmark() ?: return false
+        if (outcome.getString("error").isNotEmpty()) return fail(outcome.getString("error"))
+        if (!outcome.getBoolean("running")) return finishWith(outcome, state)
+        watchHeat()
+        showProgress(outcome)
+        return true
+    }
+
+    private fun watchHeat() {
+        val heat = thermals.now()
+        if (heat.status >= Thermals.SEVERE)
+            session.stopBenchmark(getString(R.string.stopped_by_heat, heat.status))
+    }
+
+    private fun showProgress(outcome: JSONObject) {
+        val done = outcome.getInt("done")
+        val all = outcome.getInt("all")
+        bar.isIndeterminate = all == 0
+        if (all == 0) return
+        bar.max = all
+        bar.progress = done
+        val elapsed = (System.nanoTime() - startedAt()) / 1e9
+        val left = if (done > 0) elapsed * (all - done) / done else 0.0
+        status.text = getString(R.string.benchmark_progress, name, done, all, left)
+    }
+
+    private var began = 0L
+
+    private fun startedAt(): Long {
+        if (began == 0L) began = System.nanoTime()
+        return began
+    }
+
+    private fun finishWith(outcome: JSONObject, state: SessionState): Boolean {
+        began = 0
+        val found = report!!.result(
+            outcome, state, name, state.loading.read, before, thermals.now(), selfTest,
+        )
+        val history = BenchmarkHistory(this)
+        val earlier = history.last(found.sceneName)
+        try {
+            history.add(found)
+            intent.getStringExtra("json")?.let { write(ownFile(it), found) }
+        } catch (problem: IOException) {
+            Log.e(TAG, "failed ${problem.message}")
+        } catch (problem: IllegalArgumentException) {
+            Log.e(TAG, "failed ${problem.message}")
+        }
+        show(found, earlier)
+        return false
+    }
+
+    private fun write(file: File, found: BenchmarkResult) {
+        file.parentFile?.mkdirs()
+        val part = File(file.path + ".part")
+        part.writeText(found.json.toString(1) + "\n")
+        if (!part.renameTo(file)) throw IOException("$file cannot be written")
+        Log.i(TAG, "done ${file.path}")
+    }
+
+    private fun fail(message: String): Boolean {
+        Log.e(TAG, "failed $message")
+        bar.visibility = View.GONE
+        findViewById<View>(R.id.stop).visibility = View.GONE
+        status.text = getString(R.string.benchmark_failed, message)
+        return false
+    }
+
+    private fun show(found: BenchmarkResult, earlier: BenchmarkResult? = null) {
+        result = found
+        bar.visibility = View.GONE
+        findViewById<View>(R.id.stop).visibility = View.GONE
+        findViewById<View>(R.id.results).visibility = View.VISIBLE
+        status.text = headline(found)
+        findViewById<BenchmarkChart>(R.id.chart).show(found.rows, earlier?.rows ?: emptyList())
+        findViewById<TextView>(R.id.facts).text = facts(found, earlier)
+    }
+
+    private fun headline(found: BenchmarkResult): String {
+        val line = getString(R.string.benchmark_done, found.sceneName, Texts.count(found.splats))
+        return if (found.stopped.isEmpty()) line
+        else line + "\n" + getString(R.string.benchmark_stopped, found.stopped)
+    }
+
+    private fun facts(found: BenchmarkResult, earlier: BenchmarkResult?): String {
+        val device = found.json.getJSONObject("device")
+        val driver = found.json.optJSONObject("driver")
+        val thermal = found.json.getJSONObject("thermal")
+        val lines = mutableListOf(
+            "${device.getString("manufacturer")} ${device.getString("model")}, " +
+                "Android ${device.getString("android")}",
+            driver?.let { "${it.getString("renderer")}, ${it.getString("version")}" } ?: "",
+            getString(
+                R.string.thermal_line, thermal.getJSONObject("before").getInt("status"),
+                thermal.getJSONObject("after").getInt("status"),
+            ),
+        )
+        if (earlier != null) {
+            val ratios = found.rows.mapNotNull { found.ratioTo(earlier, it) }.sorted()
+            if (ratios.isNotEmpty()) lines += getString(
+                R.string.compared, earlier.started, ratios[ratios.size / 2],
+            )
+        }
+        if (BuildFacts.isCheckBuild) lines += getString(R.string.check_build)
+        return lines.filter { it.isNotEmpty() }.joinToString("\n")
+    }
+
+    private fun share(kind: String) {
+        val found = result ?: return
+        val base = found.sceneName.substringBeforeLast('.').replace(Regex("[^A-Za-z0-9._-]+"), "-")
+        val file = File(SharedFiles.folder(this), "benchmark-$base.$kind")
+        try {
+            file.writeText(if (kind == "csv") found.csv() else found.json.toString(1) + "\n")
+        } catch (problem: IOException) {
+            status.text = getString(R.string.benchmark_failed, problem.message)
+            return
+        }
+        val type = if (kind == "csv") "text/csv" else "application/json"
+        startActivity(SharedFiles.send(this, SharedFiles.uriOf(this, file), type))
+    }
+
+    /** A call, another app: what is measured from now on would be of that. */
+    override fun onStop() {
+        session.stopBenchmark(getString(R.string.stopped_by_leaving))
+        super.onStop()
+    }
+
+    override fun onSaveInstanceState(state: Bundle) {
+        super.onSaveInstanceState(state)
+        result?.let { state.putString(RESULT, it.json.toString()) }
+    }
+
+    override fun onDestroy() {
+        main.removeCallbacks(look)
+        opening?.cancel()
+        session.close()
+        super.onDestroy()
+    }
+
+    internal companion object {
+        const val TAG = "FluxGsBenchmark"
+        private const val LOOK_EVERY_MS = 100L
+        private const val RESULT = "result"
+        private const val SELF_TEST_BYTES = 32L shl 20
+    }
+}

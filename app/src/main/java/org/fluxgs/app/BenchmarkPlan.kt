@@ -1,0 +1,57 @@
+package org.fluxgs.app
+
+import android.content.Intent
+
+/** What is measured. From the command line: `-e sizes 1280x720,640x480 -e frames 50 -e warmup 10`. */
+data class BenchmarkPlan(
+    /** Width and height of each. */
+    val sizes: IntArray = intArrayOf(1280, 720, 1920, 1080),
+    val warmup: Int = 20,
+    val frames: Int = 100,
+    val gpuSort: Boolean = true,
+    val cpuSort: Boolean = true,
+) {
+    override fun equals(other: Any?) = other is BenchmarkPlan && sizes.contentEquals(other.sizes) &&
+        warmup == other.warmup && frames == other.frames && gpuSort == other.gpuSort &&
+        cpuSort == other.cpuSort
+
+    override fun hashCode() = sizes.contentHashCode() * 31 + frames
+
+    companion object {
+        private const val MOST_FRAMES = 10_000
+        private const val LARGEST = 8192
+
+        /** What is no number, or out of its range, is an IllegalArgumentException that says so. */
+        fun of(intent: Intent): BenchmarkPlan {
+            val usual = BenchmarkPlan()
+            val sorter = intent.getStringExtra("sorter") ?: "both"
+            require(sorter in setOf("both", "gpu", "cpu")) { "sorter '$sorter' is not gpu, cpu or both" }
+            return BenchmarkPlan(
+                intent.getStringExtra("sizes")?.let { sizesOf(it) } ?: usual.sizes,
+                number(intent, "warmup", usual.warmup, 0),
+                number(intent, "frames", usual.frames, 1),
+                sorter != "cpu",
+                sorter != "gpu",
+            )
+        }
+
+        private fun number(intent: Intent, name: String, usual: Int, least: Int): Int {
+            // am start gives texts (-e) or integers (--ei)
+            val text = intent.getStringExtra(name)
+                ?: if (intent.hasExtra(name)) intent.getIntExtra(name, usual).toString() else return usual
+            val value = text.toIntOrNull()
+            require(value != null && value in least..MOST_FRAMES) {
+                "$name '$text' is no number from $least to $MOST_FRAMES"
+            }
+            return value
+        }
+
+        private fun sizesOf(text: String): IntArray = text.split(',').flatMap { size ->
+            val sides = size.trim().split('x').map { it.toIntOrNull() ?: 0 }
+            require(sides.size == 2 && sides.all { it in 1..LARGEST }) {
+                "size '$size' is not WIDTHxHEIGHT, 1 to $LARGEST each"
+            }
+            sides
+        }.toIntArray()
+    }
+}

@@ -1,0 +1,164 @@
+package org.fluxgs.app
+
+import android.app.ActivityManager
+import android.content.Context
+import android.os.Build
+import java.io.File
+import java.io.IOException
+import java.text.SimpleDateFormat
+import java.util.Date
+import java.util.Locale
+import java.util.TimeZone
+import org.json.JSONArray
+import org.json.JSONException
+import org.json.JSONObject
+
+/** A line of a result: one size, sorter and kind of views. */
+data class BenchmarkRow(
+    val label: String,
+    val drawMs: Double,
+    val sortToPhotonMs: Double,
+    val pipelinedMs: Double,
+) {
+    val drawFps get() = fps(drawMs)
+    val pipelinedFps get() = fps(pipelinedMs)
+
+    private fun fps(ms: Double) = if (ms > 0) 1000 / ms else 0.0
+}
+
+/** What a benchmark found, as it is saved: one JSON object. */
+internal class BenchmarkResult(val json: JSONObject) {
+    val rows: List<BenchmarkRow> = json.getJSONArray("rows").let { rows ->
+        (0 until rows.length()).map { rowOf(rows.getJSONObject(it)) }
+    }
+    val sceneName: String get() = json.getJSONObject("scene").getString("name")
+    val splats: Long get() = json.getJSONObject("scene").getLong("splats")
+    val stopped: String get() = json.getString("stopped")
+    val started: String get() = json.getString("started")
+
+    fun csv(): String {
+        val lines = mutableListOf(COLUMNS.joinToString(","))
+        val rows = json.getJSONArray("rows")
+        for (i in 0 until rows.length()) {
+            val row = rows.getJSONObject(i)
+            lines += COLUMNS.joinToString(",") { column ->
+                val path = column.split('.')
+                val holder = if (path.size > 1) row.getJSONObject(path[0]) else row
+                holder.get(path.last()).toString()
+            }
+        }
+        return lines.joinToString("\n", postfix = "\n")
+    }
+
+    /** The same measurement in an earlier result: how many times as fast this one is. */
+    fun ratioTo(earlier: BenchmarkResult, row: BenchmarkRow): Double? {
+        val before = earlier.rows.find { it.label == row.label } ?: return null
+        if (before.drawMs <= 0 || row.drawMs <= 0) return null
+        return before.drawMs / row.drawMs
+    }
+
+    private fun rowOf(row: JSONObject) = BenchmarkRow(
+        "${row.getInt("width")}×${row.getInt("height")} ${row.getString("views")}, " +
+            "${row.getString("sorter").uppercase(Locale.ROOT)} sort",
+        row.getJSONObject("draw_ms").getDouble("median"),
+        row.getJSONObject("sort_to_photon_ms").getDouble("median"),
+        row.getDouble("pipelined_ms"),
+    )
+
+    companion object {
+        const val VERSION = 1
+        private val COLUMNS = listOf(
+            "width", "height", "views", "sorter", "draw_ms.median", "draw_ms.p95",
+            "sort_to_photon_ms.median", "sort_to_photon_ms.p95", "pipelined_ms", "splats_drawn",
+            "fragments", "bytes_per_frame", "gpu_memory_bytes",
+        )
+
+        fun of(text: String): BenchmarkResult? = try {
+            BenchmarkResult(JSONObject(text))
+        } catch (_: JSONException) {
+            null
+        }
+
+        /** Now, as ISO 8601 has it. */
+        fun time(): String = SimpleDateFormat("yyyy-MM-dd'T'HH:mm:ss'Z'", Locale.ROOT)
+            .apply { timeZone = TimeZone.getTimeZone("UTC") }
+            .format(Date())
+
+        fun deviceFacts(context: Context): JSONObject {
+            val memory = ActivityManager.MemoryInfo()
+            context.getSystemService(ActivityManager::class.java).getMemoryInfo(memory)
+            val soc = if (Build.VERSION.SDK_INT >= 31) "${Build.SOC_MANUFACTURER} ${Build.SOC_MODEL}"
+            else Build.HARDWARE
+            return JSONObject()
+                .put("manufacturer", Build.MANUFACTURER)
+                .put("model", Build.MODEL)
+                .put("soc", soc)
+                .put("android", Build.VERSION.RELEASE)
+                .put("sdk", Build.VERSION.SDK_INT)
+                .put("abi", Build.SUPPORTED_ABIS.firstOrNull() ?: "")
+                .put("cores", Runtime.getRuntime().availableProcessors())
+                .put("memory_bytes", memory.totalMem)
+        }
+    }
+}
+
+/** The results that are kept, the newest first. */
+internal class BenchmarkHistory(context: Context) {
+    private val folder = File(context.filesDir, "benchmarks")
+
+    /** The last whole one of the same scene. */
+    fun last(scene: String): BenchmarkResult? = files()
+        .mapNotNull { file -> read(file) }
+        .firstOrNull { it.sceneName == scene && it.stopped.isEmpty() }
+
+    @Throws(IOException::class)
+    fun add(result: BenchmarkResult) {
+        folder.mkdirs()
+        val next = (files().firstOrNull()?.nameWithoutExtension?.toLongOrNull() ?: 0) + 1
+        File(folder, String.format(Locale.ROOT, "%06d.json", next))
+            .writeText(result.json.toString(1))
+        files().drop(MOST).forEach { it.delete() }
+    }
+
+    private fun read(file: File) = try {
+        BenchmarkResult.of(file.readText())
+    } catch (_: IOException) {
+        null
+    }
+
+    private fun files() = folder.listFiles()?.filter { it.name.endsWith(".json") }
+        ?.sortedByDescending { it.name } ?: emptyList()
+
+    private companion object {
+        const val MOST = 50
+    }
+}
+
+/** Puts a result together. */
+internal class BenchmarkReport(private val context: Context, private val plan: BenchmarkPlan) {
+    private val started = BenchmarkResult.time()
+    private val since = System.nanoTime()
+
+    fun result(
+        outcome: JSONObject, state: SessionState, name: String, bytes: Long, before: Heat, after: Heat,
+        selfTest: JSONObject?,
+    ) = BenchmarkResult(
+        JSONObject()
+            .put("version", BenchmarkResult.VERSION)
+            .put("app", BuildFacts.native.put("name", BuildFacts.version(context)))
+            .put("device", BenchmarkResult.deviceFacts(context))
+            .put("driver", state.driver ?: JSONObject.NULL)
+            .put(
+                "scene",
+                JSONObject().put("name", name).put("bytes", bytes)
+                    .put("format", state.loading.format).put("splats", state.loading.splats),
+            )
+            .put("protocol", JSONObject().put("warmup", plan.warmup).put("frames", plan.frames))
+            .put("thermal", JSONObject().put("before", before.toJson()).put("after", after.toJson()))
+            .put("started", started)
+            .put("seconds", (System.nanoTime() - since) / 1e9)
+            .put("self_test", selfTest ?: JSONObject.NULL)
+            .put("rows", outcome.optJSONArray("rows") ?: JSONArray())
+            .put("stopped", outcome.getString("stopped")),
+    )
+}

@@ -1,0 +1,15 @@
+package org.fluxgs.app
+
+import android.content.Context
+import org.json.JSONObject
+
+/** Of this app, and of the library inside it. */
+internal object BuildFacts {
+    val native: JSONObject by lazy { JSONObject(Native.about()) }
+
+    /** Whether the library was built for checks only: no compiler that phones should trust. */
+    val isCheckBuild get() = native.getString("build") == "check"
+
+    fun version(context: Context): String =
+        context.packageManager.getPackageInfo(context.packageName, 0).versionName ?: ""
+}

@@ -1,0 +1,21 @@
+package org.fluxgs.app
+
+import android.app.ActivityManager
+import android.content.Context
+
+/** How much a scene may take, so that the system does not end the app. */
+internal object FreeMemory {
+    /** What is left to everything else. */
+    private const val KEPT = 150L shl 20
+
+    /** Bytes for a file and what it decodes to. The GPU gets as much again for drawing it. */
+    fun forScene(context: Context): Long {
+        val info = ActivityManager.MemoryInfo()
+        context.getSystemService(ActivityManager::class.java).getMemoryInfo(info)
+        val free = info.availMem - info.threshold - KEPT
+        return (free / 2).coerceIn(64L shl 20, 4L shl 30)
+    }
+
+    /** Bytes of the GPU, which shares the device's memory. */
+    fun forGraphics(context: Context): Long = forScene(context)
+}

@@ -1,0 +1,62 @@
+package org.fluxgs.app
+
+import android.annotation.TargetApi
+import android.content.ContentValues
+import android.content.Context
+import android.graphics.Bitmap
+import android.net.Uri
+import android.os.Build
+import android.os.Environment
+import android.provider.MediaStore
+import java.io.File
+import java.io.IOException
+import java.text.SimpleDateFormat
+import java.util.Date
+import java.util.Locale
+
+/** Where screenshots go. */
+internal object Gallery {
+    /** The picture in the gallery; before Android 10, which asks for a permission, in a file to share. */
+    @Throws(IOException::class)
+    fun save(context: Context, picture: Bitmap, name: String): Uri {
+        val time = SimpleDateFormat("yyyy-MM-dd HH.mm.ss", Locale.ROOT).format(Date())
+        val file = "${name.substringBeforeLast('.').ifEmpty { "scene" }} $time.png"
+        return if (Build.VERSION.SDK_INT >= 29) save29(context, picture, file)
+        else saveToShare(context, picture, file)
+    }
+
+    @TargetApi(29)
+    private fun save29(context: Context, picture: Bitmap, file: String): Uri {
+        val resolver = context.contentResolver
+        val values = ContentValues().apply {
+            put(MediaStore.Images.Media.DISPLAY_NAME, file)
+            put(MediaStore.Images.Media.MIME_TYPE, "image/png")
+            put(MediaStore.Images.Media.RELATIVE_PATH, Environment.DIRECTORY_PICTURES + "/Flux-GS")
+            put(MediaStore.Images.Media.IS_PENDING, 1)
+        }
+        val uri = resolver.insert(MediaStore.Images.Media.EXTERNAL_CONTENT_URI, values)
+            ?: throw IOException("the gallery takes no picture")
+        try {
+            resolver.openOutputStream(uri)?.use { compress(picture, it) }
+                ?: throw IOException("the gallery takes no picture")
+        } catch (problem: IOException) {
+            resolver.delete(uri, null, null)
+            throw problem
+        }
+        values.clear()
+        values.put(MediaStore.Images.Media.IS_PENDING, 0)
+        resolver.update(uri, values, null, null)
+        return uri
+    }
+
+    private fun saveToShare(context: Context, picture: Bitmap, file: String): Uri {
+        val target = File(SharedFiles.folder(context), file)
+        target.outputStream().use { compress(picture, it) }
+        return SharedFiles.uriOf(context, target)
+    }
+
+    private fun compress(picture: Bitmap, stream: java.io.OutputStream) {
+        if (!picture.compress(Bitmap.CompressFormat.PNG, 100, stream))
+            throw IOException("the picture cannot be written")
+    }
+}

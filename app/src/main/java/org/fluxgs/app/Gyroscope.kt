@@ -1,0 +1,48 @@
+package org.fluxgs.app
+
+import android.app.Activity
+import android.hardware.Sensor
+import android.hardware.SensorEvent
+import android.hardware.SensorEventListener
+import android.hardware.SensorManager
+import android.os.Build
+import android.view.Surface
+
+/** Hands the device's attitude to a session while it is [on]. */
+internal class Gyroscope(private val activity: Activity, private val session: Session) :
+    SensorEventListener {
+    private val manager = activity.getSystemService(SensorManager::class.java)
+    private val sensor = manager.getDefaultSensor(Sensor.TYPE_GAME_ROTATION_VECTOR)
+        ?: manager.getDefaultSensor(Sensor.TYPE_ROTATION_VECTOR)
+    private val quaternion = FloatArray(4)
+
+    val isThere get() = sensor != null
+
+    var on = false
+        set(value) {
+            if (value == field || sensor == null) return
+            field = value
+            if (value) manager.registerListener(this, sensor, SensorManager.SENSOR_DELAY_GAME)
+            else manager.unregisterListener(this)
+        }
+
+    override fun onSensorChanged(event: SensorEvent) {
+        SensorManager.getQuaternionFromVector(quaternion, event.values) // w, x, y, z
+        val (w, x, y, z) = quaternion
+        session.turn(floatArrayOf(x, y, z, w), screenTurns(), event.timestamp)
+    }
+
+    override fun onAccuracyChanged(sensor: Sensor?, accuracy: Int) = Unit
+
+    private fun screenTurns(): Int {
+        @Suppress("DEPRECATION")
+        val display =
+            if (Build.VERSION.SDK_INT >= 30) activity.display else activity.windowManager.defaultDisplay
+        return when (display?.rotation) {
+            Surface.ROTATION_90 -> 1
+            Surface.ROTATION_180 -> 2
+            Surface.ROTATION_270 -> 3
+            else -> 0
+        }
+    }
+}

@@ -1,0 +1,23 @@
+package org.fluxgs.app
+
+import android.content.res.Resources
+import java.util.Locale
+
+/** The line of numbers over a scene. */
+internal object Hud {
+    fun text(resources: Resources, stats: Stats, heat: Heat): String {
+        val parts = mutableListOf<String>()
+        parts += if (stats.fps > 0) resources.getString(R.string.hud_fps, stats.fps)
+        else resources.getString(R.string.hud_still)
+        parts += Texts.milliseconds(stats.frameMs)
+        parts += resources.getString(
+            R.string.hud_splats, Texts.count(stats.drawn), Texts.count(stats.splats),
+        )
+        parts += resources.getString(R.string.hud_sort, Texts.milliseconds(stats.sortMs))
+        if (stats.scale < 1) parts += String.format(Locale.getDefault(), "%.0f%%", 100 * stats.scale)
+        if (!heat.headroom.isNaN()) parts += resources.getString(R.string.hud_heat, heat.headroom)
+        if (stats.shown < stats.splats)
+            parts += resources.getString(R.string.hud_memory, Texts.count(stats.shown))
+        return parts.joinToString("  ·  ")
+    }
+}

@@ -1,0 +1,101 @@
+package org.fluxgs.app
+
+import android.view.View
+import android.widget.Button
+import android.widget.ProgressBar
+import android.widget.TextView
+
+/** Over a scene that is being opened, or cannot be. */
+internal class LoadingView(
+    private val root: View,
+    onCancel: () -> Unit,
+    onRetry: () -> Unit,
+    onLeave: () -> Unit,
+) {
+    private val title = root.findViewById<TextView>(R.id.loading_title)
+    private val detail = root.findViewById<TextView>(R.id.loading_detail)
+    private val bar = root.findViewById<ProgressBar>(R.id.loading_bar)
+    private val cancel = root.findViewById<Button>(R.id.loading_cancel)
+    private val retry = root.findViewById<Button>(R.id.loading_retry)
+    private val leave = root.findViewById<Button>(R.id.loading_leave)
+    private var problem: String? = null // of opening, which the session does not know of
+
+    init {
+        cancel.setOnClickListener { onCancel() }
+        retry.setOnClickListener { onRetry() }
+        leave.setOnClickListener { onLeave() }
+    }
+
+    fun opening() {
+        problem = null
+        progress(root.context.getString(R.string.opening), "", -1)
+    }
+
+    fun failed(message: String) {
+        problem = message
+        tell(message)
+    }
+
+    fun hide() {
+        problem = null
+        root.visibility = View.GONE
+    }
+
+    fun show(state: SessionState, name: String) {
+        val loading = state.loading
+        when {
+            problem != null -> tell(problem!!)
+            loading.failed -> tell(loading.error)
+            state.error.isNotEmpty() -> tell(state.error)
+            loading.phase == "reading" -> showReading(loading, name)
+            loading.phase == "decoding" -> progress(
+                root.context.getString(R.string.loading, name), estimateOf(loading), -1,
+            )
+            loading.ready && !state.drawn -> progress(
+                root.context.getString(R.string.loading, name), estimateOf(loading), -1,
+            )
+            loading.ready -> root.visibility = View.GONE
+        }
+    }
+
+    private fun showReading(loading: Loading, name: String) {
+        val context = root.context
+        val part = if (loading.bytes > 0) (1000 * loading.read / loading.bytes).toInt() else -1
+        val detail =
+            if (loading.bytes > 0) context.getString(
+                R.string.read_of, Texts.megabytes(loading.read), Texts.megabytes(loading.bytes),
+            )
+            else Texts.megabytes(loading.read)
+        progress(context.getString(R.string.loading, name), detail, part)
+    }
+
+    /** What it will take, as soon as the file says. */
+    private fun estimateOf(loading: Loading): String =
+        if (loading.splats == 0L) Texts.megabytes(loading.read)
+        else root.context.getString(
+            R.string.estimate, Texts.megabytes(loading.read), Texts.count(loading.splats),
+            Texts.megabytes(2 * loading.memory),
+        )
+
+    private fun progress(text: String, more: String, thousandths: Int) {
+        root.visibility = View.VISIBLE
+        title.text = text
+        detail.text = more
+        bar.visibility = View.VISIBLE
+        bar.isIndeterminate = thousandths < 0
+        bar.progress = thousandths.coerceAtLeast(0)
+        cancel.visibility = View.VISIBLE
+        retry.visibility = View.GONE
+        leave.visibility = View.GONE
+    }
+
+    private fun tell(message: String) {
+        root.visibility = View.VISIBLE
+        title.text = root.context.getString(R.string.cannot_open)
+        detail.text = message
+        bar.visibility = View.GONE
+        cancel.visibility = View.GONE
+        retry.visibility = View.VISIBLE
+        leave.visibility = View.VISIBLE
+    }
+}

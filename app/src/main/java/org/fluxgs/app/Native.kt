@@ -1,0 +1,81 @@
+package org.fluxgs.app
+
+import android.view.Surface
+
+/**
+ * The native library (app/src/main/cpp/platform/android/jni.cpp). Sessions are numbers from [create];
+ * one that does not exist is an IllegalStateException. Nothing here waits for the GPU but
+ * [surfaceDestroyed] and [picture]. [Session] is what the app uses.
+ */
+internal object Native {
+    init {
+        System.loadLibrary("fluxgs_app")
+    }
+
+    @JvmStatic external fun create(): Long
+
+    @JvmStatic external fun destroy(session: Long)
+
+    @JvmStatic external fun surfaceCreated(session: Long, surface: Surface)
+
+    @JvmStatic external fun surfaceChanged(session: Long, width: Int, height: Int)
+
+    /** Returns when the surface is no longer touched. */
+    @JvmStatic external fun surfaceDestroyed(session: Long)
+
+    /** Takes over the descriptor. [place] has 12 numbers, see [place]. */
+    @JvmStatic external fun load(
+        session: Long, descriptor: Int, name: String, memory: Long, place: DoubleArray?,
+    )
+
+    @JvmStatic external fun cancelLoading(session: Long)
+
+    @JvmStatic external fun frame(session: Long, nanoseconds: Long)
+
+    /** [positions]: x and y of each finger. [phase]: 0 down, 1 moved, 2 up, 3 cancelled. */
+    @JvmStatic external fun touch(
+        session: Long, phase: Int, changed: Int, ids: IntArray, positions: FloatArray,
+        milliseconds: Long,
+    )
+
+    @JvmStatic external fun turn(
+        session: Long, x: Float, y: Float, z: Float, w: Float, screenTurns: Int, nanoseconds: Long,
+    )
+
+    @JvmStatic external fun set(
+        session: Long, scale: Float, sorter: Int, shDegree: Int, mostSplats: Int,
+        gyroscope: Boolean, frameSeconds: Float, memory: Long,
+    )
+
+    @JvmStatic external fun setHeat(session: Long, status: Int, headroom: Float)
+
+    @JvmStatic external fun flipUp(session: Long)
+
+    @JvmStatic external fun resetView(session: Long)
+
+    @JvmStatic external fun loseContext(session: Long)
+
+    /** JSON, see session_json.h. */
+    @JvmStatic external fun state(session: Long): String
+
+    @JvmStatic external fun place(session: Long): DoubleArray?
+
+    /** Width, height, then the colours of the pixels. */
+    @JvmStatic external fun picture(session: Long): IntArray?
+
+    @JvmStatic external fun startBenchmark(
+        session: Long, sizes: IntArray, warmup: Int, frames: Int, gpuSort: Boolean,
+        cpuSort: Boolean,
+    )
+
+    @JvmStatic external fun stopBenchmark(session: Long, why: String)
+
+    /** JSON, see session_json.h. */
+    @JvmStatic external fun benchmark(session: Long): String
+
+    /** JSON, see self_test.h. */
+    @JvmStatic external fun selfTest(scene: ByteArray): String
+
+    /** JSON: version, platform ("android" or "host"), build ("release", "check" or "host"). */
+    @JvmStatic external fun about(): String
+}

@@ -1,0 +1,86 @@
+package org.fluxgs.app
+
+import android.content.Context
+import android.net.Uri
+import android.os.Handler
+import android.os.Looper
+import android.os.ParcelFileDescriptor
+import java.io.File
+import java.io.FileNotFoundException
+import java.io.IOException
+import java.util.concurrent.atomic.AtomicBoolean
+import kotlin.concurrent.thread
+
+/**
+ * Asks whoever keeps a scene for it, on a thread of its own: other apps may take as long as they like,
+ * and throw what they like. Exactly one of the callbacks is called, on the main thread, unless it is
+ * cancelled.
+ */
+internal class SceneOpening(
+    context: Context,
+    private val uri: Uri,
+    private val onOpened: (descriptor: ParcelFileDescriptor, name: String) -> Unit,
+    private val onFailed: (message: String) -> Unit,
+) {
+    private val context = context.applicationContext
+    private val main = Handler(Looper.getMainLooper())
+    private val over = AtomicBoolean(false)
+
+    fun start() {
+        thread(name = "scene-opening", isDaemon = true) { open() }
+        main.postDelayed({
+            finish { onFailed(context.getString(R.string.provider_stalls)) }
+        }, PATIENCE_MS)
+    }
+
+    fun cancel() {
+        over.set(true)
+    }
+
+    private fun open() {
+        try {
+            val name = Scene.nameOf(context, uri)
+            val descriptor = descriptorOf(uri)
+            main.post { finish({ descriptor.close() }) { onOpened(descriptor, name) } }
+        } catch (problem: Exception) {
+            main.post { finish { onFailed(messageOf(problem)) } }
+        }
+    }
+
+    private fun finish(otherwise: () -> Unit = {}, callback: () -> Unit) {
+        if (over.getAndSet(true)) otherwise() else callback()
+    }
+
+    private fun descriptorOf(uri: Uri): ParcelFileDescriptor = when (uri.scheme) {
+        "asset" -> ParcelFileDescriptor.open(sample(), ParcelFileDescriptor.MODE_READ_ONLY)
+        "file", null -> {
+            val path = uri.path ?: throw FileNotFoundException(uri.toString())
+            ParcelFileDescriptor.open(File(path), ParcelFileDescriptor.MODE_READ_ONLY)
+        }
+        else -> context.contentResolver.openFileDescriptor(uri, "r")
+            ?: throw FileNotFoundException(uri.toString())
+    }
+
+    /** The sample as a file: what lies in an APK has a descriptor that other files share. */
+    private fun sample(): File {
+        val file = File(context.cacheDir, "sample.glb")
+        val version = File(context.cacheDir, "sample.version")
+        val wanted = BuildFacts.version(context)
+        if (file.exists() && version.exists() && version.readText() == wanted) return file
+        val part = File.createTempFile("sample", null, context.cacheDir)
+        context.assets.open("sample.glb").use { from -> part.outputStream().use { from.copyTo(it) } }
+        if (!part.renameTo(file)) throw IOException("$file cannot be written")
+        version.writeText(wanted)
+        return file
+    }
+
+    private fun messageOf(problem: Exception) = when (problem) {
+        is FileNotFoundException -> context.getString(R.string.scene_gone)
+        is SecurityException -> context.getString(R.string.scene_forbidden)
+        else -> context.getString(R.string.scene_unreadable, problem.message ?: problem.toString())
+    }
+
+    companion object {
+        const val PATIENCE_MS = 30_000L
+    }
+}

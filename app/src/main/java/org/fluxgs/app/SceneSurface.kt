@@ -1,0 +1,91 @@
+package org.fluxgs.app
+
+import android.content.Context
+import android.util.AttributeSet
+import android.view.Choreographer
+import android.view.GestureDetector
+import android.view.MotionEvent
+import android.view.SurfaceHolder
+import android.view.SurfaceView
+
+/**
+ * What the session draws on. While it is [running], every frame of the display is handed on; touches
+ * always are. The size is that of the surface, in pixels.
+ */
+class SceneSurface(context: Context, attributes: AttributeSet?) :
+    SurfaceView(context, attributes), SurfaceHolder.Callback, Choreographer.FrameCallback {
+
+    var session: Session? = null
+        set(value) {
+            field = value
+            if (value != null && isThere) surfaceCreated(holder)
+        }
+
+    /** A tap that is not the first of two. */
+    var onTap: (() -> Unit)? = null
+
+    var running = false
+        set(value) {
+            if (value == field) return
+            field = value
+            if (value) Choreographer.getInstance().postFrameCallback(this)
+            else Choreographer.getInstance().removeFrameCallback(this)
+        }
+
+    private var isThere = false
+    private val taps = GestureDetector(context, object : GestureDetector.SimpleOnGestureListener() {
+        override fun onSingleTapConfirmed(event: MotionEvent): Boolean {
+            performClick()
+            return true
+        }
+    })
+
+    init {
+        holder.addCallback(this)
+        isClickable = true
+    }
+
+    override fun surfaceCreated(holder: SurfaceHolder) {
+        isThere = true
+        session?.surfaceCreated(holder.surface)
+    }
+
+    override fun surfaceChanged(holder: SurfaceHolder, format: Int, width: Int, height: Int) {
+        session?.surfaceChanged(width, height)
+    }
+
+    override fun surfaceDestroyed(holder: SurfaceHolder) {
+        isThere = false
+        session?.surfaceDestroyed()
+    }
+
+    override fun doFrame(nanoseconds: Long) {
+        if (!running) return
+        session?.frame(nanoseconds)
+        Choreographer.getInstance().postFrameCallback(this)
+    }
+
+    override fun performClick(): Boolean {
+        super.performClick()
+        onTap?.invoke()
+        return true
+    }
+
+    override fun onTouchEvent(event: MotionEvent): Boolean {
+        taps.onTouchEvent(event)
+        val phase = when (event.actionMasked) {
+            MotionEvent.ACTION_DOWN, MotionEvent.ACTION_POINTER_DOWN -> 0
+            MotionEvent.ACTION_MOVE -> 1
+            MotionEvent.ACTION_UP, MotionEvent.ACTION_POINTER_UP -> 2
+            MotionEvent.ACTION_CANCEL -> 3
+            else -> return false
+        }
+        val count = event.pointerCount
+        val ids = IntArray(count) { event.getPointerId(it) }
+        val positions = FloatArray(2 * count) {
+            if (it % 2 == 0) event.getX(it / 2) else event.getY(it / 2)
+        }
+        session?.touch(phase, ids[event.actionIndex], ids, positions, event.eventTime)
+        return true
+    }
+}

@@ -1,0 +1,142 @@
+package org.fluxgs.app
+
+import android.app.Activity
+import android.app.AlertDialog
+import android.content.ActivityNotFoundException
+import android.content.Intent
+import android.net.Uri
+import android.os.Bundle
+import android.view.LayoutInflater
+import android.view.View
+import android.view.ViewGroup
+import android.widget.BaseAdapter
+import android.widget.GridView
+import android.widget.ImageView
+import android.widget.TextView
+import android.widget.Toast
+
+/** The start: the sample, the scenes that were opened last, and a way to open others. */
+class ScenesActivity : Activity() {
+    private lateinit var recents: Recents
+    private lateinit var grid: GridView
+    private var shown = emptyList<Recent>()
+
+    override fun onCreate(state: Bundle?) {
+        super.onCreate(state)
+        setContentView(R.layout.scenes)
+        Insets.pad(findViewById(R.id.root))
+        recents = Recents(this)
+        grid = findViewById(R.id.grid)
+        grid.emptyView = null
+        grid.adapter = Adapter()
+        grid.setOnItemClickListener { _, _, position, _ -> open(uriAt(position)) }
+        grid.setOnItemLongClickListener { _, _, position, _ -> askToForget(position) }
+        findViewById<View>(R.id.open).setOnClickListener { pick() }
+        findViewById<View>(R.id.benchmark).setOnClickListener { benchmark() }
+        findViewById<TextView>(R.id.version).text = versionText()
+    }
+
+    override fun onResume() {
+        super.onResume()
+        shown = recents.all().filterNot { Scene.isSample(it.uri) }
+        (grid.adapter as BaseAdapter).notifyDataSetChanged()
+    }
+
+    private fun versionText(): String {
+        val version = getString(R.string.version, BuildFacts.version(this))
+        return if (BuildFacts.isCheckBuild) "$version\n" + getString(R.string.check_build)
+        else version
+    }
+
+    private fun uriAt(position: Int) = if (position == 0) Scene.SAMPLE else shown[position - 1].uri
+
+    private fun open(uri: Uri) {
+        startActivity(Intent(this, ViewerActivity::class.java).setData(uri))
+    }
+
+    private fun askToForget(position: Int): Boolean {
+        if (position == 0) return false
+        val recent = shown[position - 1]
+        AlertDialog.Builder(this)
+            .setMessage(getString(R.string.forget_question, recent.name))
+            .setPositiveButton(R.string.forget) { _, _ -> forget(recent) }
+            .setNegativeButton(android.R.string.cancel, null)
+            .show()
+        return true
+    }
+
+    private fun forget(recent: Recent) {
+        recents.forget(recent.uri)
+        try {
+            contentResolver.releasePersistableUriPermission(
+                recent.uri, Intent.FLAG_GRANT_READ_URI_PERMISSION,
+            )
+        } catch (_: SecurityException) {
+            // There was none: it came from "open with"
+        }
+        onResume()
+    }
+
+    private fun pick() {
+        // Scenes have no type of their own that file managers know: they are told by content
+        val intent = Intent(Intent.ACTION_OPEN_DOCUMENT)
+            .addCategory(Intent.CATEGORY_OPENABLE)
+            .setType("*/*")
+        try {
+            @Suppress("DEPRECATION")
+            startActivityForResult(intent, PICK)
+        } catch (_: ActivityNotFoundException) {
+            Toast.makeText(this, R.string.no_picker, Toast.LENGTH_LONG).show()
+        }
+    }
+
+    @Deprecated("androidx's replacement is not worth its size here")
+    override fun onActivityResult(request: Int, result: Int, data: Intent?) {
+        val uri = data?.data
+        if (request != PICK || result != RESULT_OK || uri == null) return
+        try {
+            contentResolver.takePersistableUriPermission(
+                uri, Intent.FLAG_GRANT_READ_URI_PERMISSION,
+            )
+        } catch (_: SecurityException) {
+            // Not every provider lets it be kept; it can be read now
+        }
+        open(uri)
+    }
+
+    private fun benchmark() {
+        startActivity(Intent(this, BenchmarkActivity::class.java).setData(Scene.SAMPLE))
+    }
+
+    private inner class Adapter : BaseAdapter() {
+        override fun getCount() = shown.size + 1
+
+        override fun getItem(position: Int): Any = uriAt(position)
+
+        override fun getItemId(position: Int) = if (position == 0) 0L else shown[position - 1].id
+
+        override fun hasStableIds() = true
+
+        override fun getView(position: Int, old: View?, parent: ViewGroup): View {
+            val view = old
+                ?: LayoutInflater.from(this@ScenesActivity).inflate(R.layout.scene, parent, false)
+            val recent = if (position == 0) recents.find(Scene.SAMPLE) else shown[position - 1]
+            val name = if (position == 0) getString(R.string.sample_scene) else recent!!.name
+            val detail = recent?.let {
+                getString(
+                    R.string.scene_detail, Texts.count(it.splats), Texts.megabytes(it.bytes),
+                )
+            } ?: getString(R.string.sample_detail)
+            view.findViewById<TextView>(R.id.name).text = name
+            view.findViewById<TextView>(R.id.detail).text = detail
+            val picture = view.findViewById<ImageView>(R.id.picture)
+            picture.setImageBitmap(recent?.let { recents.picture(it) })
+            view.contentDescription = "$name, $detail"
+            return view
+        }
+    }
+
+    private companion object {
+        const val PICK = 1
+    }
+}

@@ -1,0 +1,145 @@
+package org.fluxgs.app
+
+import android.graphics.Bitmap
+import android.view.Surface
+import org.json.JSONObject
+
+/** What is being loaded, as the native side tells it. */
+data class Loading(
+    val phase: String,
+    val read: Long,
+    val bytes: Long,
+    val error: String,
+    val format: String,
+    val splats: Long,
+    val memory: Long,
+) {
+    val isBusy get() = phase == "reading" || phase == "decoding"
+    val failed get() = phase == "failed"
+    val ready get() = phase == "ready"
+}
+
+/** Numbers for the HUD. */
+data class Stats(
+    val fps: Double,
+    val frameMs: Double,
+    val sortMs: Double,
+    val drawn: Long,
+    val shown: Long,
+    val splats: Long,
+    val width: Int,
+    val height: Int,
+    val scale: Double,
+)
+
+data class SessionState(
+    val loading: Loading,
+    val hasScene: Boolean,
+    val drawn: Boolean,
+    val flipped: Boolean,
+    val error: String,
+    val contexts: Int,
+    val dropped: Long,
+    val firstFrameMs: Double,
+    val driver: JSONObject?,
+    val stats: Stats,
+) {
+    companion object {
+        fun of(text: String): SessionState {
+            val json = JSONObject(text)
+            val loading = json.getJSONObject("loading")
+            val stats = json.getJSONObject("stats")
+            return SessionState(
+                Loading(
+                    loading.getString("phase"), loading.getLong("read"), loading.getLong("bytes"),
+                    loading.getString("error"), loading.getString("format"),
+                    loading.getLong("splats"), loading.getLong("memory"),
+                ),
+                json.getBoolean("hasScene"), json.getBoolean("drawn"), json.getBoolean("flipped"),
+                json.getString("error"), json.getInt("contexts"), json.getLong("dropped"),
+                json.getDouble("firstFrameMs"), json.optJSONObject("driver"),
+                Stats(
+                    stats.getDouble("fps"), stats.getDouble("frameMs"), stats.getDouble("sortMs"),
+                    stats.getLong("drawn"), stats.getLong("shown"), stats.getLong("splats"),
+                    stats.getInt("width"), stats.getInt("height"), stats.getDouble("scale"),
+                ),
+            )
+        }
+    }
+}
+
+/** Owns a native session. For the main thread; does nothing once it is closed. */
+class Session : AutoCloseable {
+    private var handle = Native.create()
+
+    private inline fun call(work: (Long) -> Unit) {
+        if (handle != 0L) work(handle)
+    }
+
+    override fun close() {
+        call { Native.destroy(it) }
+        handle = 0
+    }
+
+    fun surfaceCreated(surface: Surface) = call { Native.surfaceCreated(it, surface) }
+
+    fun surfaceChanged(width: Int, height: Int) = call { Native.surfaceChanged(it, width, height) }
+
+    fun surfaceDestroyed() = call { Native.surfaceDestroyed(it) }
+
+    /** Takes over the descriptor. */
+    fun load(descriptor: Int, name: String, memory: Long, place: DoubleArray?) =
+        call { Native.load(it, descriptor, name, memory, place) }
+
+    fun cancelLoading() = call { Native.cancelLoading(it) }
+
+    fun frame(nanoseconds: Long) = call { Native.frame(it, nanoseconds) }
+
+    fun touch(phase: Int, changed: Int, ids: IntArray, positions: FloatArray, milliseconds: Long) =
+        call { Native.touch(it, phase, changed, ids, positions, milliseconds) }
+
+    /** A quaternion: device to world, as the rotation sensor gives it. */
+    fun turn(rotation: FloatArray, screenTurns: Int, nanoseconds: Long) = call {
+        Native.turn(
+            it, rotation[0], rotation[1], rotation[2], rotation[3], screenTurns, nanoseconds,
+        )
+    }
+
+    fun set(settings: Settings, gyroscope: Boolean, frameSeconds: Float, memory: Long) = call {
+        Native.set(
+            it, settings.scale, settings.sorter, settings.shDegree, settings.mostSplats,
+            gyroscope, frameSeconds, memory,
+        )
+    }
+
+    fun setHeat(status: Int, headroom: Float) = call { Native.setHeat(it, status, headroom) }
+
+    fun flipUp() = call { Native.flipUp(it) }
+
+    fun resetView() = call { Native.resetView(it) }
+
+    fun loseContext() = call { Native.loseContext(it) }
+
+    fun state(): SessionState? = if (handle != 0L) SessionState.of(Native.state(handle)) else null
+
+    fun place(): DoubleArray? = if (handle != 0L) Native.place(handle) else null
+
+    /** Waits for the drawing thread: not in every frame. */
+    fun picture(): Bitmap? {
+        if (handle == 0L) return null
+        val values = Native.picture(handle) ?: return null
+        return Bitmap.createBitmap(
+            values, 2, values[0], values[0], values[1], Bitmap.Config.ARGB_8888,
+        )
+    }
+
+    fun startBenchmark(plan: BenchmarkPlan) = call {
+        Native.startBenchmark(
+            it, plan.sizes, plan.warmup, plan.frames, plan.gpuSort, plan.cpuSort,
+        )
+    }
+
+    fun stopBenchmark(why: String) = call { Native.stopBenchmark(it, why) }
+
+    fun benchmark(): JSONObject? = if (handle != 0L) JSONObject(Native.benchmark(handle)) else null
+}

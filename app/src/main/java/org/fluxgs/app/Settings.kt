@@ -1,0 +1,45 @@
+package org.fluxgs.app
+
+import android.content.Context
+
+/** What people set for all scenes. */
+data class Settings(
+    /** Of the picture that is blended, 0.2 to 1; 0: what holds the display's rate. */
+    val scale: Float = 0f,
+    /** 0: what suits the device, 1: GPU, 2: CPU. */
+    val sorter: Int = 0,
+    val shDegree: Int = 3,
+    /** 0: all. */
+    val mostSplats: Int = 0,
+    val hud: Boolean = true,
+) {
+    fun save(context: Context) {
+        preferences(context).edit()
+            .putFloat("scale", scale)
+            .putInt("sorter", sorter)
+            .putInt("shDegree", shDegree)
+            .putInt("mostSplats", mostSplats)
+            .putBoolean("hud", hud)
+            .apply()
+    }
+
+    companion object {
+        val SCALES = floatArrayOf(0f, 1f, 0.85f, 0.7f, 0.5f)
+        val BUDGETS = intArrayOf(0, 1_000_000, 500_000, 250_000, 100_000)
+
+        fun load(context: Context): Settings {
+            val kept = preferences(context)
+            val usual = Settings()
+            return Settings(
+                SCALES.find { it == kept.getFloat("scale", usual.scale) } ?: usual.scale,
+                kept.getInt("sorter", usual.sorter).coerceIn(0, 2),
+                kept.getInt("shDegree", usual.shDegree).coerceIn(0, 3),
+                BUDGETS.find { it == kept.getInt("mostSplats", usual.mostSplats) } ?: 0,
+                kept.getBoolean("hud", usual.hud),
+            )
+        }
+
+        private fun preferences(context: Context) =
+            context.getSharedPreferences("settings", Context.MODE_PRIVATE)
+    }
+}

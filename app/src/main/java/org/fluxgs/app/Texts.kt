@@ -1,0 +1,16 @@
+package org.fluxgs.app
+
+import java.util.Locale
+
+/** Numbers as people read them. */
+internal object Texts {
+    fun megabytes(bytes: Long): String = when {
+        bytes < 1_000_000 -> String.format(Locale.getDefault(), "%d kB", (bytes + 500) / 1000)
+        bytes < 100_000_000 -> String.format(Locale.getDefault(), "%.1f MB", bytes / 1e6)
+        else -> String.format(Locale.getDefault(), "%.0f MB", bytes / 1e6)
+    }
+
+    fun count(value: Long): String = String.format(Locale.getDefault(), "%,d", value)
+
+    fun milliseconds(value: Double): String = String.format(Locale.getDefault(), "%.1f ms", value)
+}

@@ -1,0 +1,259 @@
+package org.fluxgs.app
+
+import android.app.Activity
+import android.content.ComponentCallbacks2
+import android.content.Intent
+import android.net.Uri
+import android.os.Build
+import android.os.Bundle
+import android.os.Handler
+import android.os.Looper
+import android.view.View
+import android.view.WindowManager
+import android.widget.ImageButton
+import android.widget.TextView
+import android.widget.Toast
+import java.io.IOException
+
+/** A scene in full screen: opened from the list, by "open with", or shared to the app. */
+class ViewerActivity : Activity() {
+    private lateinit var uri: Uri
+    private lateinit var session: Session
+    private lateinit var gyroscope: Gyroscope
+    private lateinit var recents: Recents
+    private lateinit var thermals: Thermals
+    private lateinit var surface: SceneSurface
+    private lateinit var settings: Settings
+    private lateinit var loadingView: LoadingView
+    private var opening: SceneOpening? = null
+    private var name = ""
+    private var bytes = 0L
+    private var heat = Heat()
+    private var known = false // the scene is among the recent ones
+    private var memory = 0L
+    private val main = Handler(Looper.getMainLooper())
+
+    private val look = object : Runnable {
+        override fun run() {
+            update()
+            main.postDelayed(this, LOOK_EVERY_MS)
+        }
+    }
+
+    override fun onCreate(state: Bundle?) {
+        super.onCreate(state)
+        setContentView(R.layout.viewer)
+        window.addFlags(WindowManager.LayoutParams.FLAG_KEEP_SCREEN_ON)
+        Insets.immersive(window)
+        Insets.pad(findViewById(R.id.controls))
+        recents = Recents(this)
+        thermals = Thermals(this)
+        settings = Settings.load(this)
+        session = Session()
+        gyroscope = Gyroscope(this, session)
+        memory = FreeMemory.forGraphics(this)
+        surface = findViewById(R.id.surface)
+        surface.session = session
+        surface.onTap = { toggleControls() }
+        loadingView = LoadingView(findViewById(R.id.loading), ::cancelLoading, ::retry, ::finish)
+        setUpControls()
+        apply(settings)
+        uri = uriOf(intent) ?: Scene.SAMPLE
+        begin(state?.getDoubleArray(PLACE))
+        if (state?.getBoolean(BARE) == true) toggleControls()
+        if (state?.getBoolean(GYROSCOPE) == true) toggleGyroscope()
+    }
+
+    /** Another scene is opened while one is looked at. */
+    override fun onNewIntent(intent: Intent) {
+        super.onNewIntent(intent)
+        val other = uriOf(intent) ?: return
+        remember()
+        setIntent(intent)
+        uri = other
+        known = false
+        begin(null)
+    }
+
+    private fun uriOf(intent: Intent): Uri? {
+        if (intent.action != Intent.ACTION_SEND) return intent.data
+        @Suppress("DEPRECATION")
+        return intent.getParcelableExtra(Intent.EXTRA_STREAM)
+    }
+
+    // Opening
+
+    private fun begin(place: DoubleArray?) {
+        opening?.cancel()
+        session.cancelLoading()
+        name = ""
+        loadingView.opening()
+        opening = SceneOpening(this, uri, { descriptor, found ->
+            name = found
+            bytes = descriptor.statSize.coerceAtLeast(0)
+            session.load(
+                descriptor.detachFd(), found, FreeMemory.forScene(this),
+                place ?: recents.find(uri)?.place,
+            )
+        }, { message -> loadingView.failed(message) })
+        opening?.start()
+    }
+
+    private fun cancelLoading() {
+        opening?.cancel()
+        session.cancelLoading()
+        if (session.state()?.hasScene == true) loadingView.hide() else finish()
+    }
+
+    private fun retry() = begin(session.place())
+
+    // What is shown
+
+    private fun update() {
+        val state = session.state() ?: return
+        heat = thermals.now()
+        session.setHeat(heat.status, heat.headroom)
+        loadingView.show(state, name)
+        if (state.drawn && !known && state.loading.ready) {
+            known = true
+            if (state.loading.bytes > 0) bytes = state.loading.bytes
+            remember()
+            tellOfDropped(state)
+        }
+        val hud = findViewById<TextView>(R.id.hud)
+        hud.visibility = if (settings.hud && state.drawn) View.VISIBLE else View.GONE
+        if (settings.hud) hud.text = Hud.text(resources, state.stats, heat)
+    }
+
+    private fun tellOfDropped(state: SessionState) {
+        if (state.dropped == 0L) return
+        val text = getString(R.string.dropped, Texts.count(state.dropped))
+        Toast.makeText(this, text, Toast.LENGTH_LONG).show()
+    }
+
+    private fun remember() {
+        val state = session.state() ?: return
+        if (!known || !state.drawn) return
+        recents.remember(
+            uri, name, bytes, state.stats.splats, session.place(), session.picture(),
+        )
+    }
+
+    // Controls
+
+    private fun setUpControls() {
+        button(R.id.back) { finish() }
+        button(R.id.reset) { session.resetView() }
+        button(R.id.flip) { session.flipUp() }
+        button(R.id.screenshot) { takeScreenshot() }
+        button(R.id.options) { showSettings() }
+        button(R.id.measure) { measure() }
+        button(R.id.gyroscope) { toggleGyroscope() }
+        if (!gyroscope.isThere) findViewById<View>(R.id.gyroscope).visibility = View.GONE
+    }
+
+    private fun button(id: Int, action: () -> Unit) {
+        val button = findViewById<ImageButton>(id)
+        button.setOnClickListener { action() }
+        button.tooltipText = button.contentDescription
+    }
+
+    private fun toggleControls() {
+        val controls = findViewById<View>(R.id.controls)
+        controls.visibility = if (controls.visibility == View.VISIBLE) View.GONE else View.VISIBLE
+    }
+
+    private fun toggleGyroscope() {
+        gyroscope.on = !gyroscope.on
+        findViewById<View>(R.id.gyroscope).isActivated = gyroscope.on
+        apply(settings)
+    }
+
+    private fun showSettings() {
+        SettingsDialog(this, settings, { apply(it) }, { session.flipUp() }).show()
+    }
+
+    private fun apply(changed: Settings) {
+        settings = changed
+        session.set(changed, gyroscope.on, frameSeconds(), memory)
+    }
+
+    private fun frameSeconds(): Float {
+        @Suppress("DEPRECATION")
+        val display = if (Build.VERSION.SDK_INT >= 30) display else windowManager.defaultDisplay
+        val rate = display?.refreshRate ?: 60f
+        return if (rate > 1) 1 / rate else 1 / 60f
+    }
+
+    private fun takeScreenshot() {
+        val picture = session.picture() ?: return
+        try {
+            val saved = Gallery.save(this, picture, name)
+            if (Build.VERSION.SDK_INT >= 29)
+                Toast.makeText(this, R.string.screenshot_saved, Toast.LENGTH_SHORT).show()
+            else startActivity(SharedFiles.send(this, saved, "image/png"))
+        } catch (problem: IOException) {
+            val text = getString(R.string.screenshot_failed, problem.message)
+            Toast.makeText(this, text, Toast.LENGTH_LONG).show()
+        }
+    }
+
+    private fun measure() {
+        startActivity(
+            Intent(this, BenchmarkActivity::class.java)
+                .setData(uri)
+                .addFlags(Intent.FLAG_GRANT_READ_URI_PERMISSION),
+        )
+    }
+
+    // Life
+
+    override fun onResume() {
+        super.onResume()
+        Insets.immersive(window)
+        surface.running = true
+        if (findViewById<View>(R.id.gyroscope).isActivated) gyroscope.on = true
+        look.run()
+    }
+
+    override fun onPause() {
+        remember() // while there is a picture
+        main.removeCallbacks(look)
+        surface.running = false
+        gyroscope.on = false
+        super.onPause()
+    }
+
+    override fun onSaveInstanceState(state: Bundle) {
+        super.onSaveInstanceState(state)
+        session.place()?.let { state.putDoubleArray(PLACE, it) }
+        state.putBoolean(BARE, findViewById<View>(R.id.controls).visibility != View.VISIBLE)
+        state.putBoolean(GYROSCOPE, findViewById<View>(R.id.gyroscope).isActivated)
+    }
+
+    /** The splats that add least go first. */
+    override fun onTrimMemory(level: Int) {
+        super.onTrimMemory(level)
+        @Suppress("DEPRECATION")
+        val critical = level == ComponentCallbacks2.TRIM_MEMORY_RUNNING_CRITICAL ||
+            level >= ComponentCallbacks2.TRIM_MEMORY_COMPLETE
+        if (!critical) return
+        memory = (memory / 2).coerceAtLeast(LEAST_MEMORY)
+        apply(settings)
+    }
+
+    override fun onDestroy() {
+        opening?.cancel()
+        surface.session = null
+        session.close()
+        super.onDestroy()
+    }
+
+    internal companion object {
+        const val LOOK_EVERY_MS = 200L
+        private const val PLACE = "place"
+        private const val BARE = "bare"
+        private const val GYROSCOPE = "gyroscope"
+        private const val LEAST_MEMORY = 32L shl 20
+    }
+}
