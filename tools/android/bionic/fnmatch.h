@@ -1,0 +1,1 @@
+#error "fnmatch.h: what musl has differs from bionic, and nothing of the app needs it"

@@ -1,0 +1,1 @@
+#error "glob.h: what musl has differs from bionic, and nothing of the app needs it"
