@@ -310,7 +310,8 @@ TEST(ViewInput, KeysDoWhatTheHelpSays) {
 TEST(ViewStart, UpIsWhatIsGivenOrWhatThePhotosSay) {
   EXPECT_EQ(**cli::parse_up("0,0,2"), glm::dvec3(0, 0, 1));
   EXPECT_FALSE(*cli::parse_up("auto"));
-  SceneFile scene{.cloud = test::random_cloud(200, 0)};
+  SceneFile scene;
+  scene.cloud = test::random_cloud(200, 0);
   Dataset data;
   data.train.emplace_back().camera = test::camera_at({3, 0, 0}, {0, 0, 0}, 64, 48);
   data.train.emplace_back().camera = test::camera_at({0, 0, 3}, {0, 0, 0}, 64, 48);
