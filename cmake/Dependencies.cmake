@@ -2,10 +2,20 @@
 # otherwise the pinned source release.
 include(FetchContent)
 
+# What is installed is of this machine: phones get what is fetched, and so do libraries that look for
+# one another.
+macro(fluxgs_package_choice)
+  if(FLUXGS_PHONE)
+    set(_choice OVERRIDE_FIND_PACKAGE)
+  else()
+    set(_choice FIND_PACKAGE_ARGS ${ARGN})
+  endif()
+endmacro()
+
 # fluxgs_dependency(NAME GIT_URL TAG [find_package arguments...])
 macro(fluxgs_dependency name url tag)
-  FetchContent_Declare(${name} GIT_REPOSITORY ${url} GIT_TAG ${tag} GIT_SHALLOW ON SYSTEM
-                       FIND_PACKAGE_ARGS ${ARGN})
+  fluxgs_package_choice(${ARGN})
+  FetchContent_Declare(${name} GIT_REPOSITORY ${url} GIT_TAG ${tag} GIT_SHALLOW ON SYSTEM ${_choice})
   FetchContent_MakeAvailable(${name})
 endmacro()
 
@@ -34,28 +44,70 @@ foreach(unused BUILD_TOOLS BUILD_REGRESS BUILD_OSSFUZZ BUILD_EXAMPLES BUILD_DOC 
   set(${unused} OFF)
 endforeach()
 
+if(FLUXGS_PHONE)
+  # As their authors build them: newer C++ libraries include less by the way
+  set(CMAKE_CXX_STANDARD 17)
+  set(ZSTD_BUILD_SHARED OFF)
+  set(ZSTD_BUILD_PROGRAMS OFF)
+  set(ZSTD_LEGACY_SUPPORT OFF)
+  set(EIGEN_BUILD_DOC OFF)
+endif()
+
 set(_github https://github.com)
 fluxgs_dependency(glm ${_github}/g-truc/glm 1.0.1)
 fluxgs_dependency(fmt ${_github}/fmtlib/fmt 10.2.1)
-fluxgs_dependency(spdlog ${_github}/gabime/spdlog v1.14.1)
 fluxgs_dependency(nlohmann_json ${_github}/nlohmann/json v3.11.3)
 fluxgs_dependency(TinyGLTF ${_github}/syoyo/tinygltf v2.9.3)
 fluxgs_dependency(Eigen3 https://gitlab.com/libeigen/eigen 3.4.0)
-fluxgs_dependency(CLI11 ${_github}/CLIUtils/CLI11 v2.4.2)
-fluxgs_dependency(hwy ${_github}/google/highway 1.2.0)
-# Not by the name TBB: its project takes the variable TBB_DIR for "use the one over there"
-fluxgs_dependency(oneTBB ${_github}/oneapi-src/oneTBB v2021.13.0 NAMES TBB)
-fluxgs_dependency(nanoflann ${_github}/jlblancoc/nanoflann v1.5.5)
 # zstd keeps its CMake project in a sub-folder
+fluxgs_package_choice()
 FetchContent_Declare(zstd GIT_REPOSITORY ${_github}/facebook/zstd GIT_TAG v1.5.6 GIT_SHALLOW ON SYSTEM
-                     SOURCE_SUBDIR build/cmake FIND_PACKAGE_ARGS)
+                     SOURCE_SUBDIR build/cmake ${_choice})
 FetchContent_MakeAvailable(zstd)
 fluxgs_dependency(draco ${_github}/google/draco 1.5.7)
 fluxgs_dependency(WebP ${_github}/webmproject/libwebp v1.4.0)
 fluxgs_dependency(libzip ${_github}/nih-at/libzip v1.10.1)
-find_package(JPEG REQUIRED)
-# Every system has it; fetched, its target would clash with the copy inside a fetched OpenCV
+# Every system has it, phones too; fetched, its target would clash with the copy inside a fetched
+# OpenCV
 find_package(ZLIB REQUIRED)
+
+# One name each, whether the library was installed or fetched.
+function(fluxgs_alias name)
+  foreach(fetched IN LISTS ARGN)
+    if(TARGET ${fetched} AND NOT TARGET ${name})
+      add_library(${name} ALIAS ${fetched})
+    endif()
+  endforeach()
+endfunction()
+fluxgs_alias(TinyGLTF::TinyGLTF tinygltf)
+fluxgs_alias(zstd::libzstd_shared libzstd_shared libzstd_static)
+fluxgs_alias(WebP::webp webp)
+fluxgs_alias(libzip::zip zip)
+
+# fluxgs_headers(NAME FOLDER...): of a fetched library that does not say itself where they are.
+function(fluxgs_headers name)
+  get_target_property(target ${name} ALIASED_TARGET)
+  target_include_directories(${target} SYSTEM INTERFACE "$<BUILD_INTERFACE:${ARGN}>")
+endfunction()
+if(draco_SOURCE_DIR)
+  fluxgs_headers(draco::draco ${draco_SOURCE_DIR}/src ${CMAKE_BINARY_DIR})
+endif()
+if(zstd_SOURCE_DIR)
+  fluxgs_headers(zstd::libzstd_shared ${zstd_SOURCE_DIR}/lib)
+endif()
+if(FLUXGS_PHONE)
+  set(CMAKE_CXX_STANDARD 23)
+  return()
+endif()
+
+fluxgs_dependency(spdlog ${_github}/gabime/spdlog v1.14.1)
+fluxgs_dependency(CLI11 ${_github}/CLIUtils/CLI11 v2.4.2)
+fluxgs_dependency(hwy ${_github}/google/highway 1.2.0)
+fluxgs_alias(hwy::hwy hwy)
+# Not by the name TBB: its project takes the variable TBB_DIR for "use the one over there"
+fluxgs_dependency(oneTBB ${_github}/oneapi-src/oneTBB v2021.13.0 NAMES TBB)
+fluxgs_dependency(nanoflann ${_github}/jlblancoc/nanoflann v1.5.5)
+find_package(JPEG REQUIRED)
 set(_opencv_modules core imgproc imgcodecs features2d calib3d)
 list(JOIN _opencv_modules "," BUILD_LIST)
 foreach(unused BUILD_TESTS BUILD_PERF_TESTS BUILD_EXAMPLES BUILD_opencv_apps BUILD_JAVA
@@ -85,15 +137,3 @@ if(opencv_SOURCE_DIR)
                                ${opencv_SOURCE_DIR}/modules/${module}/include)
   endforeach()
 endif()
-
-# One name each, whether the library was installed or fetched.
-function(fluxgs_alias name fetched)
-  if(NOT TARGET ${name})
-    add_library(${name} ALIAS ${fetched})
-  endif()
-endfunction()
-fluxgs_alias(TinyGLTF::TinyGLTF tinygltf)
-fluxgs_alias(hwy::hwy hwy)
-fluxgs_alias(zstd::libzstd_shared libzstd_shared)
-fluxgs_alias(WebP::webp webp)
-fluxgs_alias(libzip::zip zip)

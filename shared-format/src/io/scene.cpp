@@ -17,20 +17,28 @@
 namespace fluxgs {
 namespace {
 
+// The app only reads: without this table's mention of them, the linker leaves the writers out.
+#ifdef FLUXGS_READS_ONLY
+#define FLUXGS_WRITER(function) nullptr
+#else
+#define FLUXGS_WRITER(function) function
+#endif
+
 // A content goes to the first format that recognises it. Compressed .ply comes before .ply, of
 // which it is a special case; .splat has no magic and is guessed, and so comes last.
 constexpr auto kFormats = std::to_array<SceneFormat>({
     {"compressed.ply", "compressed .ply of SuperSplat", ".compressed.ply", 3, is_compressed_ply,
      read_compressed_ply, nullptr},
-    {"ply", "3DGS .ply", ".ply", 3, is_ply, read_ply, encode_ply},
-    {"glb", "glTF binary with KHR_gaussian_splatting", ".glb", 3, is_glb, read_glb, encode_glb},
-    {"spz", "SPZ (Niantic)", ".spz", 3, is_spz, read_spz, encode_spz},
+    {"ply", "3DGS .ply", ".ply", 3, is_ply, read_ply, FLUXGS_WRITER(encode_ply)},
+    {"glb", "glTF binary with KHR_gaussian_splatting", ".glb", 3, is_glb, read_glb,
+     FLUXGS_WRITER(encode_glb)},
+    {"spz", "SPZ (Niantic)", ".spz", 3, is_spz, read_spz, FLUXGS_WRITER(encode_spz)},
     {"sog", "bundled SOG", ".sog", 3, is_sog, read_sog, nullptr},
     {"sog-folder", "SOG's meta.json", ".json", 3, is_sog_meta, nullptr, nullptr, read_sog_folder},
     {"sog-lod", "streamed SOG's lod-meta.json", ".json", 3, is_sog_lod, nullptr, nullptr,
      read_sog_lod},
     {"splat", ".splat (32 bytes a splat, unit quaternions)", ".splat", 0, is_splat, read_splat,
-     encode_splat},
+     FLUXGS_WRITER(encode_splat)},
 });
 
 std::string lower_case(std::string text) {

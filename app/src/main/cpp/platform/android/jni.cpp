@@ -344,7 +344,9 @@ FLUXGS_JNI(jstring, about)(JNIEnv* env, jclass) {
   return guarded(env, [&] {
     return to_java(env, nlohmann::json{{"version", FLUXGS_VERSION},
                                        {"platform", kPlatform},
-                                       {"build", FLUXGS_APP_BUILD}}
+                                       {"build", FLUXGS_APP_BUILD},
+                                       // tools/apk looks for this text in the library
+                                       {"library", "fluxgs " FLUXGS_APP_BUILD " build"}}
                             .dump());
   });
 }
