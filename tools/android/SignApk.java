@@ -11,6 +11,7 @@ import java.util.List;
  * Signs an APK (schemes 2 and 3) and aligns what is stored: everything to 4 bytes, libraries to 16 KB
  * pages. Arguments: IN OUT KEYSTORE ALIAS MIN_SDK; the password is in the variable FLUXGS_KEY_PASSWORD.
  */
+@SuppressWarnings("deprecation") // the newer way wants keys of several kinds
 public class SignApk {
   public static void main(String[] arguments) throws Exception {
     char[] password = System.getenv("FLUXGS_KEY_PASSWORD").toCharArray();

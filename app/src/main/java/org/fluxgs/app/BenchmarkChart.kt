@@ -4,6 +4,7 @@ import android.content.Context
 import android.graphics.Canvas
 import android.graphics.Paint
 import android.util.AttributeSet
+import android.util.TypedValue
 import android.view.View
 import java.util.Locale
 import kotlin.math.max
@@ -20,7 +21,8 @@ class BenchmarkChart(context: Context, attributes: AttributeSet?) : View(context
     private val bar = Paint()
 
     init {
-        text.textSize = 12 * resources.displayMetrics.scaledDensity
+        text.textSize =
+            TypedValue.applyDimension(TypedValue.COMPLEX_UNIT_SP, 12f, resources.displayMetrics)
         text.color = context.getColor(R.color.text)
     }
 

@@ -1,5 +1,6 @@
 package org.fluxgs.app
 
+import android.annotation.TargetApi
 import android.app.ActivityManager
 import android.content.Context
 import android.os.Build
@@ -87,18 +88,21 @@ internal class BenchmarkResult(val json: JSONObject) {
         fun deviceFacts(context: Context): JSONObject {
             val memory = ActivityManager.MemoryInfo()
             context.getSystemService(ActivityManager::class.java).getMemoryInfo(memory)
-            val soc = if (Build.VERSION.SDK_INT >= 31) "${Build.SOC_MANUFACTURER} ${Build.SOC_MODEL}"
-            else Build.HARDWARE
             return JSONObject()
                 .put("manufacturer", Build.MANUFACTURER)
                 .put("model", Build.MODEL)
-                .put("soc", soc)
+                .put("soc", soc())
                 .put("android", Build.VERSION.RELEASE)
                 .put("sdk", Build.VERSION.SDK_INT)
                 .put("abi", Build.SUPPORTED_ABIS.firstOrNull() ?: "")
                 .put("cores", Runtime.getRuntime().availableProcessors())
                 .put("memory_bytes", memory.totalMem)
         }
+
+        @TargetApi(31)
+        private fun soc() =
+            if (Build.VERSION.SDK_INT >= 31) "${Build.SOC_MANUFACTURER} ${Build.SOC_MODEL}"
+            else Build.HARDWARE
     }
 }
 
