@@ -48,8 +48,9 @@ Expected<void> write_compact(const ConvertSettings& s, const SceneFile& scene) {
   const CompactOptions options{usual_compact_steps(cloud, s.coarseness), s.plain_attributes};
   const auto bytes = encode_compact_glb(cloud, options, s.out);
   if (!bytes) return std::unexpected(bytes.error());
-  if (auto written = write_glb(s.out, *bytes, scene.start); !written) return written;
-  fmt::print("{}: {} splats, {} bytes\n", shown(s.out), cloud.size(), bytes->size());
+  const auto written = write_glb(s.out, *bytes, scene.start);
+  if (!written) return std::unexpected(written.error());
+  fmt::print("{}: {} splats, {} bytes\n", shown(s.out), cloud.size(), *written);
   return {};
 }
 
@@ -59,10 +60,19 @@ Expected<void> write_plain(const ConvertSettings& s, const SceneFile& scene,
   if (format.name != "glb") return write_scene(s.out, scene.cloud);
   const auto bytes = format.encode(scene.cloud, s.out);
   if (!bytes) return std::unexpected(bytes.error());
-  return write_glb(s.out, *bytes, scene.start);
+  if (auto written = write_glb(s.out, *bytes, scene.start); !written)
+    return std::unexpected(written.error());
+  return {};
 }
 
-Expected<CompactTrial> search(const ConvertSettings& s, const SplatCloud& cloud) {
+/// What is left of --max-bytes for the splats.
+std::size_t most_bytes(const ConvertSettings& s, const SceneFile& scene) {
+  const std::size_t start = scene.start ? kMostStartViewBytes : 0;
+  return *s.max_bytes - std::min(start, *s.max_bytes - 1);
+}
+
+Expected<CompactTrial> search(const ConvertSettings& s, const SceneFile& scene) {
+  const SplatCloud& cloud = scene.cloud;
   const auto loaded = load_if_given(s.data);
   if (!loaded) return std::unexpected(loaded.error());
   const Dataset* data = *loaded ? &**loaded : nullptr;
@@ -78,7 +88,8 @@ Expected<CompactTrial> search(const ConvertSettings& s, const SplatCloud& cloud)
   const CompactSearch search(cloud, error, start, [&](const CompactTrial& t) {
     progress.update(++trials, fmt::format("{} bytes  {}", t.file.size(), decibels(t.psnr())));
   });
-  auto found = s.max_bytes ? search.within_bytes(*s.max_bytes) : search.within_loss(*s.max_loss);
+  auto found =
+      s.max_bytes ? search.within_bytes(most_bytes(s, scene)) : search.within_loss(*s.max_loss);
   progress.clear();
   if (!found) return fail(s.out, found.error().field, found.error().what);
   return found;
@@ -87,13 +98,14 @@ Expected<CompactTrial> search(const ConvertSettings& s, const SplatCloud& cloud)
 Expected<void> write_searched(const ConvertSettings& s, const SceneFile& scene, int full_degree) {
   const SplatCloud& cloud = scene.cloud;
   if (cloud.size() == 0) return write_compact(s, scene);
-  const auto found = search(s, cloud);
+  const auto found = search(s, scene);
   if (!found) return std::unexpected(found.error());
-  if (auto written = write_glb(s.out, found->file, scene.start); !written) return written;
+  const auto bytes = write_glb(s.out, found->file, scene.start);
+  if (!bytes) return std::unexpected(bytes.error());
   const std::string error =
       found->mse > 0 ? fmt::format("{:.2f} dB from", found->psnr()) : "exactly";
   fmt::print("{}: {} splats, {} bytes, {} the pictures of {}{}\n", shown(s.out), cloud.size(),
-             found->file.size(), error, shown(s.in),
+             *bytes, error, shown(s.in),
              cloud.sh_degree < full_degree ? fmt::format(" at degree {}", cloud.sh_degree) : "");
   return {};
 }

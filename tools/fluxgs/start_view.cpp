@@ -18,12 +18,15 @@ StartView start_view_of(const std::vector<Photo>& photos) {
           .up = camera::up_of_cameras(cameras_of(photos)).direction};
 }
 
-Expected<void> write_glb(const std::filesystem::path& path, const std::vector<std::byte>& glb,
-                         const std::optional<StartView>& start) {
-  if (!start) return write_file_atomic(path, glb);
-  const auto file = with_start_view(glb, *start, path.string());
+Expected<std::size_t> write_glb(const std::filesystem::path& path,
+                                const std::vector<std::byte>& glb,
+                                const std::optional<StartView>& start) {
+  const auto file =
+      start ? with_start_view(glb, *start, path.string()) : Expected<std::vector<std::byte>>(glb);
   if (!file) return std::unexpected(file.error());
-  return write_file_atomic(path, *file);
+  if (auto written = write_file_atomic(path, *file); !written)
+    return std::unexpected(written.error());
+  return file->size();
 }
 
 }  // namespace fluxgs::cli

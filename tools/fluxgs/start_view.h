@@ -14,8 +14,9 @@ namespace fluxgs::cli {
 /// That of the first photo, with the up of all. `photos` has at least one.
 StartView start_view_of(const std::vector<Photo>& photos);
 
-/// Writes a .glb under its name, with a start view if there is one.
-Expected<void> write_glb(const std::filesystem::path& path, const std::vector<std::byte>& glb,
-                         const std::optional<StartView>& start);
+/// Writes a .glb under its name, with a start view if there is one. Returns the bytes of the file.
+Expected<std::size_t> write_glb(const std::filesystem::path& path,
+                                const std::vector<std::byte>& glb,
+                                const std::optional<StartView>& start);
 
 }  // namespace fluxgs::cli

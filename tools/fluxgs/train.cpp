@@ -211,7 +211,6 @@ Expected<StoredScene> Training::store() {
   });
   progress.clear();
   if (!stored) return fail(settings_.out, stored.error().field, stored.error().what);
-  report_["bytes"] = stored->file.size();
   if (stored->networks_error) {
     report_["networks_error"] = stored->networks_error->message();
     spdlog::warn("warning: stored without networks: {}", stored->networks_error->message());
@@ -238,9 +237,9 @@ Expected<SplatCloud> Training::write_out() {
   }
   auto stored = store();
   if (!stored) return std::unexpected(stored.error());
-  const StartView start = start_view_of(run_.data.train);
-  if (auto written = write_glb(settings_.out, stored->file, start); !written)
-    return std::unexpected(written.error());
+  const auto bytes = write_glb(settings_.out, stored->file, start_view_of(run_.data.train));
+  if (!bytes) return std::unexpected(bytes.error());
+  report_["bytes"] = *bytes;
   return std::move(stored->cloud);
 }
 

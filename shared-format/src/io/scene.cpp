@@ -18,7 +18,7 @@ namespace fluxgs {
 namespace {
 
 // The app only reads: without this table's mention of them, the linker leaves the writers out.
-#ifdef FLUXGS_READS_ONLY
+#ifdef FLUXGS_PHONE
 #define FLUXGS_WRITER(function) nullptr
 #else
 #define FLUXGS_WRITER(function) function

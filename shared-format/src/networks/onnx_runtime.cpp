@@ -19,9 +19,16 @@ namespace ort {
 namespace {
 
 constexpr const char* kVariable = "FLUXGS_ONNXRUNTIME";
+#ifdef FLUXGS_PHONE
+constexpr const char* kAdvice =
+    "scenes with networks need onnxruntime, which this app was built without: `fluxgs convert` "
+    "makes "
+    "one without networks of them";
+#else
 constexpr const char* kAdvice =
     "scenes with networks need onnxruntime 1.18 or later: run tools/setup, or name the library in "
     "the variable FLUXGS_ONNXRUNTIME";
+#endif
 
 /// Where to look; a library named by the user is the only one.
 std::vector<std::string> candidates() {

@@ -12,7 +12,9 @@
 #include <nlohmann/json.hpp>
 
 #include "fluxgs/io/file.h"
+#include "fluxgs/io/gltf.h"
 #include "fluxgs/io/scene.h"
+#include "fluxgs/io/start_view.h"
 #include "run_command.h"
 #include "support/scenes.h"
 #include "support/temp_folder.h"
@@ -251,6 +253,15 @@ TEST(Command, CompactScenesAreSearchedForAndReportedOn) {
   const Outcome bytes = run("--max-bytes 5000" + data);
   EXPECT_EQ(bytes.status, 0) << bytes.err;
   EXPECT_LE(std::filesystem::file_size(folder / "c.glb"), 5000u);
+  const auto from_start = folder / "start.glb";
+  const auto glb = encode_glb(test::random_cloud(500, 1), "start.glb");
+  ASSERT_TRUE(write_file_atomic(from_start, *with_start_view(*glb, {}, "start.glb")));
+  EXPECT_EQ(fluxgs(fmt::format("convert {} {} --max-bytes 5000{}", quoted(from_start),
+                               quoted(folder / "c.glb"), data))
+                .status,
+            0);
+  EXPECT_LE(std::filesystem::file_size(folder / "c.glb"), 5000u);
+  EXPECT_TRUE(read_scene(folder / "c.glb")->start);
   const Outcome loss = run("--max-loss 35" + data);
   EXPECT_EQ(loss.status, 0) << loss.err;
   EXPECT_NE(loss.out.find(" dB from the pictures of "), std::string::npos) << loss.err;

@@ -53,6 +53,18 @@ double angle_between(const glm::dquat& a, const glm::dquat& b) {
   return 2 * std::acos(std::min(std::abs(glm::dot(a, b)), 1.0));
 }
 
+TEST(StartView, AddsNoMoreThanSaid) {
+  const Bytes plain = scene_file();
+  const double long_number = -1234567.8901234567e-300;
+  const StartView view{.position = glm::dvec3(long_number),
+                       .orientation = kView.orientation,
+                       .fov_y = 0.12345678901234567,
+                       .up = kView.up};
+  const auto file = with_start_view(plain, view, "a.glb");
+  ASSERT_TRUE(file) << file.error().message();
+  EXPECT_LE(file->size(), plain.size() + kMostStartViewBytes);
+}
+
 TEST(StartView, IsWrittenAndReadAgain) {
   for (const Bytes& file :
        {scene_file(), *encode_compact_glb(test::random_cloud(20, 1), {}, "c")}) {

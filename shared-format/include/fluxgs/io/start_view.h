@@ -28,4 +28,7 @@ struct StartView {
 Expected<std::vector<std::byte>> with_start_view(std::span<const std::byte> glb,
                                                  const StartView& view, const std::string& name);
 
+/// The most bytes that with_start_view() adds.
+inline constexpr std::size_t kMostStartViewBytes = 640;
+
 }  // namespace fluxgs
