@@ -28,7 +28,6 @@ public class ConfigureProject {
     } catch (Throwable problem) {
       for (Throwable cause = problem; cause != null; cause = cause.getCause())
         System.out.println("error " + cause.getClass().getSimpleName() + ": " + cause.getMessage());
-      if (System.getenv("TRACE") != null) problem.printStackTrace();
       status = 1;
     }
     System.out.flush();
@@ -56,7 +55,8 @@ public class ConfigureProject {
     project.getPluginManager().apply("org.jetbrains.kotlin.android");
     Path script = app.toPath().resolve("build.gradle");
     Path body = app.toPath().resolve("body.gradle");
-    Files.writeString(body, Files.readString(script).replaceFirst("(?s)^plugins \\{.*?\n}", ""));
+    Files.writeString(body, Files.readString(script).replaceFirst("(?s)^plugins \\{.*?\n}", "\n\n\n"));
+    Files.writeString(script, ""); // evaluate() runs it
     project.apply(Map.of("from", body.toFile()));
     ((ProjectInternal) project).evaluate();
     report(project);
