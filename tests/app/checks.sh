@@ -24,7 +24,7 @@ same() {
 # has TEXT PART: for check; PART as it is.
 has() {
   case $1 in *"$2"*) ;; *)
-    echo "no '$2' in: $1"
+    echo "no '$2' in: ${1:0:300}"
     return 1
     ;;
   esac

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 #include <glm/common.hpp>
 
+#include "bench/self_test.h"
 #include "fluxgs/io/scene.h"
 #include "fluxgs/splat_degree.h"
 #include "tools/fluxgs/command.h"
@@ -21,6 +22,12 @@ json bounds_of(const SplatCloud& cloud) {
   return {{"min", {low.x, low.y, low.z}}, {"max", {high.x, high.y, high.z}}};
 }
 
+json start_json(const std::optional<StartView>& start) {
+  if (!start) return nullptr;
+  const glm::dvec3 &at = start->position, &up = start->up;
+  return {{"position", {at.x, at.y, at.z}}, {"up", {up.x, up.y, up.z}}, {"fov_y", start->fov_y}};
+}
+
 json describe(const SceneFile& scene) {
   const double splats = static_cast<double>(std::max<std::size_t>(scene.cloud.size(), 1));
   return {{"format", scene.format},
@@ -32,6 +39,7 @@ json describe(const SceneFile& scene) {
           {"bits_per_splat", 8.0 * static_cast<double>(scene.bytes) / splats},
           {"attributes", scene.attribute_bits},
           {"bounds", bounds_of(scene.cloud)},
+          {"start", start_json(scene.start)},
           {"extensions", scene.extensions}};
 }
 
@@ -53,29 +61,41 @@ void print_lines(const std::string& path, const json& d) {
     fmt::print("    {:<10}{:.4g} bits\n", name, bits.get<double>());
   if (!d["bounds"].is_null())
     fmt::print("  bounds      {} to {}\n", d["bounds"]["min"].dump(), d["bounds"]["max"].dump());
+  if (!d["start"].is_null())
+    fmt::print("  start       at {}, up {}\n", d["start"]["position"].dump(),
+               d["start"]["up"].dump());
+  if (d.contains("self_test")) fmt::print("  self-test   {}\n", d["self_test"].dump());
   for (const json& e : d["extensions"]) fmt::print("  extension   {}\n", e.get<std::string>());
 }
 
-Expected<void> info(const std::string& path, bool as_json) {
-  const auto scene = read_scene(path);
+struct InfoSettings {
+  std::string scene;
+  bool self_test = false, as_json = false;
+};
+
+Expected<void> info(const InfoSettings& s) {
+  const auto scene = read_scene(s.scene);
   if (!scene) return std::unexpected(scene.error());
-  if (as_json)
-    print_json(describe(*scene));
+  json facts = describe(*scene);
+  if (s.self_test) facts["self_test"] = json::parse(to_json(bench::self_test(scene->cloud)));
+  if (s.as_json)
+    print_json(facts);
   else
-    print_lines(path, describe(*scene));
+    print_lines(s.scene, facts);
   return {};
 }
 
 }  // namespace
 
 void add_info(CLI::App& app, Action& action) {
-  auto scene = std::make_shared<std::string>();
-  auto as_json = std::make_shared<bool>(false);
+  auto settings = std::make_shared<InfoSettings>();
   CLI::App* command = app.add_subcommand("info", "What is in a scene file");
   command->footer("Example: fluxgs info garden.glb --json");
-  command->add_option("scene", *scene, "the scene file")->required();
-  command->add_flag("--json", *as_json, "print one JSON object");
-  command->callback([=, &action] { action = [=] { return info(*scene, *as_json); }; });
+  command->add_option("scene", settings->scene, "the scene file")->required();
+  command->add_flag("--self-test", settings->self_test,
+                    "what this machine computes of it, to compare with the app's benchmark");
+  command->add_flag("--json", settings->as_json, "print one JSON object");
+  command->callback([=, &action] { action = [=] { return info(*settings); }; });
 }
 
 }  // namespace fluxgs::cli
