@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "camera/first_view.h"
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/data_options.h"
 #include "tools/fluxgs/orbit.h"
@@ -27,7 +28,7 @@ struct RenderSettings {
   DataOptions data;
   PictureSize size;
   RendererChoice choice;
-  int orbit = 1, sh_degree = 3;
+  int orbit = 0, sh_degree = 3;  // orbit 0: not given
   bool check = false, as_json = false, view_given = false;
 };
 
@@ -58,17 +59,31 @@ Expected<std::vector<Shot>> shots_of_data(const RenderSettings& s, const Dataset
   return shots;
 }
 
-/// Cameras from the file, or else an orbit.
-Expected<std::vector<Shot>> free_shots(const RenderSettings& s, const SplatCloud& cloud,
+/// Where the scene asks to be looked at from first, or else the first view of an orbit.
+Expected<std::vector<Camera>> usual_cameras(const SceneFile& scene, const PictureSize& size) {
+  if (!scene.start) return orbit_around(scene.cloud, 1, size);
+  const glm::dvec2 sides(size.width, size.height);
+  const camera::Navigation first = camera::first_view(scene.cloud, scene.start, sides);
+  return std::vector{camera::camera_of(first.view, size.width, size.height)};
+}
+
+/// Cameras from the file, an orbit, or one view.
+Expected<std::vector<Camera>> free_cameras(const RenderSettings& s, const SceneFile& scene,
+                                           const std::optional<Dataset>& data,
+                                           const PictureSize& size) {
+  if (!s.camera_file.empty()) return cameras_from_file(s.camera_file, size);
+  if (data) return orbit_along(data->train, std::max(s.orbit, 1), size);
+  if (s.orbit > 0) return orbit_around(scene.cloud, s.orbit, size);
+  return usual_cameras(scene, size);
+}
+
+Expected<std::vector<Shot>> free_shots(const RenderSettings& s, const SceneFile& scene,
                                        const std::optional<Dataset>& data) {
   PictureSize size = s.size;
   if (size.width == 0)
     size = data ? PictureSize{data->train[0].camera.width, data->train[0].camera.height}
                 : PictureSize{1280, 720};
-  Expected<std::vector<Camera>> cameras = !s.camera_file.empty()
-                                              ? cameras_from_file(s.camera_file, size)
-                                          : data ? orbit_along(data->train, s.orbit, size)
-                                                 : orbit_around(cloud, s.orbit, size);
+  auto cameras = free_cameras(s, scene, data, size);
   if (!cameras) return std::unexpected(cameras.error());
   std::vector<Shot> shots;
   for (Camera& camera : *cameras) shots.push_back({std::move(camera), std::nullopt});
@@ -100,14 +115,14 @@ Expected<void> check_photos_stay(const RenderSettings& s, const std::vector<Shot
   return {};
 }
 
-Expected<std::vector<Shot>> choose_shots(const RenderSettings& s, const SplatCloud& cloud) {
+Expected<std::vector<Shot>> choose_shots(const RenderSettings& s, const SceneFile& scene) {
   std::optional<Dataset> data;
   if (!s.data.folder.empty()) {
     auto loaded = load(s.data);
     if (!loaded) return std::unexpected(loaded.error());
     data = std::move(*loaded);
   }
-  auto shots = data && s.view_given ? shots_of_data(s, *data) : free_shots(s, cloud, data);
+  auto shots = data && s.view_given ? shots_of_data(s, *data) : free_shots(s, scene, data);
   if (!shots || !data) return shots;
   if (auto ok = check_photos_stay(s, *shots, *data); !ok) return std::unexpected(ok.error());
   return shots;
@@ -158,7 +173,7 @@ Expected<void> render(const RenderSettings& s) {
     return fail(s.out, "", "pictures are written as PNG, expected a name that ends in .png");
   const auto scene = load_scene(s.scene);
   if (!scene) return std::unexpected(scene.error());
-  const auto shots = choose_shots(s, scene->cloud);
+  const auto shots = choose_shots(s, *scene);
   if (!shots) return std::unexpected(shots.error());
 
   const Threads threads(s.data.threads);
@@ -202,7 +217,10 @@ void add_render(CLI::App& app, Action& action) {
   auto s = std::make_shared<RenderSettings>();
   CLI::App* command = app.add_subcommand("render", "Pictures of a scene");
   command->footer(
-      "Views come from --data and --view, from --camera, or from --orbit (the default: one view).\n"
+      "Views come from --data and --view, from --camera, or from --orbit. Without any of them it "
+      "is\n"
+      "the view that the scene asks for, or one of all of it.\n"
+      "Example: fluxgs render garden.glb -o garden.png\n"
       "Example: fluxgs render garden.glb --data captures/garden --view 0 -o view.png\n"
       "Example: fluxgs render garden.glb --data captures/garden --orbit 8 -o orbit.png");
   command->add_option("scene", s->scene, "the scene file")->required();

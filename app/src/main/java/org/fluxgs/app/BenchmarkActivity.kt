@@ -6,6 +6,7 @@ import android.net.Uri
 import android.os.Bundle
 import android.os.Handler
 import android.os.Looper
+import android.os.ParcelFileDescriptor
 import android.util.Log
 import android.view.View
 import android.view.WindowManager
@@ -15,6 +16,7 @@ import android.widget.TextView
 import java.io.File
 import java.io.FileInputStream
 import java.io.IOException
+import kotlin.concurrent.thread
 import org.json.JSONObject
 
 /**
@@ -102,15 +104,26 @@ class BenchmarkActivity : Activity() {
         before = thermals.now()
         opening = SceneOpening(this, uri, { descriptor, found ->
             name = found
-            selfTest = selfTestOf(descriptor.fileDescriptor, descriptor.statSize)
-            session.load(descriptor.detachFd(), found, FreeMemory.forScene(this), null)
-            main.removeCallbacks(look)
-            main.post(look)
+            thread(name = "self-test", isDaemon = true) {
+                val outcome = selfTestOf(descriptor.fileDescriptor, descriptor.statSize)
+                main.post { load(descriptor, outcome) }
+            }
         }, { fail(it) })
         opening?.start()
     }
 
-    /** Of scenes that are small enough to be read twice. */
+    private fun load(descriptor: ParcelFileDescriptor, outcome: JSONObject?) {
+        if (isDestroyed) {
+            descriptor.close()
+            return
+        }
+        selfTest = outcome
+        session.load(descriptor.detachFd(), name, FreeMemory.forScene(this), null)
+        main.removeCallbacks(look)
+        main.post(look)
+    }
+
+    /** Of scenes that are small enough to be read twice. Takes seconds: not for the main thread. */
     private fun selfTestOf(descriptor: java.io.FileDescriptor, size: Long): JSONObject? {
         if (size !in 1..SELF_TEST_BYTES) return null
         return try {
