@@ -1,13 +1,10 @@
 package org.fluxgs.app
 
-import android.annotation.TargetApi
 import android.app.Activity
 import android.hardware.Sensor
 import android.hardware.SensorEvent
 import android.hardware.SensorEventListener
 import android.hardware.SensorManager
-import android.os.Build
-import android.view.Display
 import android.view.Surface
 
 /** Hands the device's attitude to a session while it is [on]. */
@@ -36,15 +33,11 @@ internal class Gyroscope(private val activity: Activity, private val session: Se
 
     override fun onAccuracyChanged(sensor: Sensor?, accuracy: Int) = Unit
 
-    private fun screenTurns(): Int = when (display()?.rotation) {
+    @Suppress("DEPRECATION") // Activity.display is of newer Android only
+    private fun screenTurns(): Int = when (activity.windowManager.defaultDisplay.rotation) {
         Surface.ROTATION_90 -> 1
         Surface.ROTATION_180 -> 2
         Surface.ROTATION_270 -> 3
         else -> 0
     }
-
-    @Suppress("DEPRECATION")
-    @TargetApi(30)
-    private fun display(): Display? =
-        if (Build.VERSION.SDK_INT >= 30) activity.display else activity.windowManager.defaultDisplay
 }

@@ -179,9 +179,8 @@ class ViewerActivity : Activity() {
     }
 
     private fun frameSeconds(): Float {
-        @Suppress("DEPRECATION")
-        val display = if (Build.VERSION.SDK_INT >= 30) display else windowManager.defaultDisplay
-        val rate = display?.refreshRate ?: 60f
+        @Suppress("DEPRECATION") // Activity.display is of newer Android only
+        val rate = windowManager.defaultDisplay.refreshRate
         return if (rate > 1) 1 / rate else 1 / 60f
     }
 
