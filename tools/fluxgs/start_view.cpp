@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
 #include "camera/up_axis.h"
@@ -10,8 +11,30 @@
 
 namespace fluxgs::cli {
 
+namespace {
+
+/// The photo that the others were taken around: from the edge of a capture, half of the ways to
+/// turn lead to where nothing was seen.
+const Photo& middle_one(const std::vector<Photo>& photos) {
+  const auto distances = [&](const Photo& photo) {
+    double sum = 0;
+    for (const Photo& other : photos)
+      sum += glm::distance(photo.camera.center(), other.camera.center());
+    return sum;
+  };
+  const Photo* best = &photos.front();
+  double least = distances(*best);
+  for (const Photo& photo : photos) {
+    const double sum = distances(photo);
+    if (sum < 0.999 * least) best = &photo, least = sum;  // around in a circle: the first
+  }
+  return *best;
+}
+
+}  // namespace
+
 StartView start_view_of(const std::vector<Photo>& photos) {
-  const camera::ViewState view = camera::view_of(photos.front().camera, 1);
+  const camera::ViewState view = camera::view_of(middle_one(photos).camera, 1);
   return {.position = camera::eye(view),
           .orientation = view.orientation,
           .fov_y = view.fov_y,

@@ -11,7 +11,7 @@
 
 namespace fluxgs::cli {
 
-/// That of the first photo, with the up of all. `photos` has at least one.
+/// That of the photo in the middle of the others, with the up of all. `photos` has at least one.
 StartView start_view_of(const std::vector<Photo>& photos);
 
 /// Writes a .glb under its name, with a start view if there is one. Returns the bytes of the file.

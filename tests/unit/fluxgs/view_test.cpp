@@ -13,6 +13,7 @@
 #include "platform/host/window.h"
 #include "run_command.h"
 #include "support/scenes.h"
+#include "tools/fluxgs/start_view.h"
 #include "tools/fluxgs/view_input.h"
 #include "tools/fluxgs/view_script.h"
 #include "tools/fluxgs/view_start.h"
@@ -305,6 +306,13 @@ TEST(ViewInput, KeysDoWhatTheHelpSays) {
   EXPECT_FALSE(desk.n.transition);
   EXPECT_NEAR(desk.n.view.distance, 5 / 1.15, 1e-9);
   EXPECT_TRUE(desk.tell({.kind = Kind::key, .down = true, .key = host::kEscape}).quit);
+}
+
+TEST(ViewStart, IsThePhotoInTheMiddleOfTheOthers) {
+  std::vector<Photo> photos;
+  for (const double x : {-3.0, -1.0, 0.5, 2.0, 9.0})
+    photos.emplace_back().camera = test::camera_at({x, 0, -5}, {0, 0, 0}, 64, 48);
+  EXPECT_LT(glm::distance(cli::start_view_of(photos).position, glm::dvec3(0.5, 0, -5)), 1e-9);
 }
 
 TEST(ViewStart, UpIsWhatIsGivenOrWhatThePhotosSay) {

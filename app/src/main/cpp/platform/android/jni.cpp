@@ -106,12 +106,36 @@ jstring to_java(JNIEnv* env, const std::string& text) {
   return env->NewString(units.data(), static_cast<jsize>(units.size()));
 }
 
+void append_utf8(std::string& text, std::uint32_t code) {
+  const auto put = [&](std::uint32_t byte) { text += static_cast<char>(byte); };
+  const auto more = [&](int shift) { put(0x80U | (code >> shift & 0x3FU)); };
+  if (code < 0x80) {
+    put(code);
+  } else if (code < 0x800) {
+    put(0xC0U | code >> 6), more(0);
+  } else if (code < 0x10000) {
+    put(0xE0U | code >> 12), more(6), more(0);
+  } else {
+    put(0xF0U | code >> 18), more(12), more(6), more(0);
+  }
+}
+
+/// GetStringUTFChars() would give Java's own UTF-8, which has other bytes for 0 and beyond U+FFFF.
 std::string from_java(JNIEnv* env, jstring text) {
   if (text == nullptr) return {};
-  const char* bytes = env->GetStringUTFChars(text, nullptr);
-  if (bytes == nullptr) throw std::bad_alloc();
-  std::string result(bytes);
-  env->ReleaseStringUTFChars(text, bytes);
+  std::u16string units(static_cast<std::size_t>(env->GetStringLength(text)), u'\0');
+  env->GetStringRegion(text, 0, static_cast<jsize>(units.size()),
+                       reinterpret_cast<jchar*>(units.data()));
+  std::string result;
+  for (std::size_t i = 0; i < units.size(); ++i) {
+    std::uint32_t code = units[i];
+    const bool high = code >= 0xD800 && code < 0xDC00;
+    if (high && i + 1 < units.size() && units[i + 1] >= 0xDC00 && units[i + 1] < 0xE000)
+      code = 0x10000 + ((code - 0xD800) << 10) + (units[++i] - 0xDC00U);
+    else if (code >= 0xD800 && code < 0xE000)
+      code = 0xFFFD;  // half of a pair
+    append_utf8(result, code);
+  }
   return result;
 }
 

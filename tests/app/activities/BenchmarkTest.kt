@@ -1,0 +1,226 @@
+package org.fluxgs.app
+
+import android.content.Intent
+import android.net.Uri
+import android.os.Bundle
+import android.os.ParcelFileDescriptor
+import android.os.PowerManager
+import java.io.File
+import org.json.JSONObject
+import org.junit.After
+import org.junit.Assert.assertEquals
+import org.junit.Assert.assertFalse
+import org.junit.Assert.assertNull
+import org.junit.Assert.assertTrue
+import org.junit.Assert.fail
+import org.junit.Before
+import org.junit.Test
+import org.junit.runner.RunWith
+import org.robolectric.Robolectric
+import org.robolectric.RobolectricTestRunner
+import org.robolectric.RuntimeEnvironment
+import org.robolectric.Shadows.shadowOf
+import org.robolectric.android.controller.ActivityController
+import org.robolectric.annotation.Config
+import org.robolectric.annotation.GraphicsMode
+import org.robolectric.shadows.ShadowLog
+
+@RunWith(RobolectricTestRunner::class)
+@Config(sdk = [35], qualifiers = "w411dp-h731dp-port-hdpi", shadows = [RealDescriptors::class])
+@GraphicsMode(GraphicsMode.Mode.NATIVE)
+class BenchmarkTest {
+    private val context = RuntimeEnvironment.getApplication()
+    private val own get() = context.getExternalFilesDir(null)!!
+    private var controller: ActivityController<BenchmarkActivity>? = null
+    private val activity get() = controller!!.get()
+
+    @Before
+    fun install() {
+        pauseDisplay()
+        Documents.install()
+    }
+
+    @After
+    fun close() {
+        controller?.end()
+        controller = null
+    }
+
+    private fun intent(vararg extras: Pair<String, String>): Intent {
+        val intent = Intent(context, BenchmarkActivity::class.java)
+        for ((name, value) in extras) intent.putExtra(name, value)
+        return intent
+    }
+
+    /** Small, so that the test is short. */
+    private fun short(vararg extras: Pair<String, String>) =
+        intent("sizes" to "96x64,64x96", "frames" to "3", "warmup" to "1", *extras)
+
+    private fun start(intent: Intent, state: Bundle? = null) {
+        controller = Robolectric.buildActivity(BenchmarkActivity::class.java, intent)
+        if (state == null) controller!!.create() else controller!!.create(state)
+        controller!!.start().resume().visible()
+    }
+
+    private fun finished(): BenchmarkResult {
+        until("the benchmark has ended", 200) { activity.result != null }
+        return activity.result!!
+    }
+
+    private fun problem(intent: Intent): String {
+        start(intent)
+        until("it is said to have failed") { ShadowLog.getLogsForTag(BenchmarkActivity.TAG).isNotEmpty() }
+        assertFalse(activity.isShown(R.id.results))
+        return activity.text(R.id.status)
+    }
+
+    @Test
+    fun aShellStartsItAndFindsTheResult() {
+        File(material, "scene.glb").copyTo(File(own, "garden.glb"), true)
+        start(short("scene" to "garden.glb", "json" to "out/garden.json"))
+        finished()
+        val file = File(own, "out/garden.json")
+        val log = ShadowLog.getLogsForTag(BenchmarkActivity.TAG).last().msg
+        assertEquals("done ${file.canonicalPath}", log)
+        val json = JSONObject(file.readText())
+        assertEquals("garden.glb", json.getJSONObject("scene").getString("name"))
+        assertEquals(28842, json.getJSONObject("scene").getInt("splats"))
+        assertEquals(3, json.getJSONObject("protocol").getInt("frames"))
+        assertEquals("", json.getString("stopped"))
+        val rows = json.getJSONArray("rows")
+        assertEquals("2 sizes, 2 sorters, still views and a path", 8, rows.length())
+        for (i in 0 until rows.length()) {
+            val row = rows.getJSONObject(i)
+            assertTrue(row.getJSONObject("draw_ms").getDouble("median") > 0)
+            val sorted = row.getJSONObject("sort_to_photon_ms")
+            assertTrue(sorted.getDouble("p95") >= sorted.getDouble("median"))
+        }
+        assertTrue(json.getJSONObject("driver").getString("renderer").isNotEmpty())
+    }
+
+    @Test
+    fun itsSelfTestIsTheDesktops() {
+        start(short("scene" to "sample"))
+        val found = finished().json.getJSONObject("self_test")
+        val desktop = JSONObject(File(material, "sample.json").readText()).getJSONObject("self_test")
+        for (key in listOf("splats", "decoded", "sorted", "projected"))
+            assertEquals(key, desktop.get(key).toString(), found.get(key).toString())
+    }
+
+    @Test
+    fun theResultIsShownWithAChart() {
+        start(intent("sizes" to "320x240", "frames" to "3", "warmup" to "1"))
+        finished()
+        pump()
+        assertTrue(activity.isShown(R.id.results))
+        val chart = activity.view(R.id.chart)
+        assertTrue(chart.contentDescription.contains("320×240"))
+        assertTrue(activity.text(R.id.facts).contains("Android"))
+        close()
+        // The second has the first to compare with
+        start(intent("sizes" to "320x240", "frames" to "3", "warmup" to "1"))
+        finished()
+        repeat(5) { pump() }
+        assertTrue(activity.text(R.id.facts).contains("times as fast"))
+        keep(screenOf(activity, null), "benchmark")
+    }
+
+    @Test
+    fun progressIsShown() {
+        start(intent("sizes" to "640x480", "frames" to "20"))
+        until("there is progress", 100) { activity.text(R.id.status).contains("left") }
+        keep(screenOf(activity, null), "benchmark-running")
+        activity.view(R.id.stop).performClick()
+        assertEquals(context.getString(R.string.stopped_by_user), finished().stopped)
+        assertTrue(activity.text(R.id.status).contains(context.getString(R.string.stopped_by_user)))
+    }
+
+    @Test
+    fun aCallInBetweenIsMarked() {
+        start(intent("sizes" to "640x480", "frames" to "50"))
+        until("it runs", 100) { activity.text(R.id.status).contains("left") }
+        controller!!.pause().stop()
+        assertEquals(context.getString(R.string.stopped_by_leaving), finished().stopped)
+        assertNull("no whole run to compare with", BenchmarkHistory(context).last("Sample scene"))
+    }
+
+    @Test
+    fun heatEndsItAndIsMarked() {
+        val power = context.getSystemService(PowerManager::class.java)
+        start(intent("sizes" to "640x480", "frames" to "50"))
+        until("it runs", 100) { activity.text(R.id.status).contains("left") }
+        shadowOf(power).setCurrentThermalStatus(PowerManager.THERMAL_STATUS_SEVERE)
+        val found = finished()
+        assertTrue(found.stopped, found.stopped.contains("3"))
+        assertEquals(3, found.json.getJSONObject("thermal").getJSONObject("after").getInt("status"))
+        assertEquals(0, found.json.getJSONObject("thermal").getJSONObject("before").getInt("status"))
+    }
+
+    @Test
+    fun theResultCanBeShared() {
+        start(short())
+        finished()
+        for ((button, type) in listOf(R.id.share_json to "application/json", R.id.share_csv to "text/csv")) {
+            activity.view(button).performClick()
+            val chooser = shadowOf(activity).nextStartedActivity
+            @Suppress("DEPRECATION")
+            val send = chooser.getParcelableExtra<Intent>(Intent.EXTRA_INTENT)!!
+            assertEquals(type, send.type)
+            @Suppress("DEPRECATION")
+            val uri = send.getParcelableExtra<Uri>(Intent.EXTRA_STREAM)!!
+            val text = context.contentResolver.openInputStream(uri)!!.reader().readText()
+            if (type == "text/csv") assertEquals(9, text.trim().lines().size)
+            else assertEquals(8, JSONObject(text).getJSONArray("rows").length())
+        }
+    }
+
+    @Test
+    fun theResultSurvivesTheEndOfTheProcess() {
+        start(short())
+        val before = finished().json.toString()
+        val state = Bundle()
+        controller!!.pause().stop().saveInstanceState(state).destroy()
+        controller = null
+        start(short(), state)
+        assertEquals(before, activity.result!!.json.toString())
+    }
+
+    @Test
+    fun oneSorterOnly() {
+        start(short("sorter" to "cpu"))
+        assertEquals(4, finished().rows.size)
+    }
+
+    @Test
+    fun nonsenseOfAShellIsSaidToBe() {
+        val bad = listOf(
+            intent("frames" to "many") to "frames 'many'",
+            intent("frames" to "0") to "frames '0'",
+            intent("sizes" to "12") to "size '12'",
+            intent("sizes" to "99999x1") to "size '99999x1'",
+            intent("sorter" to "both-of-them") to "sorter",
+            intent("scene" to "nothing.glb") to "nothing.glb",
+            intent("scene" to "../../../../etc/passwd") to "not inside",
+        )
+        for ((wrong, said) in bad) {
+            val message = problem(wrong)
+            assertTrue(message, message.contains(said))
+            close()
+            ShadowLog.clear()
+        }
+    }
+
+    @Test
+    fun aSceneThatIsNoneIsSaidToBe() {
+        File(own, "letter.glb").writeText("dear scene")
+        val message = problem(intent("scene" to "letter.glb"))
+        assertTrue(message, message.contains("format"))
+    }
+
+    @Test
+    fun noResultIsWrittenOutsideOfTheFolder() {
+        start(short("json" to "../../escaped.json"))
+        finished()
+        assertTrue(ShadowLog.getLogsForTag(BenchmarkActivity.TAG).any { it.msg.contains("not inside") })
+    }
+}

@@ -1,0 +1,116 @@
+package org.fluxgs.app
+
+import android.graphics.SurfaceTexture
+import android.view.Surface
+import java.io.File
+import org.json.JSONObject
+import org.junit.Assert.assertEquals
+import org.junit.Assert.assertThrows
+import org.junit.Assert.assertTrue
+import org.junit.Test
+import org.junit.runner.RunWith
+import org.robolectric.RobolectricTestRunner
+import org.robolectric.annotation.Config
+import org.robolectric.annotation.GraphicsMode
+
+/** The native functions turn away what is wrong with exceptions of Java. */
+@RunWith(RobolectricTestRunner::class)
+@Config(sdk = [35], shadows = [RealDescriptors::class])
+@GraphicsMode(GraphicsMode.Mode.NATIVE)
+class NativeTest {
+    private fun inSession(work: (Long) -> Unit) {
+        val session = Native.create()
+        try {
+            work(session)
+        } finally {
+            Native.destroy(session)
+        }
+    }
+
+    private fun assertWrong(work: () -> Unit) {
+        assertThrows(IllegalArgumentException::class.java) { work() }
+    }
+
+    @Test
+    fun sessionsThatAreNotThere() {
+        val gone = Native.create()
+        Native.destroy(gone)
+        for (session in longArrayOf(0, -1, Long.MAX_VALUE, gone)) {
+            assertThrows(IllegalStateException::class.java) { Native.state(session) }
+            assertThrows(IllegalStateException::class.java) { Native.destroy(session) }
+            assertThrows(IllegalStateException::class.java) { Native.frame(session, 0) }
+            assertThrows(IllegalStateException::class.java) { Native.picture(session) }
+            assertThrows(IllegalStateException::class.java) { Native.surfaceDestroyed(session) }
+        }
+    }
+
+    @Test
+    fun arraysOfTheWrongLength() = inSession { session ->
+        assertWrong { Native.touch(session, 0, 0, intArrayOf(0), floatArrayOf(1f), 0) }
+        assertWrong { Native.touch(session, 4, 0, intArrayOf(0), floatArrayOf(1f, 1f), 0) }
+        assertWrong { Native.load(session, -1, "a", 1L shl 30, doubleArrayOf(1.0)) }
+        assertWrong { Native.startBenchmark(session, intArrayOf(1), 0, 1, true, true) }
+        assertWrong { Native.startBenchmark(session, intArrayOf(0, 5), 0, 1, true, true) }
+        assertWrong { Native.startBenchmark(session, intArrayOf(5, 5), 0, 0, true, true) }
+    }
+
+    @Test
+    fun settingsOutOfTheirRange() = inSession { session ->
+        assertWrong { Native.set(session, 2f, 0, 3, 0, false, 0.016f, 0) }
+        assertWrong { Native.set(session, Float.NaN, 0, 3, 0, false, 0.016f, 0) }
+        assertWrong { Native.set(session, 1f, 3, 3, 0, false, 0.016f, 0) }
+    }
+
+    @Test
+    fun numbersThatAreNone() = inSession { session ->
+        val nan = Float.NaN
+        Native.surfaceCreated(session, Surface(SurfaceTexture(0)))
+        Native.surfaceChanged(session, -5, 0)
+        Native.touch(session, 0, 7, intArrayOf(1), floatArrayOf(nan, nan), -1)
+        Native.touch(session, 1, 7, intArrayOf(1), floatArrayOf(Float.POSITIVE_INFINITY, 1f), 9)
+        Native.turn(session, nan, nan, nan, nan, 99, Long.MIN_VALUE)
+        Native.setHeat(session, -7, nan)
+        repeat(5) { Native.frame(session, it * 16_000_000L) }
+        JSONObject(Native.state(session))
+    }
+
+    @Test
+    fun aDescriptorThatIsClosed() = inSession { session ->
+        Native.load(session, 123456, "none", 1L shl 30, null)
+        until("it has failed") {
+            JSONObject(Native.state(session)).getJSONObject("loading").getString("phase") == "failed"
+        }
+    }
+
+    @Test
+    fun manySessionsAtOnce() {
+        val sessions = LongArray(20) { Native.create() }
+        assertEquals(20, sessions.toSet().size)
+        sessions.forEach { Native.destroy(it) }
+    }
+
+    @Test
+    fun theSelfTestSaysWhatIsWrong() {
+        assertTrue(JSONObject(Native.selfTest(ByteArray(0))).has("error"))
+        assertTrue(JSONObject(Native.selfTest(ByteArray(1000))).has("error"))
+        val whole = File(material, "scene.spz").readBytes()
+        assertEquals(28842, JSONObject(Native.selfTest(whole)).getInt("splats"))
+    }
+
+    @Test
+    fun namesOfAnyLanguage() = inSession { session ->
+        val name = "Küche \uD83C\uDF73 台所.glb"
+        Native.load(session, 123456, name, 1L shl 30, null)
+        until("it has failed") {
+            val loading = JSONObject(Native.state(session)).getJSONObject("loading")
+            loading.getString("phase") == "failed" && loading.getString("error").contains(name)
+        }
+    }
+
+    @Test
+    fun whatItIs() {
+        val about = JSONObject(Native.about())
+        assertEquals("host", about.getString("platform"))
+        assertEquals("host", about.getString("build"))
+    }
+}

@@ -1,0 +1,171 @@
+package org.fluxgs.app
+
+import android.app.Activity
+import android.content.Intent
+import android.graphics.Bitmap
+import android.graphics.Color
+import android.net.Uri
+import android.view.View
+import android.widget.GridView
+import android.widget.ImageView
+import android.widget.TextView
+import java.io.File
+import org.junit.After
+import org.junit.Assert.assertEquals
+import org.junit.Assert.assertNotNull
+import org.junit.Assert.assertNull
+import org.junit.Assert.assertTrue
+import org.junit.Test
+import org.junit.runner.RunWith
+import org.robolectric.Robolectric
+import org.robolectric.RobolectricTestRunner
+import org.robolectric.RuntimeEnvironment
+import org.robolectric.Shadows.shadowOf
+import org.robolectric.android.controller.ActivityController
+import org.robolectric.annotation.Config
+import org.robolectric.annotation.GraphicsMode
+import org.robolectric.shadows.ShadowAlertDialog
+import org.robolectric.shadows.ShadowToast
+
+@RunWith(RobolectricTestRunner::class)
+@Config(sdk = [35], qualifiers = "w411dp-h731dp-port-hdpi", shadows = [RealDescriptors::class])
+@GraphicsMode(GraphicsMode.Mode.NATIVE)
+class ScenesTest {
+    private val context = RuntimeEnvironment.getApplication()
+    private var controller: ActivityController<ScenesActivity>? = null
+    private val activity get() = controller!!.get()
+    private val grid get() = activity.view(R.id.grid) as GridView
+
+    private fun open() {
+        controller = Robolectric.buildActivity(ScenesActivity::class.java).setup()
+        pump()
+    }
+
+    @After
+    fun close() {
+        controller?.end()
+        controller = null
+    }
+
+    private fun tap(position: Int) {
+        grid.performItemClick(grid.getChildAt(position), position, grid.adapter.getItemId(position))
+    }
+
+    private fun name(position: Int): String =
+        grid.getChildAt(position).findViewById<TextView>(R.id.name).text.toString()
+
+    private fun remember(name: String, colour: Int): Uri {
+        val uri = Documents.uri(name)
+        val picture = Bitmap.createBitmap(400, 300, Bitmap.Config.ARGB_8888).apply { eraseColor(colour) }
+        Recents(context).remember(uri, name, 1_500_000, 123_456, DoubleArray(12) { it.toDouble() }, picture)
+        return uri
+    }
+
+    @Test
+    fun theSampleIsThereFromTheStart() {
+        open()
+        assertEquals(1, grid.adapter.count)
+        assertEquals(context.getString(R.string.sample_scene), name(0))
+        tap(0)
+        val next = shadowOf(activity).nextStartedActivity
+        assertEquals(ViewerActivity::class.java.name, next.component!!.className)
+        assertEquals(Scene.SAMPLE, next.data)
+    }
+
+    @Test
+    fun scenesThatWereOpenedComeWithTheirPicturesTheNewestFirst() {
+        remember("garden.glb", Color.GREEN)
+        val uri = remember("kitchen.ply", Color.RED)
+        Recents(context).remember(
+            Scene.SAMPLE, "Sample scene", 289_512, 28_842, null, pictureOf("sample.png"),
+        )
+        open()
+        assertEquals(3, grid.adapter.count)
+        assertEquals("kitchen.ply", name(1))
+        assertEquals("garden.glb", name(2))
+        assertNotNull(grid.getChildAt(1).findViewById<ImageView>(R.id.picture).drawable)
+        assertTrue(grid.getChildAt(1).contentDescription.startsWith("kitchen.ply, "))
+        keep(screenOf(activity, null), "scenes")
+        tap(1)
+        assertEquals(uri, shadowOf(activity).nextStartedActivity.data)
+    }
+
+    @Test
+    fun aSceneCanBeTakenOffTheList() {
+        val uri = remember("old.spz", Color.BLUE)
+        open()
+        grid.onItemLongClickListener!!.onItemLongClick(grid, grid.getChildAt(1), 1, 1)
+        pump()
+        ShadowAlertDialog.getLatestAlertDialog().getButton(-1).performClick()
+        pump()
+        assertEquals(1, grid.adapter.count)
+        assertNull(Recents(context).find(uri))
+    }
+
+    @Test
+    fun theSystemsPickerGivesScenesOfAnyName() {
+        open()
+        activity.view(R.id.open).performClick()
+        val asked = shadowOf(activity).nextStartedActivityForResult
+        assertEquals(Intent.ACTION_OPEN_DOCUMENT, asked.intent.action)
+        assertEquals("*/*", asked.intent.type)
+        assertTrue(asked.intent.hasCategory(Intent.CATEGORY_OPENABLE))
+        val uri = Documents.uri("picked.bin")
+        shadowOf(activity).receiveResult(asked.intent, Activity.RESULT_OK, Intent().setData(uri))
+        assertEquals(uri, shadowOf(activity).nextStartedActivity.data)
+        val kept = context.contentResolver.persistedUriPermissions
+        assertTrue("it may be read after a restart", kept.any { it.uri == uri && it.isReadPermission })
+    }
+
+    @Test
+    fun nothingPickedIsNothingOpened() {
+        open()
+        activity.view(R.id.open).performClick()
+        val asked = shadowOf(activity).nextStartedActivityForResult
+        shadowOf(activity).receiveResult(asked.intent, Activity.RESULT_CANCELED, null)
+        val started = generateSequence { shadowOf(activity).nextStartedActivity }
+        assertTrue(started.all { it.action == Intent.ACTION_OPEN_DOCUMENT })
+    }
+
+    @Test
+    fun aDeviceWithoutAPickerSaysSo() {
+        shadowOf(context).checkActivities(true)
+        open()
+        activity.view(R.id.open).performClick()
+        assertEquals(context.getString(R.string.no_picker), ShadowToast.getTextOfLatestToast())
+    }
+
+    @Test
+    fun aListThatIsDamagedIsAnEmptyOne() {
+        File(context.filesDir, "recents").mkdirs()
+        File(context.filesDir, "recents/list.json").writeText("[{\"uri\": 3}, {\"nothing\": 1}, 7, ")
+        open()
+        assertEquals(1, grid.adapter.count)
+        File(context.filesDir, "recents/list.json").writeText("[7, {\"nothing\": 1}, {\"uri\": \"a:b\"}]")
+        controller!!.pause().resume()
+        assertEquals(2, grid.adapter.count)
+    }
+
+    @Test
+    fun theListForgetsTheOldest() {
+        for (i in 0 until Recents.MOST + 3) remember("scene-$i", Color.GRAY)
+        val all = Recents(context).all()
+        assertEquals(Recents.MOST, all.size)
+        assertEquals("scene-${Recents.MOST + 2}", all.first().name)
+        assertEquals(Recents.MOST, File(context.filesDir, "recents").list()!!.count { it.endsWith(".jpg") })
+    }
+
+    @Test
+    fun theVersionIsShown() {
+        open()
+        assertTrue(activity.text(R.id.version).contains(BuildFacts.version(context)))
+    }
+
+    @Test
+    fun theBenchmarkIsAPressAway() {
+        open()
+        activity.view(R.id.benchmark).performClick()
+        val next = shadowOf(activity).nextStartedActivity
+        assertEquals(BenchmarkActivity::class.java.name, next.component!!.className)
+    }
+}
