@@ -45,7 +45,7 @@ class BenchmarkChart(context: Context, attributes: AttributeSet?) : View(context
 
     override fun onDraw(canvas: Canvas) {
         var top = paddingTop.toFloat()
-        val fastest = rows.maxOfOrNull { max(it.drawFps, fpsOf(it.sortToPhotonMs)) } ?: return
+        val fastest = (rows + before).maxOfOrNull { max(it.drawFps, fpsOf(it.sortToPhotonMs)) } ?: return
         for (row in rows) {
             val earlier = before.find { it.label == row.label }
             canvas.drawText(row.label, paddingLeft.toFloat(), top + text.textSize, text)
@@ -68,9 +68,8 @@ class BenchmarkChart(context: Context, attributes: AttributeSet?) : View(context
         bar.color = context.getColor(color)
         canvas.drawRect(left, top, left + fps.toFloat() * scale, top + 14 * unit, bar)
         val label = String.format(Locale.getDefault(), "%.1f fps", fps)
-        canvas.drawText(
-            label, left + fps.toFloat() * scale + 6 * unit, top + 12 * unit, text,
-        )
+        val end = left + max(fps, earlier ?: 0.0).toFloat() * scale
+        canvas.drawText(label, end + 6 * unit, top + 12 * unit, text)
         if (earlier == null) return
         bar.color = context.getColor(R.color.text)
         val at = left + earlier.toFloat() * scale
