@@ -10,7 +10,8 @@ debian_archive() {
 }
 
 # make_apt FOLDER LINE...: its folders, list of sources (the lines) and list of installed packages
-# (none) lie in FOLDER. Of this system's settings only those for downloading are kept, such as a proxy.
+# (none) lie in FOLDER. For the processor in the variable `architecture`, or else amd64. Of this
+# system's settings only those for downloading are kept, such as a proxy.
 make_apt() {
   local apt=$1/apt
   shift
@@ -24,8 +25,8 @@ APT::Update::Error-Mode "any";
 Acquire::Retries "1";
 Acquire::http::Timeout "20";
 Acquire::https::Timeout "20";
-APT::Architecture "amd64";
-APT::Architectures { "amd64"; };
+APT::Architecture "${architecture:-amd64}";
+APT::Architectures { "${architecture:-amd64}"; };
 Dir "$apt/";
 Dir::State "var/lib/apt";
 Dir::State::status "$apt/status";

@@ -36,7 +36,7 @@ std::vector<std::byte> scene_bytes() { return *encode_glb(test::random_cloud(500
 /// A file without a name that holds these bytes.
 int file_of(const std::vector<std::byte>& bytes) {
   std::FILE* file = std::tmpfile();
-  std::fwrite(bytes.data(), 1, bytes.size(), file);
+  if (!bytes.empty()) std::fwrite(bytes.data(), 1, bytes.size(), file);
   std::fflush(file);
   const int descriptor = ::dup(::fileno(file));
   std::fclose(file);

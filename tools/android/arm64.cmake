@@ -1,0 +1,15 @@
+# 64-bit ARM with Linux, by the system's cross compiler, for tests that run in qemu.
+set(CMAKE_SYSTEM_NAME Linux)
+set(CMAKE_SYSTEM_PROCESSOR aarch64)
+get_filename_component(_arm64 ${CMAKE_CURRENT_LIST_DIR}/../../build/packages/android/arm64 ABSOLUTE)
+set(CMAKE_C_COMPILER aarch64-linux-gnu-gcc)
+set(CMAKE_CXX_COMPILER aarch64-linux-gnu-g++)
+set(CMAKE_FIND_ROOT_PATH ${_arm64})
+set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
+set(ZLIB_INCLUDE_DIR ${_arm64}/zlib CACHE PATH "")
+set(ZLIB_LIBRARY ${_arm64}/root/usr/lib/aarch64-linux-gnu/libz.a CACHE FILEPATH "")
+
+include(${CMAKE_CURRENT_LIST_DIR}/sources.cmake)
