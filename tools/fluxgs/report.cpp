@@ -43,6 +43,7 @@ void add_report(CLI::App& app, Action& action) {
   add_report_codec(*command, action);
   add_report_render(*command, action);
   add_report_train(*command, action);
+  add_report_phone(*command, action);
 }
 
 }  // namespace fluxgs::cli

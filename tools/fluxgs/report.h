@@ -27,5 +27,6 @@ Expected<void> give_report(const std::string& path, const nlohmann::json& number
 void add_report_codec(CLI::App& app, Action& action);
 void add_report_render(CLI::App& app, Action& action);
 void add_report_train(CLI::App& app, Action& action);
+void add_report_phone(CLI::App& app, Action& action);
 
 }  // namespace fluxgs::cli

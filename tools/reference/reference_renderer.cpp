@@ -56,6 +56,8 @@ std::vector<ReferenceSplat> project_reference(const SplatCloud& cloud, const Cam
     const glm::vec3 l = cloud.log_scales[i];
     const math::Vec3<double> scale{std::exp(double{l.x}), std::exp(double{l.y}),
                                    std::exp(double{l.z})};
+    const double spread = math::depth_deviation(view.rotation.row2, rotation, scale);
+    if (!(spread <= view.depth_spread_max * p.z)) continue;
     const auto axes =
         math::screen_axes(math::projection_jacobian(p, view), view.rotation, rotation, scale);
     const auto f = math::footprint(axes, options.dilation);

@@ -181,6 +181,9 @@ const std::vector<OptionField>& option_fields() {
       whole("round-interval",
             "steps until they are rounded anew (0: a thousandth of the steps, at least 20)",
             &O::round_interval, 0, kMany),
+      real("depth-spread",
+           "x their depth; splats that extend farther along the view are not drawn (0: all are)",
+           &O::depth_spread, 0, kMany),
       natural("initial-splats", "so many of the points become splats (0: all)", &O::initial_splats),
       real("initial-opacity", "opacity of the first splats", &O::initial_opacity, 1e-3, 0.99),
   };

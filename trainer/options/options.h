@@ -133,6 +133,8 @@ struct TrainOptions {
   std::uint64_t initial_splats = 0;  ///< every n-th point, so that they are this many; 0: all
   double initial_opacity = 0.1;      ///< 0…1
 
+  /// RenderOptions::depth_spread_max of the training's pictures; 0: no limit, as in 3DGS
+  double depth_spread = 0;
   RenderOptions render;
 };
 

@@ -95,6 +95,7 @@ int Trainer::coarse_level() const {
 RenderOptions Trainer::render_options() const {
   RenderOptions render = options_.render;
   render.sh_degree = sh_degree_in_use();
+  render.depth_spread_max = options_.depth_spread;
   return render;
 }
 

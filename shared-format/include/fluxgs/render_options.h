@@ -12,10 +12,14 @@ struct RenderOptions {
   double transmittance_min = 1e-4;  ///< a pixel is finished once T falls below this
   double dilation = 0.3;            ///< px², added to the diagonal of the projected covariance
   double near_plane = 0.01;         ///< scene units; splats with centres nearer are not drawn
-  double frustum_margin = 0.15;     ///< the Jacobian's point is kept within this fraction of the
-                                    ///< image size outside the image (3DGS: 1.3 × half the view)
-  int sh_degree = 3;                ///< highest degree to evaluate, 0…3
-  glm::dvec3 background{0.0};       ///< RGB, 0…1
+  /// Splats whose standard deviation along the view direction is larger than this × their depth are
+  /// not drawn: they reach behind the camera, and what their footprint says, a veil over the whole
+  /// picture, is of the linearisation's making. 0: no limit.
+  double depth_spread_max = 3;
+  double frustum_margin = 0.15;  ///< the Jacobian's point is kept within this fraction of the
+                                 ///< image size outside the image (3DGS: 1.3 × half the view)
+  int sh_degree = 3;             ///< highest degree to evaluate, 0…3
+  glm::dvec3 background{0.0};    ///< RGB, 0…1
 };
 
 }  // namespace fluxgs

@@ -82,6 +82,7 @@ class BenchmarkTest {
         val file = File(own, "out/garden.json")
         val log = ShadowLog.getLogsForTag(BenchmarkActivity.TAG).last().msg
         assertEquals("done ${file.canonicalPath}", log)
+        file.copyTo(File(material, "result.json"), true) // for the desktop's report
         val json = JSONObject(file.readText())
         assertEquals("garden.glb", json.getJSONObject("scene").getString("name"))
         assertEquals(28842, json.getJSONObject("scene").getInt("splats"))

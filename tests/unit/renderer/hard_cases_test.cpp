@@ -58,8 +58,31 @@ TEST_P(HardCasesTest, AcrossAndBehindTheNearPlane) {
   // Centres on both sides of the near plane at 0.01, bodies across it.
   for (const float z : {-2.2F, -1.995F, -1.9895F, -1.9F, -1.5F})
     add(cloud, {.position = {0.01F, 0.005F, z}, .scale = {0.2F, 0.01F, 0.3F}, .opacity = 0.3F});
-  expect_like_reference("across the near plane", cloud, camera, kRose);
+  RenderOptions options = kRose;
+  options.depth_spread_max = 0;
+  expect_like_reference("across the near plane", cloud, camera, options);
   EXPECT_EQ(must(renderer().stats()).drawn, 3U);
+}
+
+// A sheet seen from its edge, 20 units long, whose centre lies a little in front of the camera's
+// plane and far aside: no ray of the picture meets it, but linearised it would veil all of them.
+TEST_P(HardCasesTest, SheetsThatReachBehindTheCameraDrawNoVeil) {
+  SplatCloud cloud;
+  add(cloud, {.position = {0, 0, 4}, .scale = {1, 1, 0.1F}, .opacity = 0.9F, .color = {0, 1, 0}});
+  const Camera camera = front_camera(120, 90, 0);
+  must(renderer().upload(cloud));
+  const auto alone = picture(camera, kRose, TargetFormat::rgba16f, accurate());
+  add(cloud, {.position = {2, 1, 0.15F}, .scale = {0.5F, 0.01F, 20}, .opacity = 0.9F});
+  expect_like_reference("sheet", cloud, camera, kRose);
+  EXPECT_EQ(picture(camera, kRose, TargetFormat::rgba16f, accurate()).pixels, alone.pixels);
+  RenderOptions no_limit = kRose;
+  no_limit.depth_spread_max = 0;
+  expect_like_reference("sheet, without a limit", cloud, camera, no_limit);
+  EXPECT_NE(picture(camera, no_limit, TargetFormat::rgba16f, accurate()).pixels, alone.pixels);
+  // Long sheets beside the camera stay: what of them lies in front of it is as it should be
+  cloud.log_scales[1].z = std::log(0.44F);
+  expect_like_reference("shorter sheet", cloud, camera, kRose);
+  EXPECT_EQ(must(renderer().stats()).drawn, 2U);
 }
 
 // In directions from 20° to 89.4° off the axis, the picture reaching to 27°: without a limit to the
@@ -162,7 +185,7 @@ TEST_P(HardCasesTest, AlphaNearOneAndLongRunsOfNoTransmittance) {
     for (int i = 0; i < layers; ++i) {
       const float depth = static_cast<float>(i) / static_cast<float>(layers);
       add(cloud, {.position = {0, 0, depth},
-                  .scale = glm::vec3(1e3F),
+                  .scale = {1e3F, 1e3F, 1},
                   .opacity = opacity,
                   .color = {depth, 1 - depth, i % 2 == 0 ? 1 : 0}});
     }
@@ -173,7 +196,7 @@ TEST_P(HardCasesTest, AlphaNearOneAndLongRunsOfNoTransmittance) {
 // Nothing hides more than alpha_max of what is behind it. Tolerance: half a unit of a half float.
 TEST_P(HardCasesTest, NoSplatIsFullyOpaque) {
   SplatCloud cloud;
-  add(cloud, {.scale = glm::vec3(1e4F), .color = {0, 0, 0}});
+  add(cloud, {.scale = {1e4F, 1e4F, 1}, .color = {0, 0, 0}});
   cloud.opacity_logits[0] = 30.0F;
   must(renderer().upload(cloud));
   for (const double alpha_max : {0.99, 0.5, 1.0}) {

@@ -144,6 +144,7 @@ TEST_P(RendererTest, RefusesWhatMakesNoPicture) {
   names("alpha_max", [](Camera&, RenderOptions& o) { o.alpha_max = kNan; });
   names("dilation", [](Camera&, RenderOptions& o) { o.dilation = -1; });
   names("near_plane", [](Camera&, RenderOptions& o) { o.near_plane = 0; });
+  names("depth_spread_max", [](Camera&, RenderOptions& o) { o.depth_spread_max = -1; });
   names("frustum_margin", [](Camera&, RenderOptions& o) { o.frustum_margin = kNan; });
   names("sh_degree", [](Camera&, RenderOptions& o) { o.sh_degree = 4; });
   names("background", [](Camera&, RenderOptions& o) { o.background.g = kNan; });

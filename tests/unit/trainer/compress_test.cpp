@@ -39,11 +39,14 @@ struct Fixture {
   CompactOptions options{.steps = usual_compact_steps(cloud)};
 };
 
+// The camera is inside of the splat
+const RenderOptions kEverything{.depth_spread_max = 0};
+
 TEST(SceneError, IsZeroForTheSameSceneAndKnownForAShiftedColour) {
   const Threads threads(1);
   // One splat that fills the view: its colour is that of every pixel, but for α ≤ 0.99
   SplatCloud cloud = test::one_splat({0, 0, 0}, 100, 20, glm::vec3(0));
-  const SceneError error(cloud, {test::camera_in_front(16, 12)}, {}, threads);
+  const SceneError error(cloud, {test::camera_in_front(16, 12)}, kEverything, threads);
   EXPECT_EQ(*error.mse(cloud), 0);
   cloud.sh_dc[0] = glm::vec3(0.5f, 0, 0);
   const double shift = 0.99 * 0.28209479 * 0.5;
@@ -55,7 +58,7 @@ TEST(SceneError, IsZeroForTheSameSceneAndKnownForAShiftedColour) {
 TEST(SceneError, ColoursBeyondTheDisplayDoNotCount) {
   const Threads threads(1);
   SplatCloud cloud = test::one_splat({0, 0, 0}, 100, 20, glm::vec3(10));
-  const SceneError error(cloud, {test::camera_in_front(16, 12)}, {}, threads);
+  const SceneError error(cloud, {test::camera_in_front(16, 12)}, kEverything, threads);
   cloud.sh_dc[0] = glm::vec3(20);
   EXPECT_EQ(*error.mse(cloud), 0);
 }

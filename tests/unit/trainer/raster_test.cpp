@@ -144,7 +144,10 @@ TEST_P(CpuRaster, Needles) {
 
 TEST_P(CpuRaster, AcrossAndBehindTheNearPlane) {
   SplatCloud cloud = test::random_cloud(400, 2, 4, 0.5f, 0.1f);
-  EXPECT_LT(hard_case(cloud, test::camera_in_front(64, 48, 0.1), {}, GetParam()), 1e-3);
+  for (const double depth_spread_max : {3, 0})  // without a limit: all that reach behind the camera
+    EXPECT_LT(hard_case(cloud, test::camera_in_front(64, 48, 0.1),
+                        {.depth_spread_max = depth_spread_max}, GetParam()),
+              1e-3);
 }
 
 TEST_P(CpuRaster, FarOffAxis) {
@@ -241,6 +244,7 @@ TEST_P(CpuRaster, SmallAndOddImages) {
 TEST_P(CpuRaster, EmptySceneAndOneSplatOverTheWholeScreen) {
   RenderOptions options;
   options.background = {0.5, 0.25, 0.125};
+  options.depth_spread_max = 0;
   EXPECT_EQ(hard_case(SplatCloud{}, test::camera_in_front(20, 20), options, GetParam()), 0.0);
   EXPECT_LT(hard_case(test::one_splat({0, 0, 0}, 50.0f, 3.0f), test::camera_in_front(200, 100),
                       options, GetParam()),

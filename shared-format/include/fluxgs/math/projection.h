@@ -18,6 +18,7 @@ struct View {
   T width, height;
   T slope_x_min, slope_x_max, slope_y_min, slope_y_max;  ///< limits of x/z, y/z in the Jacobian
   T dilation, near_plane;
+  T depth_spread_max;  ///< > 0: of RenderOptions, a large number for no limit
 };
 
 template <class T>
@@ -44,7 +45,8 @@ View<T> make_view(const Camera& camera, const RenderOptions& options) {
           scalar((-my - camera.cy) / camera.fy),
           scalar((camera.height + my - camera.cy) / camera.fy),
           scalar(options.dilation),
-          scalar(options.near_plane)};
+          scalar(options.near_plane),
+          scalar(options.depth_spread_max > 0 ? options.depth_spread_max : 1e30)};
 }
 
 /// The same view in another scalar type, e.g. one number to all lanes of a pack.
@@ -65,7 +67,8 @@ View<To> convert(const View<From>& v) {
           To(v.slope_y_min),
           To(v.slope_y_max),
           To(v.dilation),
-          To(v.near_plane)};
+          To(v.near_plane),
+          To(v.depth_spread_max)};
 }
 
 /// q/|q|. Scaled by the largest component first, so that tiny quaternions do not underflow;
@@ -107,6 +110,15 @@ Jacobian<T> projection_jacobian(const Vec3<T>& p, const View<T>& view) {
   const T sy = min(max(p.y * inverse_z, view.slope_y_min), view.slope_y_max);
   const T x0 = view.fx * inverse_z, y1 = view.fy * inverse_z;
   return {x0, -(x0 * sx), y1, -(y1 * sy), sx, sy};
+}
+
+/// The Gaussian's standard deviation along the view direction, scene units, for
+/// RenderOptions::depth_spread_max.
+template <class T>
+T depth_deviation(const Vec3<T>& forward, const Mat3<T>& rotation, const Vec3<T>& scale) {
+  const Vec3<T> f = transpose_times(rotation, forward);
+  const Vec3<T> axes{f.x * scale.x, f.y * scale.y, f.z * scale.z};
+  return sqrt(dot(axes, axes));
 }
 
 /// A 2×3 matrix: the images on the screen (px) of the Gaussian's three principal axes,

@@ -55,8 +55,9 @@ void project(const ProjectArgs& args, std::size_t begin, std::size_t end) {
                                 pack(row::rotation + 2), pack(row::rotation + 3)};
       const auto rotation = math::rotation_matrix(math::normalized(q));
       const auto jacobian = math::projection_jacobian(p, view);
-      const auto axes = math::screen_axes(jacobian, view.rotation, rotation,
-                                          Vec3<Lanes>{exp(s.x), exp(s.y), exp(s.z)});
+      const Vec3<Lanes> scale{exp(s.x), exp(s.y), exp(s.z)};
+      const auto axes = math::screen_axes(jacobian, view.rotation, rotation, scale);
+      const Lanes spread = math::depth_deviation(view.rotation.row2, rotation, scale);
       const auto f = math::footprint(axes, view.dilation);
 
       const Lanes inverse_z = Lanes(1.0f) / p.z;
@@ -67,8 +68,9 @@ void project(const ProjectArgs& args, std::size_t begin, std::size_t end) {
                            Lanes(1.0f / kFactorScale);
       const Lanes half_width = radius * f.deviation_x, half_height = radius * f.deviation_y;
       const Lanes half(0.5f);
-      visible = visible & (x + half_width >= half) & (x - half_width <= view.width - half) &
-                (y + half_height >= half) & (y - half_height <= view.height - half);
+      visible = visible & (spread <= view.depth_spread_max * p.z) & (x + half_width >= half) &
+                (x - half_width <= view.width - half) & (y + half_height >= half) &
+                (y - half_height <= view.height - half);
 
       const Vec3<Lanes> ray = position - view.center;
       const Lanes length2 = dot(ray, ray);
@@ -76,10 +78,20 @@ void project(const ProjectArgs& args, std::size_t begin, std::size_t end) {
       const Vec3<Lanes> raw = shade(pack, ray * inverse_length, args.sh_degree);
       const Lanes zero(0.0f);
       const Vec3<Lanes> color{max(raw.x, zero), max(raw.y, zero), max(raw.z, zero)};
-      const Lanes scale(kFactorScale);
-      const Lanes columns[] = {
-          x,       y,       f.xx * scale, f.xy * scale, f.yy * scale, log2_opacity, color.x,
-          color.y, color.z, p.z,          half_width,   half_height,  opacity};
+      const Lanes factor_scale(kFactorScale);
+      const Lanes columns[] = {x,
+                               y,
+                               f.xx * factor_scale,
+                               f.xy * factor_scale,
+                               f.yy * factor_scale,
+                               log2_opacity,
+                               color.x,
+                               color.y,
+                               color.z,
+                               p.z,
+                               half_width,
+                               half_height,
+                               opacity};
       // What max() and the exponentials limit is asked before they do
       Lanes total =
           pack(row::opacity) + s.x + s.y + s.z + q.w + q.x + q.y + q.z + raw.x + raw.y + raw.z;

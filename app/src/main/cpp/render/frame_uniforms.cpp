@@ -54,6 +54,9 @@ Expected<void> check_options(const RenderOptions& o) {
   if (!(o.near_plane > 0) || !std::isfinite(o.near_plane)) {
     return fail("options", "near_plane", "must be positive and finite");
   }
+  if (!(o.depth_spread_max >= 0) || !std::isfinite(o.depth_spread_max)) {
+    return fail("options", "depth_spread_max", "must be finite and not negative");
+  }
   if (!(o.frustum_margin >= 0) || !std::isfinite(o.frustum_margin)) {
     return fail("options", "frustum_margin", "must be finite and not negative");
   }
@@ -124,6 +127,7 @@ FrameUniforms make_frame_uniforms(const Camera& camera, const RenderOptions& opt
   u.alpha_max = static_cast<float>(options.alpha_max);
   u.dilation = static_cast<float>(view.dilation);
   u.near_plane = static_cast<float>(view.near_plane);
+  u.depth_spread_max = static_cast<float>(view.depth_spread_max);
   u.splat_count = scene.count;
   u.sh_degree = static_cast<std::uint32_t>(std::min(options.sh_degree, scene.sh_degree));
   u.radius_max = static_cast<float>(radius_limit(shortcuts.max_deviations));

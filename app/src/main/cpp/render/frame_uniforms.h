@@ -21,11 +21,11 @@ struct FrameUniforms {
   std::array<float, 4> slope_limits;
   std::array<float, 2> target_size;
   float level_min, alpha_max;
-  float dilation, near_plane;
+  float dilation, near_plane, depth_spread_max;
   std::uint32_t splat_count, sh_degree;
   float radius_max, size_min, sort_margin;
   std::uint32_t key_low, key_shift, key_max;
-  std::array<std::uint32_t, 2> unused;
+  std::uint32_t unused;
 };
 static_assert(sizeof(FrameUniforms) == 160, "std140 wants multiples of 16 bytes");
 

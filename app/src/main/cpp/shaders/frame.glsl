@@ -11,6 +11,7 @@ layout(std140, binding = 0) uniform Frame {
   highp float alpha_max;
   highp float dilation;  // px²
   highp float near_plane;
+  highp float depth_spread_max;
   highp uint splat_count;
   highp uint sh_degree;     // to evaluate
   highp float radius_max;   // of a quad, in the units of Record::factor

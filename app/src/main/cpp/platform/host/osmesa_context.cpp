@@ -7,8 +7,9 @@
 
 #ifdef __SANITIZE_ADDRESS__
 // OSMesaDestroyContext forgets the 104-byte buffer that OSMesaMakeCurrent made (Mesa 22.3.6). With
-// this the leak sanitizer reports only leaks of ours.
-extern "C" const char* __lsan_default_suppressions();  // NOLINT(bugprone-reserved-identifier)
+// this the leak sanitizer, which asks the program for it, reports only leaks of ours.
+// NOLINTNEXTLINE(bugprone-reserved-identifier)
+extern "C" [[gnu::visibility("default")]] const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() { return "leak:libOSMesa"; }  // NOLINT
 #endif
 

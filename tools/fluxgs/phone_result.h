@@ -1,0 +1,38 @@
+// What the app's benchmark saves (BenchmarkResult.kt), read.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "fluxgs/error.h"
+
+namespace fluxgs::cli {
+
+/// One size of picture, kind of views and sorter. Times are medians over the frames, > 0.
+struct PhoneRow {
+  int width = 0, height = 0;
+  std::string views, sorter;
+  double draw_ms = 0, sort_to_photon_ms = 0, pipelined_ms = 0;
+
+  std::string name() const;  ///< the same for the same measurement in another run
+};
+
+struct PhoneResult {
+  std::string device;  ///< maker, model, processor, Android's version
+  std::string driver;  ///< of OpenGL ES
+  std::string app;     ///< its version
+  std::string scene;   ///< file name
+  std::uint64_t splats = 0, bytes = 0;
+  int heat_before = 0, heat_after = 0;  ///< thermal status of Android, 0 (none)…6
+  std::string stopped;                  ///< why before its end; empty: it is whole
+  nlohmann::json self_test;             ///< null: none was made
+  std::vector<PhoneRow> rows;
+};
+
+/// Errors name the file and the field that is missing or of the wrong kind.
+Expected<PhoneResult> phone_result(const nlohmann::json& value, const std::string& file);
+
+}  // namespace fluxgs::cli

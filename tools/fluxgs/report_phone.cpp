@@ -1,0 +1,164 @@
+// fluxgs report phone: what the app's benchmark measured on a device, beside the paper and an
+// earlier run.
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "bench/self_test.h"
+#include "tools/fluxgs/console.h"
+#include "tools/fluxgs/phone_result.h"
+#include "tools/fluxgs/read_json.h"
+#include "tools/fluxgs/report.h"
+
+namespace fluxgs::cli {
+namespace {
+
+using nlohmann::json;
+
+struct PhoneReport {
+  std::string result, before, scene, report;
+};
+
+/// Flux-GS, tables of the Mip-NeRF 360 scenes (indoor, outdoor) and of the ablation (all of them):
+/// off the screen, Snapdragon 8 Gen 3. The size of the picture is not given.
+struct PaperRow {
+  const char* what;
+  double splats, megabytes, fps;
+};
+constexpr PaperRow kPaper[] = {
+    {"indoor", 0.22e6, 2.1, 147}, {"outdoor", 0.48e6, 4.6, 132}, {"all scenes", 0.36e6, 3.5, 139}};
+
+std::optional<double> ratio(const PhoneRow& now, const PhoneResult* before) {
+  if (before == nullptr) return std::nullopt;
+  const auto old = std::ranges::find(before->rows, now.name(), &PhoneRow::name);
+  if (old == before->rows.end()) return std::nullopt;
+  return old->draw_ms / now.draw_ms;
+}
+
+json to_json(const PhoneResult& r, const PhoneResult* before,
+             const std::optional<bool>& same_results) {
+  json rows = json::array();
+  for (const PhoneRow& row : r.rows) {
+    json j = {{"width", row.width},
+              {"height", row.height},
+              {"views", row.views},
+              {"sorter", row.sorter},
+              {"draw_fps", 1000 / row.draw_ms},
+              {"draw_ms", row.draw_ms},
+              {"sort_to_photon_ms", row.sort_to_photon_ms},
+              {"pipelined_fps", 1000 / row.pipelined_ms}};
+    if (const auto times = ratio(row, before)) j["speed_to_before"] = *times;
+    rows.push_back(j);
+  }
+  json paper = json::array();
+  for (const PaperRow& p : kPaper)
+    paper.push_back(
+        {{"scenes", p.what}, {"splats", p.splats}, {"bytes", p.megabytes * 1e6}, {"fps", p.fps}});
+  return {{"device", r.device},
+          {"driver", r.driver},
+          {"scene", r.scene},
+          {"splats", r.splats},
+          {"bytes", r.bytes},
+          {"app", r.app},
+          {"stopped", r.stopped},
+          {"rows", rows},
+          {"paper", paper},
+          {"self_test_same", same_results ? json(*same_results) : json(nullptr)}};
+}
+
+void print_rows(const PhoneResult& r, const PhoneResult* before) {
+  fmt::print("{:<12} {:<6} {:<6} {:>9} {:>9} {:>14} {:>13}{}\n", "size", "views", "sorter",
+             "draw fps", "draw ms", "sort to photon", "pipelined fps",
+             before == nullptr ? "" : "  x before");
+  for (const PhoneRow& row : r.rows) {
+    fmt::print("{:<12} {:<6} {:<6} {:>9.1f} {:>9.2f} {:>11.2f} ms {:>13.1f}",
+               fmt::format("{}x{}", row.width, row.height), row.views, row.sorter,
+               1000 / row.draw_ms, row.draw_ms, row.sort_to_photon_ms, 1000 / row.pipelined_ms);
+    if (const auto times = ratio(row, before)) fmt::print("  {:>8.2f}", *times);
+    fmt::print("\n");
+  }
+}
+
+void print_report(const PhoneResult& r, const PhoneResult* before,
+                  const std::optional<bool>& same_results) {
+  fmt::print("{}, {}\n", r.device, r.driver);
+  fmt::print("{}: {} splats, {:.2f} MB; app {}; heat {} before, {} after\n", r.scene, r.splats,
+             static_cast<double>(r.bytes) / 1e6, r.app, r.heat_before, r.heat_after);
+  if (!r.stopped.empty()) fmt::print("NOT WHOLE, it was stopped: {}\n", r.stopped);
+  fmt::print("\n");
+  print_rows(r, before);
+  fmt::print("\npaper (Flux-GS, Snapdragon 8 Gen 3, off the screen):");
+  for (const PaperRow& p : kPaper)
+    fmt::print(" {} {:.0f} fps with {:.2f} M splats{}", p.what, p.fps, p.splats / 1e6,
+               &p == std::end(kPaper) - 1 ? "\n" : ";");
+  if (same_results)
+    fmt::print("self-test: the device computes {} this machine does\n",
+               *same_results ? "bit for bit what" : "SOMETHING ELSE than");
+}
+
+/// Whether the device decodes, sorts and projects as this machine does.
+Expected<std::optional<bool>> compare_self_tests(const PhoneReport& s, const PhoneResult& r) {
+  if (s.scene.empty()) return std::optional<bool>();
+  if (!r.self_test.is_object())
+    return fail(s.result, "self_test", "is missing; the app makes none of scenes over 32 MiB");
+  const auto scene = load_scene(s.scene);
+  if (!scene) return std::unexpected(scene.error());
+  const json here = json::parse(to_json(bench::self_test(scene->cloud)));
+  for (const auto& [key, value] : here.items())
+    if (!r.self_test.contains(key) || r.self_test[key] != value) return std::optional(false);
+  return std::optional(true);
+}
+
+Expected<PhoneResult> read_result(const std::string& path) {
+  const auto value = read_json(path);
+  if (!value) return std::unexpected(value.error());
+  return phone_result(*value, path);
+}
+
+Expected<void> report(const PhoneReport& s) {
+  if (auto ok = check_outputs("", s.report == "-" ? "" : s.report); !ok) return ok;
+  const auto result = read_result(s.result);
+  if (!result) return std::unexpected(result.error());
+  std::optional<PhoneResult> before;
+  if (!s.before.empty()) {
+    auto earlier = read_result(s.before);
+    if (!earlier) return std::unexpected(earlier.error());
+    if (earlier->scene != result->scene)
+      return fail(
+          s.before, "scene",
+          fmt::format("is {}; expected that of {}, {}", earlier->scene, s.result, result->scene));
+    before = std::move(*earlier);
+  }
+  const auto same = compare_self_tests(s, *result);
+  if (!same) return std::unexpected(same.error());
+  const PhoneResult* earlier = before ? &*before : nullptr;
+  auto given = give_report(s.report, to_json(*result, earlier, *same),
+                           [&] { print_report(*result, earlier, *same); });
+  if (given && *same && !**same)
+    return fail(s.result, "self_test", "differs from what this machine computes of " + s.scene);
+  return given;
+}
+
+}  // namespace
+
+void add_report_phone(CLI::App& app, Action& action) {
+  auto s = std::make_shared<PhoneReport>();
+  CLI::App* command = app.add_subcommand(
+      "phone", "What the app's benchmark measured, beside the paper and an earlier run");
+  command->footer(
+      "RESULT is what the app saves or shares as JSON. tools/phone-benchmark makes one of a\n"
+      "device at hand. draw: one frame, already sorted; sort to photon: from a new view to its\n"
+      "finished picture; pipelined: frames one after the other. All are medians.\n"
+      "Example: fluxgs report phone garden.json --before last-week.json --scene garden.glb");
+  command->add_option("result", s->result, "the app's result")->required();
+  command->add_option("--before", s->before, "an earlier result of the same scene");
+  command->add_option("--scene", s->scene,
+                      "the scene's file: does the device compute what this machine does?");
+  command->add_option("--json", s->report, "write the numbers here (-: standard output)");
+  command->callback([s, &action] { action = [s] { return report(*s); }; });
+}
+
+}  // namespace fluxgs::cli
