@@ -37,7 +37,7 @@ StartView start_view_of(const std::vector<Photo>& photos) {
   const camera::ViewState view = camera::view_of(middle_one(photos).camera, 1);
   return {.position = camera::eye(view),
           .orientation = view.orientation,
-          .fov_y = view.fov_y,
+          .fov_y = view.fov,
           .up = camera::up_of_cameras(cameras_of(photos)).direction};
 }
 

@@ -66,13 +66,14 @@ struct Viewer {
   Clock::time_point titled;
 };
 
-json camera_json(const camera::ViewState& view) {
+json camera_json(const camera::ViewState& view, const glm::dvec2& size) {
+  const double height = camera::units_per_pixel(view, 1, size) * size.y;
   const auto list = [](const glm::dvec3& v) { return json{v.x, v.y, v.z}; };
   return json::array({{{"name", "view"},
                        {"position", list(camera::eye(view))},
                        {"target", list(view.target)},
                        {"up", list(-camera::down(view))},
-                       {"fovY", view.fov_y * 180 / std::numbers::pi}}});
+                       {"fovY", 2 * std::atan(0.5 * height) * 180 / std::numbers::pi}}});
 }
 
 glm::dvec2 as_vector(const host::WindowSize& size) { return {size.width, size.height}; }
@@ -83,7 +84,7 @@ void handle(Viewer& v, const host::WindowEvent& event, double time, bool& quit) 
   const ViewRequest request = apply(event, time, size, v.input, n);
   quit = quit || request.quit;
   if (request.print_camera) {
-    print_json(camera_json(n.view));
+    print_json(camera_json(n.view, size));
     std::fflush(stdout);
   }
   if (!request.focus) return;
@@ -213,7 +214,7 @@ Expected<void> show(Viewer& v, const ViewSettings& s, const host::WindowSize& si
 
 bool same(const camera::ViewState& a, const camera::ViewState& b) {
   return a.target == b.target && a.orientation == b.orientation && a.distance == b.distance &&
-         a.fov_y == b.fov_y;
+         a.fov == b.fov;
 }
 
 /// The events of people, or of the script while it lasts. Returns whether the window must be drawn.

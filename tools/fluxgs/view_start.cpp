@@ -71,8 +71,7 @@ ViewStart choose_start(const SceneFile& scene, const std::optional<Dataset>& dat
   } else if (scene.start) {
     view = camera::first_view(scene.cloud, scene.start, {size.width, size.height}).view;
   } else {
-    view = camera::fitting_view(bounds, chosen.direction, camera::kUsualFieldOfView,
-                                glm::dvec2(size.width, size.height));
+    view = camera::fitting_view(bounds, chosen.direction, camera::kUsualFieldOfView);
   }
   return {camera::navigation_from(view, chosen.direction, camera::units_of(bounds)), chosen.source};
 }

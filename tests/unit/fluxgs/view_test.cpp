@@ -335,7 +335,7 @@ TEST(ViewStart, UpIsWhatIsGivenOrWhatThePhotosSay) {
   const auto own = cli::choose_start(scene, std::nullopt, std::nullopt, std::nullopt, {640, 480});
   EXPECT_EQ(own.navigation.up, glm::dvec3(1, 0, 0));
   EXPECT_LT(glm::distance(camera::eye(own.navigation.view), glm::dvec3(0, 0, -4)), 1e-9);
-  EXPECT_EQ(own.navigation.view.fov_y, 1);
+  EXPECT_EQ(own.navigation.view.fov, 1);
 }
 
 }  // namespace

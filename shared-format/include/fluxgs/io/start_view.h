@@ -17,8 +17,9 @@ namespace fluxgs {
 struct StartView {
   glm::dvec3 position{0.0};            ///< of the eye, scene units
   glm::dquat orientation{1, 0, 0, 0};  ///< camera → world, of unit length
-  double fov_y = 0.87;                 ///< of the picture's full height, radians, 0…π
-  glm::dvec3 up{0, -1, 0};             ///< what is up in the scene, of unit length
+  /// Of the picture's height, radians, 0…π; in one that is higher than wide we show as much across.
+  double fov_y = 0.87;
+  glm::dvec3 up{0, -1, 0};  ///< what is up in the scene, of unit length
 };
 
 /// The same .glb with a perspective camera at the top level of its default scene, before other

@@ -73,7 +73,7 @@ TEST(Fit, TheWholeSphereIsSeenInAnyShapeOfWindow) {
   const SceneBounds bounds{.center = {1e5, 3, -2}, .radius = 2};
   for (const glm::dvec2 size : {glm::dvec2(640, 480), glm::dvec2(300, 900), glm::dvec2(50, 50)}) {
     for (const glm::dvec3 up : {kUp, glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 0)}) {
-      const ViewState view = fitting_view(bounds, up, 50 * kDegree, size);
+      const ViewState view = fitting_view(bounds, up, 50 * kDegree);
       EXPECT_NEAR(roll(view, up), 0, 1e-9);
       EXPECT_NEAR(std::sin(elevation(view, up)), kFirstHeight, 1e-9);
       for (const glm::dvec3 way : {right(view), down(view), -right(view), -down(view)}) {
@@ -85,7 +85,7 @@ TEST(Fit, TheWholeSphereIsSeenInAnyShapeOfWindow) {
       EXPECT_GT(units_of(bounds).distances.farthest, view.distance);
     }
   }
-  EXPECT_TRUE(is_finite(fitting_view(bounds, kUp, 1, {0, 0})));
+  EXPECT_TRUE(is_finite(fitting_view(bounds, kUp, 1)));
 }
 
 /// Cameras on an arc around the origin that look at it from above.

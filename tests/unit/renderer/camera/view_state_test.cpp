@@ -15,17 +15,21 @@ TEST(ViewState, LooksAtItsTargetWithUpUpwards) {
   EXPECT_NEAR(right(view).y, 0, 1e-12);
 }
 
-TEST(ViewState, FieldOfViewIsThatOfTheFullHeight) {
+TEST(ViewState, FieldOfViewIsThatOfTheShorterSide) {
   const ViewState view = view_between({0, 0, 0}, {0, 0, 2}, kUp, 90 * kDegree);
   EXPECT_NEAR(pixel_of(view, {0, 2, 2}).y, 480, 1e-9);
   const Camera camera = camera_of(view, 640, 480);
   EXPECT_DOUBLE_EQ(camera.fx, camera.fy);
+  const Camera upright = camera_of(view, 480, 640);
+  EXPECT_DOUBLE_EQ(upright.fx, camera.fx);
+  EXPECT_NEAR(view_of(upright, 2).fov, view.fov, 1e-12);
+  EXPECT_NEAR(pixel_of(view, {2, 0, 2}, {480, 640}).x, 480, 1e-9);
 }
 
 TEST(ViewState, CamerasComeBack) {
   const ViewState view = some_view();
   expect_same_view(view_of(camera_of(view, 640, 480), view.distance), view, 1e-12);
-  EXPECT_NEAR(view_of(camera_of(view, 640, 480), 1).fov_y, view.fov_y, 1e-12);
+  EXPECT_NEAR(view_of(camera_of(view, 640, 480), 1).fov, view.fov, 1e-12);
 }
 
 TEST(ViewState, PointsUnderPixelsProjectThere) {

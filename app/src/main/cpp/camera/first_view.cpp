@@ -12,7 +12,7 @@ namespace {
 
 ViewState view_from(const StartView& start, const SplatCloud& cloud, const SceneBounds& bounds,
                     const SceneUnits& units, const glm::dvec2& size) {
-  ViewState view{.target = {}, .orientation = start.orientation, .fov_y = start.fov_y};
+  ViewState view{.target = {}, .orientation = start.orientation, .fov = start.fov_y};
   const glm::dvec3 ahead = forward(view);
   // As far as the middle of the scene, unless something else is seen
   view.distance = glm::dot(bounds.center - start.position, ahead);
@@ -35,7 +35,7 @@ Navigation first_view(const SplatCloud& cloud, const std::optional<StartView>& s
   if (start)
     return navigation_from(view_from(*start, cloud, bounds, units, size), start->up, units);
   const glm::dvec3 up = up_of_cloud(cloud).direction;
-  return navigation_from(fitting_view(bounds, up, kUsualFieldOfView, size), up, units);
+  return navigation_from(fitting_view(bounds, up, kUsualFieldOfView), up, units);
 }
 
 }  // namespace fluxgs::camera

@@ -74,18 +74,15 @@ glm::dvec3 level_front(const glm::dvec3& up) {
   return glm::cross(glm::normalize(glm::cross(up, guess)), up);
 }
 
-double fitting_distance(double radius, double fov_y, const glm::dvec2& size) {
-  const double aspect = std::max(size.x, 1.0) / std::max(size.y, 1.0);
-  const double half = std::atan(std::tan(0.5 * fov_y) * std::min(aspect, 1.0));
-  return kMargin * radius / std::sin(half);
+double fitting_distance(double radius, double fov) {
+  return kMargin * radius / std::sin(0.5 * fov);
 }
 
-ViewState fitting_view(const SceneBounds& bounds, const glm::dvec3& up, double fov_y,
-                       const glm::dvec2& size) {
-  const double distance = fitting_distance(bounds.radius, fov_y, size);
+ViewState fitting_view(const SceneBounds& bounds, const glm::dvec3& up, double fov) {
+  const double distance = fitting_distance(bounds.radius, fov);
   const double level = std::sqrt(1 - kFirstHeight * kFirstHeight);
   const glm::dvec3 arm = distance * (level * level_front(up) + kFirstHeight * up);
-  return view_between(bounds.center + arm, bounds.center, up, fov_y);
+  return view_between(bounds.center + arm, bounds.center, up, fov);
 }
 
 }  // namespace fluxgs::camera

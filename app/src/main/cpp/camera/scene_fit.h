@@ -47,14 +47,14 @@ SceneUnits units_of(const SceneBounds& bounds);
 /// made level, or −x where `up` (a unit vector) is about z.
 glm::dvec3 level_front(const glm::dvec3& up);
 
-/// How far away a sphere fills the picture, but for a margin of 15 %.
-double fitting_distance(double radius, double fov_y, const glm::dvec2& size);
+/// How far away a sphere fills the picture's shorter side, of which `fov` is, but for a margin of
+/// 15 %.
+double fitting_distance(double radius, double fov);
 
 /// What part of the distance the first view stands above the scene's middle.
 inline constexpr double kFirstHeight = 0.3;
 
 /// All of the scene, from its front and slightly above.
-ViewState fitting_view(const SceneBounds& bounds, const glm::dvec3& up, double fov_y,
-                       const glm::dvec2& size);
+ViewState fitting_view(const SceneBounds& bounds, const glm::dvec3& up, double fov);
 
 }  // namespace fluxgs::camera

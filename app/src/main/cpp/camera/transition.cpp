@@ -15,7 +15,7 @@ ViewState between(const ViewState& from, const ViewState& to, double part) {
   view.target = glm::mix(from.target, to.target, s);
   view.orientation = glm::normalize(glm::slerp(from.orientation, to.orientation, s));
   view.distance = std::exp(glm::mix(std::log(from.distance), std::log(to.distance), s));
-  view.fov_y = glm::mix(from.fov_y, to.fov_y, s);
+  view.fov = glm::mix(from.fov, to.fov, s);
   return view;
 }
 

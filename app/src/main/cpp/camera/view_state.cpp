@@ -35,13 +35,13 @@ glm::dmat3 look_rotation(const glm::dvec3& forward, const glm::dvec3& up) {
 }
 
 ViewState view_between(const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3& up,
-                       double fov_y) {
+                       double fov) {
   ViewState view;
   view.target = target;
   view.distance = std::max(glm::distance(eye, target), kSmallest);
   view.orientation =
       glm::normalize(glm::quat_cast(glm::transpose(look_rotation(target - eye, up))));
-  view.fov_y = fov_y;
+  view.fov = fov;
   return view;
 }
 
@@ -50,7 +50,9 @@ ViewState view_of(const Camera& camera, double distance) {
   view.orientation = glm::normalize(glm::quat_cast(glm::transpose(camera.rotation)));
   view.distance = std::max(distance, kSmallest);
   view.target = camera.center() + view.distance * forward(view);
-  view.fov_y = 2 * std::atan(0.5 * camera.height / camera.fy);
+  const double slope =
+      camera.width < camera.height ? camera.width / camera.fx : camera.height / camera.fy;
+  view.fov = 2 * std::atan(0.5 * slope);
   return view;
 }
 
@@ -58,7 +60,8 @@ Camera camera_of(const ViewState& view, int width, int height) {
   Camera camera;
   camera.width = std::max(width, 1);
   camera.height = std::max(height, 1);
-  camera.fx = camera.fy = 0.5 * camera.height / std::tan(0.5 * view.fov_y);
+  const int side = std::min(camera.width, camera.height);
+  camera.fx = camera.fy = 0.5 * side / std::tan(0.5 * view.fov);
   camera.cx = 0.5 * camera.width;
   camera.cy = 0.5 * camera.height;
   camera.rotation = glm::transpose(glm::mat3_cast(glm::normalize(view.orientation)));
@@ -67,7 +70,7 @@ Camera camera_of(const ViewState& view, int width, int height) {
 }
 
 double units_per_pixel(const ViewState& view, double depth, const glm::dvec2& size) {
-  return 2 * std::tan(0.5 * view.fov_y) * depth / std::max(size.y, 1.0);
+  return 2 * std::tan(0.5 * view.fov) * depth / std::max(std::min(size.x, size.y), 1.0);
 }
 
 glm::dvec3 point_at(const ViewState& view, const glm::dvec2& pixel, double depth,

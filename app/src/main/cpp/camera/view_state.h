@@ -19,12 +19,13 @@ namespace fluxgs::camera {
 
 inline constexpr double kUsualFieldOfView = 50 * std::numbers::pi / 180;
 
-/// A view with square pixels and the principal point in the picture's centre, where `target` is.
+/// A view with square pixels and the principal point in the picture's centre, where `target` is. A
+/// phone that is turned goes on showing what was in the middle.
 struct ViewState {
   glm::dvec3 target{0.0};
   glm::dquat orientation{1, 0, 0, 0};  ///< camera → world, of unit length
   double distance = 1;                 ///< from the eye to the target, > 0
-  double fov_y = kUsualFieldOfView;    ///< of the picture's full height, 0…π
+  double fov = kUsualFieldOfView;      ///< of the picture's shorter side, 0…π
 };
 
 /// How near to and far from its target a view may come, scene units, 0 < nearest < farthest.
@@ -46,10 +47,10 @@ glm::dmat3 look_rotation(const glm::dvec3& forward, const glm::dvec3& up);
 /// From `eye` to `target`; see look_rotation() on `up`. Where the points coincide the distance is
 /// 1e-9 and the direction +z.
 ViewState view_between(const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3& up,
-                       double fov_y);
+                       double fov);
 
 /// The view of a camera, with the target at this distance before it. Of the intrinsics only the
-/// vertical field of view is kept.
+/// field of view of the shorter side is kept.
 ViewState view_of(const Camera& camera, double distance);
 
 /// The camera to render a view with. Sides below 1 count as 1.

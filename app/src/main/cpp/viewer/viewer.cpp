@@ -37,13 +37,13 @@ std::optional<std::pair<camera::ViewState, glm::dvec3>> restored(const Place& p)
   const camera::ViewState view{.target = {p[0], p[1], p[2]},
                                .orientation = glm::normalize(turn),
                                .distance = p[7],
-                               .fov_y = p[8]};
+                               .fov = p[8]};
   return std::pair(view, glm::normalize(up));
 }
 
 bool same(const camera::ViewState& a, const camera::ViewState& b) {
   return a.target == b.target && a.orientation == b.orientation && a.distance == b.distance &&
-         a.fov_y == b.fov_y;
+         a.fov == b.fov;
 }
 
 /// Settings that GL objects are made for.
@@ -185,7 +185,7 @@ std::optional<Place> Viewer::place() const {
                v.orientation.y,
                v.orientation.z,
                v.distance,
-               v.fov_y,
+               v.fov,
                up.x,
                up.y,
                up.z};

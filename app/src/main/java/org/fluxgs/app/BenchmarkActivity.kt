@@ -39,6 +39,7 @@ class BenchmarkActivity : Activity() {
     private var report: BenchmarkReport? = null
     private var before = Heat()
     private var name = ""
+    private var began = 0L
     private var selfTest: JSONObject? = null
     internal var result: BenchmarkResult? = null
         private set
@@ -151,6 +152,7 @@ class BenchmarkActivity : Activity() {
         if (!loading.ready) return true
         if (report == null) {
             report = BenchmarkReport(this, plan)
+            began = System.nanoTime()
             session.startBenchmark(plan)
         }
         val outcome = session.benchmark() ?: return false
@@ -174,20 +176,12 @@ class BenchmarkActivity : Activity() {
         if (all == 0) return
         bar.max = all
         bar.progress = done
-        val elapsed = (System.nanoTime() - startedAt()) / 1e9
+        val elapsed = (System.nanoTime() - began) / 1e9
         val left = if (done > 0) elapsed * (all - done) / done else 0.0
         status.text = getString(R.string.benchmark_progress, name, done, all, left)
     }
 
-    private var began = 0L
-
-    private fun startedAt(): Long {
-        if (began == 0L) began = System.nanoTime()
-        return began
-    }
-
     private fun finishWith(outcome: JSONObject, state: SessionState): Boolean {
-        began = 0
         val found = report!!.result(
             outcome, state, name, state.loading.read, before, thermals.now(), selfTest,
         )
