@@ -2,8 +2,6 @@ package org.fluxgs.app
 
 import android.app.Activity
 import android.content.Intent
-import android.graphics.Bitmap
-import android.graphics.Color
 import android.net.Uri
 import android.view.View
 import android.widget.GridView
@@ -54,10 +52,10 @@ class ScenesTest {
     private fun name(position: Int): String =
         grid.getChildAt(position).findViewById<TextView>(R.id.name).text.toString()
 
-    private fun remember(name: String, colour: Int): Uri {
+    private fun remember(name: String, picture: String): Uri {
         val uri = Documents.uri(name)
-        val picture = Bitmap.createBitmap(400, 300, Bitmap.Config.ARGB_8888).apply { eraseColor(colour) }
-        Recents(context).remember(uri, name, 1_500_000, 123_456, DoubleArray(12) { it.toDouble() }, picture)
+        val place = DoubleArray(12) { it.toDouble() }
+        Recents(context).remember(uri, name, 1_500_000, 123_456, place, pictureOf(picture))
         return uri
     }
 
@@ -74,17 +72,17 @@ class ScenesTest {
 
     @Test
     fun scenesThatWereOpenedComeWithTheirPicturesTheNewestFirst() {
-        remember("garden.glb", Color.GREEN)
-        val uri = remember("kitchen.ply", Color.RED)
+        remember("corner.glb", "shown_corner.png")
+        val uri = remember("marbles.ply", "shown_marbles.png")
         Recents(context).remember(
             Scene.SAMPLE, "Sample scene", 289_512, 28_842, null, pictureOf("sample.png"),
         )
         open()
         assertEquals(3, grid.adapter.count)
-        assertEquals("kitchen.ply", name(1))
-        assertEquals("garden.glb", name(2))
+        assertEquals("marbles.ply", name(1))
+        assertEquals("corner.glb", name(2))
         assertNotNull(grid.getChildAt(1).findViewById<ImageView>(R.id.picture).drawable)
-        assertTrue(grid.getChildAt(1).contentDescription.startsWith("kitchen.ply, "))
+        assertTrue(grid.getChildAt(1).contentDescription.startsWith("marbles.ply, "))
         keep(screenOf(activity, null), "scenes")
         tap(1)
         assertEquals(uri, shadowOf(activity).nextStartedActivity.data)
@@ -92,7 +90,7 @@ class ScenesTest {
 
     @Test
     fun aSceneCanBeTakenOffTheList() {
-        val uri = remember("old.spz", Color.BLUE)
+        val uri = remember("old.spz", "sample.png")
         open()
         grid.onItemLongClickListener!!.onItemLongClick(grid, grid.getChildAt(1), 1, 1)
         pump()
@@ -148,7 +146,7 @@ class ScenesTest {
 
     @Test
     fun theListForgetsTheOldest() {
-        for (i in 0 until Recents.MOST + 3) remember("scene-$i", Color.GRAY)
+        for (i in 0 until Recents.MOST + 3) remember("scene-$i", "sample.png")
         val all = Recents(context).all()
         assertEquals(Recents.MOST, all.size)
         assertEquals("scene-${Recents.MOST + 2}", all.first().name)
