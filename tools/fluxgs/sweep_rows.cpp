@@ -56,6 +56,23 @@ void add_parts(std::vector<SweepRow>& rows) {
   add("no-prune", "without pruning", {"--prune", "none"});
 }
 
+/// What `flux` adds to 3DGS and to the paper, each taken away from the whole.
+void add_ours(std::vector<SweepRow>& rows) {
+  const auto add = [&](const char* name, const char* label, Options options) {
+    rows.push_back({"ours", name, label, kOurs, std::move(options)});
+  };
+  add("ours", "flux", {});
+  add("ours-no-dropout", "without dropout", {"--dropout", "0"});
+  add("ours-no-coarse-start", "without halved photos first", {"--coarse-levels", "0"});
+  add("ours-no-error-rank", "growth by gradients only", {"--densify", "grad"});
+  add("ours-random-split", "splits at random", {"--split", "random"});
+  add("ours-unlimited-growth", "without a limit to growth", {"--densify-growth", "0"});
+  add("ours-no-late-prune", "without late pruning", {"--late-prune", "off"});
+  add("ours-no-adaptive-degree", "all of degree 3", {"--sh-target", "3"});
+  add("ours-no-rounding", "rounded only when stored", {"--rounding", "off"});
+  add("ours-no-depth-spread", "splats of any depth", {"--depth-spread", "0"});
+}
+
 /// The integrals behind E_mag and E_dir, which only the paper's reduction needs. Lebedev's rules
 /// are of certain sizes.
 void add_quadratures(std::vector<SweepRow>& rows) {
@@ -86,6 +103,7 @@ bool sets(const Options& options, std::string_view name) {
 const std::vector<SweepGroup>& sweep_groups() {
   static const std::vector<SweepGroup> groups = {
       {"presets", "Presets"},
+      {"ours", "The parts of flux, each taken away"},
       {"parts", "The parts of the paper's method, each taken away"},
       {"quadrature", "Quadrature of the energy moments", "directions", true},
       {"cameras", "Views behind a score", "views"},
@@ -99,6 +117,7 @@ const std::vector<SweepGroup>& sweep_groups() {
 std::vector<SweepRow> all_sweep_rows() {
   std::vector<SweepRow> rows;
   add_presets(rows);
+  add_ours(rows);
   add_parts(rows);
   add_quadratures(rows);
   add_values(rows, "cameras", "--cameras", {2, 4, 6, 8, 10, 12});
