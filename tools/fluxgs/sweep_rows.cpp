@@ -109,6 +109,7 @@ const std::vector<SweepGroup>& sweep_groups() {
       {"cameras", "Views behind a score", "views"},
       {"quantile-plus", "Quantile of densification", "Q⁺"},
       {"quantile-minus", "Quantile of pruning", "Q⁻"},
+      {"size", "Size of the scene, by the gradient above which splats are added"},
       {"sh", "Degree of the harmonics, and how it is reached"},
       {"densify", "Densification"}};
   return groups;
@@ -125,6 +126,7 @@ std::vector<SweepRow> all_sweep_rows() {
   // Of the pruning that looks at it
   add_values(rows, "quantile-minus", "--quantile-minus", {0.01, 0.1, 0.3, 0.5, 0.7, 0.9},
              {"--prune", "multiview"});
+  add_values(rows, "size", "--densify-gradient", {1e-4, 2e-4, 3e-4, 4.5e-4, 6e-4, 9e-4});
   add_choices(rows, "sh", "sh-target", "--sh-target", {"0", "1", "2", "3", "adaptive"});
   add_choices(rows, "sh", "sh-reduce", "--sh-reduce",
               {"view-ls", "truncate", "uniform-ls", "energy"}, {"--sh-target", "1"});
