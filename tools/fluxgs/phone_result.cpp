@@ -1,5 +1,7 @@
 #include "tools/fluxgs/phone_result.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 namespace fluxgs::cli {
@@ -8,6 +10,19 @@ namespace {
 using nlohmann::json;
 
 constexpr int kVersion = 1;  // BenchmarkResult.VERSION
+constexpr int kHottest = 6;  // PowerManager.THERMAL_STATUS_SHUTDOWN
+
+constexpr double kMostMs = 1e7;       // hours
+constexpr double kLargestSide = 1e5;  // px
+constexpr std::size_t kMostRows = 10'000, kLongestText = 200;
+
+/// As a terminal can be shown it: what came from elsewhere might draw on it.
+std::string plain(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = '?';
+  if (text.size() > kLongestText) text = text.substr(0, kLongestText) + "...";
+  return text;
+}
 
 /// Fields by path, such as "rows/0/draw_ms/median"; the first that is wrong is remembered.
 class Fields {
@@ -16,12 +31,13 @@ class Fields {
 
   std::string text(const std::string& path) {
     const json& v = at(path);
-    return v.is_string() ? v.get<std::string>() : wrong(path, "a text", std::string());
+    return v.is_string() ? plain(v.get<std::string>()) : wrong(path, "a text", std::string());
   }
-  double number(const std::string& path, double least) {
+  double number(const std::string& path, double least, double most) {
     const json& v = at(path);
-    const bool good = v.is_number() && v.get<double>() >= least;
-    return good ? v.get<double>() : wrong(path, fmt::format("a number from {} on", least), 0.0);
+    const bool good = v.is_number() && v.get<double>() >= least && v.get<double>() <= most;
+    return good ? v.get<double>()
+                : wrong(path, fmt::format("a number from {} to {}", least, most), 0.0);
   }
   std::uint64_t count(const std::string& path) {
     const json& v = at(path);
@@ -56,13 +72,13 @@ PhoneRow row_of(Fields& f, std::size_t i) {
   constexpr double kShortest = 1e-6;  // ms
   const std::string at = fmt::format("rows/{}/", i);
   PhoneRow row;
-  row.width = static_cast<int>(f.count(at + "width"));
-  row.height = static_cast<int>(f.count(at + "height"));
+  row.width = static_cast<int>(f.number(at + "width", 1, kLargestSide));
+  row.height = static_cast<int>(f.number(at + "height", 1, kLargestSide));
   row.views = f.text(at + "views");
   row.sorter = f.text(at + "sorter");
-  row.draw_ms = f.number(at + "draw_ms/median", kShortest);
-  row.sort_to_photon_ms = f.number(at + "sort_to_photon_ms/median", kShortest);
-  row.pipelined_ms = f.number(at + "pipelined_ms", kShortest);
+  row.draw_ms = f.number(at + "draw_ms/median", kShortest, kMostMs);
+  row.sort_to_photon_ms = f.number(at + "sort_to_photon_ms/median", kShortest, kMostMs);
+  row.pipelined_ms = f.number(at + "pipelined_ms", kShortest, kMostMs);
   return row;
 }
 
@@ -77,8 +93,9 @@ Expected<PhoneResult> phone_result(const json& value, const std::string& file) {
   if (f.count("version") != kVersion)
     return fail(file, "version", fmt::format("expected {}, of the app's benchmark", kVersion));
   PhoneResult r;
-  r.device = fmt::format("{} {} ({}), Android {}", f.text("device/manufacturer"),
-                         f.text("device/model"), f.text("device/soc"), f.text("device/android"));
+  const std::string maker = f.text("device/manufacturer"), model = f.text("device/model"),
+                    soc = f.text("device/soc"), android = f.text("device/android");
+  r.device = fmt::format("{} {} ({}), Android {}", maker, model, soc, android);
   r.driver = f.at("driver").is_null()
                  ? "no driver"
                  : fmt::format("{}, {}", f.text("driver/renderer"), f.text("driver/version"));
@@ -86,11 +103,13 @@ Expected<PhoneResult> phone_result(const json& value, const std::string& file) {
   r.scene = f.text("scene/name");
   r.splats = f.count("scene/splats");
   r.bytes = f.count("scene/bytes");
-  r.heat_before = static_cast<int>(f.number("thermal/before/status", -1));
-  r.heat_after = static_cast<int>(f.number("thermal/after/status", -1));
+  r.heat_before = static_cast<int>(f.number("thermal/before/status", -1, kHottest));
+  r.heat_after = static_cast<int>(f.number("thermal/after/status", -1, kHottest));
   r.stopped = f.text("stopped");
-  r.self_test = f.at("self_test");
-  const std::size_t rows = f.size("rows");
+  for (const char* name : {"splats", "decoded", "sorted", "projected", "error"})
+    if (const json& v = f.at(std::string("self_test/") + name); v.is_primitive() && !v.is_null())
+      r.self_test[name] = plain(v.is_string() ? v.get<std::string>() : v.dump());
+  const std::size_t rows = std::min(f.size("rows"), kMostRows);
   for (std::size_t i = 0; i < rows && f.place().empty(); ++i) r.rows.push_back(row_of(f, i));
   if (!f.place().empty()) return fail(file, f.place(), "expected " + f.expected());
   return r;

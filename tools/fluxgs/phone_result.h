@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -26,9 +27,9 @@ struct PhoneResult {
   std::string app;     ///< its version
   std::string scene;   ///< file name
   std::uint64_t splats = 0, bytes = 0;
-  int heat_before = 0, heat_after = 0;  ///< thermal status of Android, 0 (none)…6
-  std::string stopped;                  ///< why before its end; empty: it is whole
-  nlohmann::json self_test;             ///< null: none was made
+  int heat_before = 0, heat_after = 0;           ///< thermal status of Android, 0 (none)…6
+  std::string stopped;                           ///< why before its end; empty: it is whole
+  std::map<std::string, std::string> self_test;  ///< "error": it failed; empty: none was made
   std::vector<PhoneRow> rows;
 };
 

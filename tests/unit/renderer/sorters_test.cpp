@@ -132,6 +132,26 @@ TEST_P(SortersTest, OrdersOfAMovingCameraCatchUp) {
   EXPECT_EQ(picture, picture_);
 }
 
+// So that a viewer can come to rest, however long its scene takes to be sorted.
+TEST_P(SortersTest, AStillViewIsNotSortedAgain) {
+  const auto late = must(render::Renderer::create(api(), {.sorter = SorterKind::cpu_async}));
+  must(late->upload(random_cloud(200'000, 0, 6)));
+  const auto target =
+      must(render::RenderTarget::create(api(), 8, 6, render::TargetFormat::rgba16f));
+  const Camera camera = orbit_camera(8, 6, {}, 2, 1, 60);
+  late->wait_for_sorts(true);
+  must(late->draw(camera, {}, target));
+  EXPECT_GT(late->sort_latency(), 0);
+  late->wait_for_sorts(false);
+  for (int i = 0; i < 5; ++i) {
+    must(late->draw(camera, {}, target));
+    EXPECT_TRUE(late->order_is_current());
+  }
+  late->sort_anew();
+  must(late->draw(camera, {}, target));
+  EXPECT_FALSE(late->order_is_current());
+}
+
 FLUXGS_GL_TEST_SUITE(SortersTest);
 
 sort::SortView view_along_z() {

@@ -38,8 +38,7 @@ inline double turn_between(const ViewState& a, const ViewState& b) {
 
 inline bool is_finite(const ViewState& v) {
   return std::isfinite(glm::dot(v.target, v.target)) && std::isfinite(v.distance) &&
-         v.distance > 0 && std::abs(glm::length(v.orientation) - 1) < 1e-9 &&
-         std::isfinite(v.fov);
+         v.distance > 0 && std::abs(glm::length(v.orientation) - 1) < 1e-9 && std::isfinite(v.fov);
 }
 
 /// The same picture, but for `tolerance` scene units and about as many radians.

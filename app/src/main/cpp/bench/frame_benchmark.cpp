@@ -65,10 +65,14 @@ class Protocol {
   const Camera& view(int frame) const {
     return views_[static_cast<std::size_t>(frame) % views_.size()];
   }
-  Expected<void> draw(int frame) { return renderer_.draw(view(frame), options_, target_); }
+  Expected<void> draw(int frame) {
+    if (sorts_anew_) renderer_.sort_anew();  // also of a view that was drawn just before
+    return renderer_.draw(view(frame), options_, target_);
+  }
 
   // Draws with the view's own order.
   Expected<void> draw_sorted(int frame) {
+    sorts_anew_ = sorted_.resort_motion == 0;
     return gl::in_turn([&] { return renderer_.set_shortcuts(sorted_); },
                        [&] { return draw(frame); });
   }
@@ -128,6 +132,7 @@ class Protocol {
       if (i % per_view == 0) {
         if (auto ok = draw_sorted(at); !ok) return ok;
         api_.Finish();
+        sorts_anew_ = false;
         if (auto ok = renderer_.set_shortcuts(kept_); !ok) return ok;
       }
       const auto ms = timed(at);
@@ -155,6 +160,7 @@ class Protocol {
   gl::Api& api_;
   Renderer& renderer_;
   Shortcuts sorted_, kept_;
+  bool sorts_anew_ = false;
   const RenderTarget& target_;
   std::span<const Camera> views_;
   const RenderOptions& options_;

@@ -141,7 +141,10 @@ void Renderer::draw_scene(const Camera& camera, const RenderOptions& options,
 
 void Renderer::sort(const sort::SortView& view) {
   const double allowed = settings_.shortcuts.resort_motion;
-  if (!sorted_ || allowed == 0 || motion_between(*sorted_, view) > allowed) {
+  // Orders of the CPU depend on nothing else: a view that stands still comes to rest
+  const bool same = sorter_->needs_positions() && sorted_ == view;
+  const bool near = sorted_ && allowed > 0 && motion_between(*sorted_, view) <= allowed;
+  if (!same && !near) {
     sorter_->sort(view, projection_.keys());
     sorted_ = view;
   }

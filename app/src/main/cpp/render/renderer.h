@@ -66,6 +66,9 @@ class Renderer {
   /// again may be another picture.
   bool order_is_current() const { return sorter_->is_current(); }
 
+  /// Sorter::latency() of the order that was last drawn with.
+  double sort_latency() const { return sorter_->latency(); }
+
   /// The next frame is sorted, however little the camera has moved.
   void sort_anew() { sorted_.reset(); }
 

@@ -22,6 +22,7 @@ Expected<void> AsyncCpuSorter::set_scene(std::uint32_t count, std::uint32_t spar
 
 void AsyncCpuSorter::sort(const SortView& view, const gl::Buffer& /*keys*/) {
   wanted_ = thread_->request(view);
+  asked_[wanted_ % asked_.size()] = Clock::now();
   if (shown_ == 0) finish();  // There is nothing yet that could be drawn meanwhile
 }
 
@@ -38,6 +39,8 @@ void AsyncCpuSorter::show(const SharedIndices& indices) {
   current_ = (current_ + 1) % slots_.size();
   slots_[current_].write({indices->indices.data(), indices->count});
   shown_ = indices->ticket;
+  const std::chrono::duration<double> passed = Clock::now() - asked_[shown_ % asked_.size()];
+  latency_ = passed.count();
 }
 
 }  // namespace fluxgs::sort

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <memory>
 
 #include "sort/sort_thread.h"
@@ -22,17 +23,22 @@ class AsyncCpuSorter final : public Sorter {
   void sort(const SortView& view, const gl::Buffer& keys) override;
   void collect() override;
   bool is_current() const override { return shown_ == wanted_; }
+  double latency() const override { return latency_; }
   void finish() override;
   const gl::Buffer& order() const override { return slots_[current_].order; }
   const gl::Buffer& count() const override { return slots_[current_].count; }
 
  private:
   explicit AsyncCpuSorter(gl::Api& api) : api_(api) {}
+  using Clock = std::chrono::steady_clock;
+
   void show(const SharedIndices& indices);
 
   gl::Api& api_;
   std::unique_ptr<SortThread> thread_;
-  std::uint64_t wanted_ = 0, shown_ = 0;  // tickets
+  std::uint64_t wanted_ = 0, shown_ = 0;       // tickets
+  std::array<Clock::time_point, 64> asked_{};  // for the last tickets
+  double latency_ = 0;
   // Frames on their way through the GPU still read the orders before; three, as many as drivers
   // queue frames, keep the upload from waiting for them.
   std::array<UploadedOrder, 3> slots_;

@@ -21,6 +21,7 @@ struct DepthKeys {
   std::uint32_t shift = 0;    ///< the bits that are left out
   std::uint32_t largest = 0;  ///< no key is larger
   int bits = 0;               ///< that a key has at most
+  bool operator==(const DepthKeys&) const = default;
 };
 
 /// The keys of at most `bits` bits for depths in [nearest, farthest], both positive and finite.

@@ -17,6 +17,7 @@ struct SortView {
   glm::dvec3 forward{0.0};  ///< unit vector along which depth is measured
   double near_plane = 0;    ///< nothing nearer is drawn
   DepthKeys keys;
+  bool operator==(const SortView&) const = default;
 };
 
 /// The interface of every sorter: two on the CPU, which know the positions, and one on the GPU,
@@ -44,6 +45,9 @@ class Sorter {
 
   /// Whether order() is that of the last view.
   virtual bool is_current() const { return true; }
+
+  /// Seconds from asking for the order that is shown until it was shown; 0 where sort() makes it.
+  virtual double latency() const { return 0; }
 
   /// Waits until order() is that of the last view.
   virtual void finish() {}

@@ -58,7 +58,11 @@ void Session::post_and_wait(Task task) {
   std::condition_variable finished;
   bool done = false;
   post([&] {
-    task();
+    try {
+      task();
+    } catch (const std::exception& problem) {  // of memory; who waits goes on all the same
+      give_up({"viewer", "memory", problem.what()});
+    }
     const std::lock_guard lock(mutex);
     done = true;
     finished.notify_all();
@@ -340,7 +344,13 @@ Expected<bench::SceneBenchmark> Session::measure(const bench::SceneBenchmarkPlan
 }
 
 void Session::run_benchmark(const bench::SceneBenchmarkPlan& plan) {
-  const auto result = measure(plan);
+  const auto result = [&]() -> Expected<bench::SceneBenchmark> {
+    try {
+      return measure(plan);
+    } catch (const std::exception& problem) {
+      return fail("benchmark", "memory", problem.what());
+    }
+  }();
   redraw_ = true;
   const std::lock_guard lock(mutex_);
   benchmark_.running = false;

@@ -111,7 +111,6 @@ Expected<void> Viewer::open(gl::Api& api, int width, int height) {
 void Viewer::close() {
   scene_.reset();
   presented_.reset();
-  sort_began_.reset();
   measured_.reset();
 }
 
@@ -224,17 +223,7 @@ Expected<void> Viewer::draw() {
   options.near_plane = navigation_.units.near_plane;
   auto drawn = scene_->draw(camera, options);
   if (drawn) stale_ = false;
-  if (drawn) watch_sorting();
   return drawn;
-}
-
-void Viewer::watch_sorting() {
-  const auto now = Clock::now();
-  const bool current = scene_->renderer().order_is_current();
-  if (!current && !sort_began_) sort_began_ = now;
-  if (!current || !sort_began_) return;
-  smooth(sort_seconds_, seconds_between(*sort_began_, now));
-  sort_began_.reset();
 }
 
 void Viewer::presented() {
@@ -259,7 +248,7 @@ ViewerStats Viewer::stats() {
     stats_.frame_ms = has_clock ? stages.project + stages.sort + stages.draw + stages.resolve
                                 : 1e3 * frame_seconds_;
     const bool on_gpu = scene_->renderer().settings().sorter == render::SorterKind::gpu_radix;
-    stats_.sort_ms = on_gpu ? stages.sort : 1e3 * sort_seconds_;
+    stats_.sort_ms = on_gpu ? stages.sort : 1e3 * scene_->renderer().sort_latency();
   }
   stats_.frames_per_second = frame_seconds_ > 0 ? 1 / frame_seconds_ : 0;
   stats_.shown = scene_->splats();

@@ -102,7 +102,6 @@ class Viewer {
   render::SceneViewSettings scene_settings(const gl::Api& api) const;
   double wanted_scale();
   void begin_navigation();
-  void watch_sorting();
 
   ViewerSettings settings_;
   Heat heat_;
@@ -122,8 +121,8 @@ class Viewer {
   bool remake_ = false;  // settings changed that need other GL objects
 
   // Times
-  std::optional<Clock::time_point> presented_, sort_began_, measured_;
-  double frame_seconds_ = 0, sort_seconds_ = 0;  // smoothed
+  std::optional<Clock::time_point> presented_, measured_;
+  double frame_seconds_ = 0;  // smoothed
   ViewerStats stats_;
 };
 
