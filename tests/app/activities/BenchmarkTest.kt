@@ -146,6 +146,18 @@ class BenchmarkTest {
     }
 
     @Test
+    fun leavingWhileItOpensMeasuresNothing() {
+        start(intent("sizes" to "640x480", "frames" to "50"))
+        controller!!.pause().stop()
+        pump(500)
+        assertTrue(activity.text(R.id.status).contains(context.getString(R.string.stopped_by_leaving)))
+        assertNull(activity.result)
+        controller!!.start().resume()
+        activity.view(R.id.retry).performClick()
+        assertEquals("", finished().stopped)
+    }
+
+    @Test
     fun heatEndsItAndIsMarked() {
         val power = context.getSystemService(PowerManager::class.java)
         start(intent("sizes" to "640x480", "frames" to "50"))

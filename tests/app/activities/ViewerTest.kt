@@ -10,6 +10,7 @@ import android.os.ParcelFileDescriptor
 import android.os.SystemClock
 import android.view.MotionEvent
 import android.view.View
+import android.view.ViewGroup
 import java.io.File
 import org.junit.After
 import org.junit.Assert.assertEquals
@@ -204,6 +205,67 @@ class ViewerTest {
         gate.countDown()
         repeat(5) { pump() }
         assertTrue("a late answer changes nothing", activity.isShown(R.id.loading_retry))
+    }
+
+    @Test
+    fun aFileThatMayNotBeRead() {
+        Documents.answers["locked"] = {
+            throw java.io.FileNotFoundException("open failed: EACCES (Permission denied)")
+        }
+        assertEquals(
+            context.getString(R.string.scene_forbidden), openAndFail(Documents.uri("locked")),
+        )
+    }
+
+    @Test
+    fun whatIsSharedAndNoFileIsSaidToBe() {
+        for (extra in listOf<android.os.Parcelable?>(null, android.graphics.Rect(1, 2, 3, 4))) {
+            val intent = Intent(context, ViewerActivity::class.java).setAction(Intent.ACTION_SEND)
+            if (extra != null) intent.putExtra(Intent.EXTRA_STREAM, extra)
+            start(intent)
+            assertEquals(context.getString(R.string.nothing_shared), activity.text(R.id.loading_detail))
+            close()
+        }
+    }
+
+    @Test
+    fun everyButtonCanBeReachedInANarrowWindow() {
+        openAndDraw()
+        val tools = listOf(
+            R.id.back, R.id.reset, R.id.flip, R.id.gyroscope, R.id.screenshot, R.id.measure, R.id.options,
+        ).map { activity.view(it) }
+        tools.forEach { it.visibility = View.VISIBLE }
+        val density = activity.resources.displayMetrics.density
+        for (width in listOf(360, 320, 200)) {
+            val root = activity.view(R.id.root)
+            val exactly = View.MeasureSpec.EXACTLY
+            root.measure(
+                View.MeasureSpec.makeMeasureSpec((width * density).toInt(), exactly),
+                View.MeasureSpec.makeMeasureSpec((640 * density).toInt(), exactly),
+            )
+            root.layout(0, 0, root.measuredWidth, root.measuredHeight)
+            val lefts = tools.map { tool ->
+                android.graphics.Rect().also { (root as ViewGroup).offsetDescendantRectToMyCoords(tool, it) }.left
+            }
+            assertEquals("$width dp: one after the other", lefts.sorted().distinct(), lefts)
+            tools.forEach { assertTrue(it.width >= 48 * density - 1) }
+            if (width == 360) assertTrue(lefts.last() + tools.last().width <= root.width)
+        }
+        keep(screenOf(activity, session.picture()), "viewer-narrow")
+    }
+
+    @Test
+    fun cancellingAnotherSceneLeadsBackToTheFirst() {
+        openAndDraw()
+        Documents.answers["slow.glb"] = {
+            ParcelFileDescriptor.open(File(material, "pipe"), ParcelFileDescriptor.MODE_READ_WRITE)
+        }
+        controller!!.newIntent(Intent(context, ViewerActivity::class.java).setData(Documents.uri("slow.glb")))
+        until("it is read") { session.state()!!.loading.phase == "reading" }
+        press(R.id.loading_cancel)
+        assertFalse(activity.isFinishing)
+        activity.view(R.id.measure).performClick()
+        assertEquals(Scene.SAMPLE, shadowOf(activity).nextStartedActivity.data)
     }
 
     @Test

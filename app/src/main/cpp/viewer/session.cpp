@@ -256,6 +256,7 @@ Expected<void> Session::show_frame() {
   if (!std::exchange(drawn_, true)) {
     const std::lock_guard lock(mutex_);
     state_.first_frame_ms = milliseconds_since(load_began_);
+    ++state_.scenes;
   }
   return {};
 }

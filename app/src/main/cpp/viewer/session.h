@@ -26,6 +26,7 @@ struct SessionState {
   LoadState loading;
   bool has_scene = false;  ///< there is one to look at
   bool drawn = false;      ///< and a picture of it was shown
+  int scenes = 0;          ///< how many were loaded and shown so far
   bool flipped = false;
   ViewerStats stats;
   std::string error;          ///< of drawing, one line; it is over until another scene is loaded

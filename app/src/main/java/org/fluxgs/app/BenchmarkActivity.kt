@@ -22,7 +22,7 @@ import org.json.JSONObject
 /**
  * The benchmark: off the screen, so that no display limits it. Also from a shell:
  *
- *     adb shell am start -W -n org.fluxgs.app/.BenchmarkActivity -e scene garden.glb -e json garden.json
+ *     adb shell am start -S -W -n org.fluxgs.app/.BenchmarkActivity -e scene garden.glb -e json garden.json
  *
  * Both names are of files in the app's own folder on the device (Android/data/org.fluxgs.app/files);
  * without a scene it is the sample. The log (tag FluxGsBenchmark) says "done FILE" or "failed REASON".
@@ -41,6 +41,9 @@ class BenchmarkActivity : Activity() {
     private var name = ""
     private var began = 0L
     private var selfTest: JSONObject? = null
+    private var copy: ParcelFileDescriptor? = null // for the self-test
+    private var tested = false
+    private var preparing = false // opening, loading, testing: nothing is measured yet
     internal var result: BenchmarkResult? = null
         private set
 
@@ -60,16 +63,18 @@ class BenchmarkActivity : Activity() {
         thermals = Thermals(this)
         session = Session()
         findViewById<Button>(R.id.stop).setOnClickListener {
-            session.stopBenchmark(getString(R.string.stopped_by_user))
+            stop(getString(R.string.stopped_by_user))
         }
         findViewById<Button>(R.id.share_json).setOnClickListener { share("json") }
         findViewById<Button>(R.id.share_csv).setOnClickListener { share("csv") }
-        findViewById<Button>(R.id.again).setOnClickListener { begin() }
+        for (id in listOf(R.id.again, R.id.retry))
+            findViewById<Button>(id).setOnClickListener { begin() }
         try {
             plan = BenchmarkPlan.of(intent)
             uri = sceneOf(intent)
         } catch (problem: IllegalArgumentException) {
             fail(problem.message ?: problem.toString())
+            findViewById<View>(R.id.retry).visibility = View.GONE
             return
         }
         val kept = state?.getString(RESULT)?.let { BenchmarkResult.of(it) }
@@ -96,7 +101,11 @@ class BenchmarkActivity : Activity() {
 
     private fun begin() {
         result = null
+        preparing = true
+        selfTest = null
+        tested = false
         findViewById<View>(R.id.results).visibility = View.GONE
+        findViewById<View>(R.id.retry).visibility = View.GONE
         findViewById<View>(R.id.stop).visibility = View.VISIBLE
         bar.visibility = View.VISIBLE
         bar.isIndeterminate = true
@@ -105,23 +114,53 @@ class BenchmarkActivity : Activity() {
         before = thermals.now()
         opening = SceneOpening(this, uri, { descriptor, found ->
             name = found
-            thread(name = "self-test", isDaemon = true) {
-                val outcome = selfTestOf(descriptor.fileDescriptor, descriptor.statSize)
-                main.post { load(descriptor, outcome) }
-            }
+            load(descriptor)
         }, { fail(it) })
         opening?.start()
     }
 
-    private fun load(descriptor: ParcelFileDescriptor, outcome: JSONObject?) {
-        if (isDestroyed) {
-            descriptor.close()
-            return
+    private fun load(descriptor: ParcelFileDescriptor) {
+        closeCopy()
+        copy = try {
+            descriptor.dup()
+        } catch (_: IOException) {
+            null
         }
-        selfTest = outcome
         session.load(descriptor.detachFd(), name, FreeMemory.forScene(this), null)
         main.removeCallbacks(look)
         main.post(look)
+    }
+
+    private fun closeCopy() {
+        copy?.close()
+        copy = null
+    }
+
+    /** Once the scene has been found to be one that memory has room for. */
+    private fun test() {
+        tested = true
+        val file = copy ?: return
+        copy = null
+        status.text = getString(R.string.testing, name)
+        testing = true
+        thread(name = "self-test", isDaemon = true) {
+            val outcome = file.use { selfTestOf(it.fileDescriptor, it.statSize) }
+            main.post {
+                selfTest = outcome
+                testing = false
+            }
+        }
+    }
+
+    private var testing = false
+
+    private fun stop(reason: String) {
+        if (!preparing) return session.stopBenchmark(reason)
+        opening?.cancel()
+        session.cancelLoading()
+        closeCopy()
+        main.removeCallbacks(look)
+        fail(reason)
     }
 
     /** Of scenes that are small enough to be read twice. Takes seconds: not for the main thread. */
@@ -141,6 +180,8 @@ class BenchmarkActivity : Activity() {
             JSONObject(Native.selfTest(bytes))
         } catch (_: IOException) {
             null // a pipe: it can be read once only
+        } catch (problem: Throwable) { // of memory, too: what is measured is not lost for it
+            JSONObject().put("error", problem.toString())
         }
     }
 
@@ -150,7 +191,10 @@ class BenchmarkActivity : Activity() {
         val loading = state.loading
         if (loading.failed) return fail(loading.error)
         if (!loading.ready) return true
+        if (!tested) test()
+        if (testing) return true
         if (report == null) {
+            preparing = false
             report = BenchmarkReport(this, plan)
             began = System.nanoTime()
             session.startBenchmark(plan)
@@ -166,7 +210,7 @@ class BenchmarkActivity : Activity() {
     private fun watchHeat() {
         val heat = thermals.now()
         if (heat.status >= Thermals.SEVERE)
-            session.stopBenchmark(getString(R.string.stopped_by_heat, heat.status))
+            stop(getString(R.string.stopped_by_heat, heat.status))
     }
 
     private fun showProgress(outcome: JSONObject) {
@@ -208,9 +252,11 @@ class BenchmarkActivity : Activity() {
     }
 
     private fun fail(message: String): Boolean {
+        preparing = false
         Log.e(TAG, "failed $message")
         bar.visibility = View.GONE
         findViewById<View>(R.id.stop).visibility = View.GONE
+        findViewById<View>(R.id.retry).visibility = View.VISIBLE
         status.text = getString(R.string.benchmark_failed, message)
         return false
     }
@@ -270,7 +316,7 @@ class BenchmarkActivity : Activity() {
 
     /** A call, another app: what is measured from now on would be of that. */
     override fun onStop() {
-        session.stopBenchmark(getString(R.string.stopped_by_leaving))
+        stop(getString(R.string.stopped_by_leaving))
         super.onStop()
     }
 
@@ -282,6 +328,7 @@ class BenchmarkActivity : Activity() {
     override fun onDestroy() {
         main.removeCallbacks(look)
         opening?.cancel()
+        closeCopy()
         session.close()
         super.onDestroy()
     }

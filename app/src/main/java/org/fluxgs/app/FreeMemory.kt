@@ -16,6 +16,13 @@ internal object FreeMemory {
         return (free / 2).coerceIn(64L shl 20, 4L shl 30)
     }
 
+    /** Whether the system is about to end apps for want of memory. */
+    fun isLow(context: Context): Boolean {
+        val info = ActivityManager.MemoryInfo()
+        context.getSystemService(ActivityManager::class.java).getMemoryInfo(info)
+        return info.lowMemory
+    }
+
     /** Bytes of the GPU, which shares the device's memory. */
     fun forGraphics(context: Context): Long = forScene(context)
 }

@@ -16,14 +16,25 @@ import java.util.Locale
 
 /** Where screenshots go. */
 internal object Gallery {
+    private const val LONGEST_NAME = 60
+
     /** The picture in the gallery; before Android 10, which asks for a permission, in a file to share. */
     @Throws(IOException::class)
     fun save(context: Context, picture: Bitmap, name: String): Uri {
         val time = SimpleDateFormat("yyyy-MM-dd HH.mm.ss", Locale.ROOT).format(Date())
-        val file = "${name.substringBeforeLast('.').ifEmpty { "scene" }} $time.png"
-        return if (Build.VERSION.SDK_INT >= 29) save29(context, picture, file)
-        else saveToShare(context, picture, file)
+        val file = "${plain(name)} $time.png"
+        return try {
+            if (Build.VERSION.SDK_INT >= 29) save29(context, picture, file)
+            else saveToShare(context, picture, file)
+        } catch (problem: RuntimeException) { // of a gallery that takes no picture, or not ours
+            throw IOException(problem.message ?: problem.toString(), problem)
+        }
     }
+
+    /** A scene's name comes from another app: as a file's name it may lead anywhere. */
+    private fun plain(name: String): String =
+        name.substringBeforeLast('.').replace(Regex("[^\\p{L}\\p{N} ._-]+"), "-").trim(' ', '.', '-')
+            .take(LONGEST_NAME).ifEmpty { "scene" }
 
     @TargetApi(29)
     private fun save29(context: Context, picture: Bitmap, file: String): Uri {
@@ -39,7 +50,7 @@ internal object Gallery {
         try {
             resolver.openOutputStream(uri)?.use { compress(picture, it) }
                 ?: throw IOException("the gallery takes no picture")
-        } catch (problem: IOException) {
+        } catch (problem: Exception) {
             resolver.delete(uri, null, null)
             throw problem
         }

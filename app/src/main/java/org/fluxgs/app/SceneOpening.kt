@@ -75,9 +75,17 @@ internal class SceneOpening(
     }
 
     private fun messageOf(problem: Exception) = when (problem) {
-        is FileNotFoundException -> context.getString(R.string.scene_gone)
+        is FileNotFoundException ->
+            if (isForbidden(problem)) context.getString(R.string.scene_forbidden)
+            else context.getString(R.string.scene_gone)
         is SecurityException -> context.getString(R.string.scene_forbidden)
         else -> context.getString(R.string.scene_unreadable, problem.message ?: problem.toString())
+    }
+
+    /** Android says so in words only: "open failed: EACCES (Permission denied)". */
+    private fun isForbidden(problem: FileNotFoundException): Boolean {
+        val words = "${problem.message} ${problem.cause?.message}"
+        return "EACCES" in words || "EPERM" in words
     }
 
     companion object {

@@ -36,6 +36,7 @@ data class SessionState(
     val loading: Loading,
     val hasScene: Boolean,
     val drawn: Boolean,
+    val scenes: Int,
     val flipped: Boolean,
     val error: String,
     val contexts: Int,
@@ -55,7 +56,8 @@ data class SessionState(
                     loading.getString("error"), loading.getString("format"),
                     loading.getLong("splats"), loading.getLong("memory"),
                 ),
-                json.getBoolean("hasScene"), json.getBoolean("drawn"), json.getBoolean("flipped"),
+                json.getBoolean("hasScene"), json.getBoolean("drawn"), json.getInt("scenes"),
+                json.getBoolean("flipped"),
                 json.getString("error"), json.getInt("contexts"), json.getLong("dropped"),
                 json.getDouble("firstFrameMs"), json.optJSONObject("driver"),
                 Stats(

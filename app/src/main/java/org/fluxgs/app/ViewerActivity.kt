@@ -4,10 +4,13 @@ import android.app.Activity
 import android.content.ComponentCallbacks2
 import android.content.Intent
 import android.net.Uri
+import android.os.BadParcelableException
 import android.os.Build
 import android.os.Bundle
 import android.os.Handler
 import android.os.Looper
+import android.os.Parcelable
+import android.os.SystemClock
 import android.view.View
 import android.view.WindowManager
 import android.widget.ImageButton
@@ -17,7 +20,10 @@ import java.io.IOException
 
 /** A scene in full screen: opened from the list, by "open with", or shared to the app. */
 class ViewerActivity : Activity() {
-    private lateinit var uri: Uri
+    /** A scene by the name that people know it by. */
+    private data class Shown(val uri: Uri, val name: String, val bytes: Long)
+
+    private lateinit var uri: Uri // of the scene that is shown or being opened
     private lateinit var session: Session
     private lateinit var gyroscope: Gyroscope
     private lateinit var recents: Recents
@@ -29,8 +35,10 @@ class ViewerActivity : Activity() {
     private var name = ""
     private var bytes = 0L
     private var heat = Heat()
-    private var known = false // the scene is among the recent ones
+    private var scenesBefore = 0 // that the session had shown when this one was opened
+    private var shown: Shown? = null // what there is to go back to
     private var memory = 0L
+    private var memoryAskedAt = 0L
     private val main = Handler(Looper.getMainLooper())
 
     private val look = object : Runnable {
@@ -58,8 +66,11 @@ class ViewerActivity : Activity() {
         loadingView = LoadingView(findViewById(R.id.loading), ::cancelLoading, ::retry, ::finish)
         setUpControls()
         apply(settings)
-        uri = uriOf(intent) ?: Scene.SAMPLE
-        begin(state?.getDoubleArray(PLACE))
+        val wanted = uriOf(intent)
+        uri = wanted ?: Scene.SAMPLE
+        if (wanted == null && intent.action == Intent.ACTION_SEND)
+            loadingView.failed(getString(R.string.nothing_shared))
+        else begin(state?.getDoubleArray(PLACE))
         if (state?.getBoolean(BARE) == true) toggleControls()
         if (state?.getBoolean(GYROSCOPE) == true) toggleGyroscope()
     }
@@ -71,14 +82,17 @@ class ViewerActivity : Activity() {
         remember()
         setIntent(intent)
         uri = other
-        known = false
         begin(null)
     }
 
     private fun uriOf(intent: Intent): Uri? {
         if (intent.action != Intent.ACTION_SEND) return intent.data
-        @Suppress("DEPRECATION")
-        return intent.getParcelableExtra(Intent.EXTRA_STREAM)
+        @Suppress("DEPRECATION") // the typed one is of newer Android only
+        return try {
+            intent.getParcelableExtra<Parcelable>(Intent.EXTRA_STREAM) as? Uri
+        } catch (_: BadParcelableException) {
+            null
+        }
     }
 
     // Opening
@@ -87,6 +101,7 @@ class ViewerActivity : Activity() {
         opening?.cancel()
         session.cancelLoading()
         name = ""
+        scenesBefore = session.state()?.scenes ?: 0
         loadingView.opening()
         opening = SceneOpening(this, uri, { descriptor, found ->
             name = found
@@ -102,10 +117,14 @@ class ViewerActivity : Activity() {
     private fun cancelLoading() {
         opening?.cancel()
         session.cancelLoading()
-        if (session.state()?.hasScene == true) loadingView.hide() else finish()
+        val before = shown ?: return finish()
+        uri = before.uri
+        name = before.name
+        bytes = before.bytes
+        loadingView.hide()
     }
 
-    private fun retry() = begin(session.place())
+    private fun retry() = begin(if (shown?.uri == uri) session.place() else null)
 
     // What is shown
 
@@ -113,10 +132,11 @@ class ViewerActivity : Activity() {
         val state = session.state() ?: return
         heat = thermals.now()
         session.setHeat(heat.status, heat.headroom)
+        watchMemory()
         loadingView.show(state, name)
-        if (state.drawn && !known && state.loading.ready) {
-            known = true
+        if (state.drawn && state.scenes > scenesBefore && shown?.uri != uri) {
             if (state.loading.bytes > 0) bytes = state.loading.bytes
+            shown = Shown(uri, name, bytes)
             remember()
             tellOfDropped(state)
         }
@@ -133,9 +153,10 @@ class ViewerActivity : Activity() {
 
     private fun remember() {
         val state = session.state() ?: return
-        if (!known || !state.drawn) return
+        val scene = shown ?: return
+        if (!state.drawn || scene.uri != uri) return
         recents.remember(
-            uri, name, bytes, state.stats.splats, session.place(), session.picture(),
+            uri, scene.name, scene.bytes, state.stats.splats, session.place(), session.picture(),
         )
     }
 
@@ -185,7 +206,11 @@ class ViewerActivity : Activity() {
     }
 
     private fun takeScreenshot() {
-        val picture = session.picture() ?: return
+        val picture = session.picture()
+        if (picture == null) {
+            Toast.makeText(this, R.string.screenshot_of_nothing, Toast.LENGTH_SHORT).show()
+            return
+        }
         try {
             val saved = Gallery.save(this, picture, name)
             if (Build.VERSION.SDK_INT >= 29)
@@ -236,7 +261,18 @@ class ViewerActivity : Activity() {
         @Suppress("DEPRECATION")
         val critical = level == ComponentCallbacks2.TRIM_MEMORY_RUNNING_CRITICAL ||
             level >= ComponentCallbacks2.TRIM_MEMORY_COMPLETE
-        if (!critical) return
+        if (critical) useLessMemory()
+    }
+
+    /** From Android 14 on nobody tells: the app has to ask, now and then. */
+    private fun watchMemory() {
+        val now = SystemClock.elapsedRealtime()
+        if (now < memoryAskedAt + ASK_MEMORY_EVERY_MS) return
+        memoryAskedAt = now
+        if (FreeMemory.isLow(this)) useLessMemory()
+    }
+
+    private fun useLessMemory() {
         memory = (memory / 2).coerceAtLeast(LEAST_MEMORY)
         apply(settings)
     }
@@ -253,6 +289,7 @@ class ViewerActivity : Activity() {
         private const val PLACE = "place"
         private const val BARE = "bare"
         private const val GYROSCOPE = "gyroscope"
+        private const val ASK_MEMORY_EVERY_MS = 5_000L
         private const val LEAST_MEMORY = 32L shl 20
     }
 }
