@@ -147,7 +147,7 @@ class BenchmarkTest {
 
     @Test
     fun leavingWhileItOpensMeasuresNothing() {
-        start(intent("sizes" to "640x480", "frames" to "50"))
+        start(short("scene" to "sample"))
         controller!!.pause().stop()
         pump(500)
         assertTrue(activity.text(R.id.status).contains(context.getString(R.string.stopped_by_leaving)))
