@@ -138,7 +138,7 @@ class HeaderParser {
   bool has_format_ = false;
 };
 
-Expected<void> check_promise(const PlyHeader& header, std::size_t file_size,
+Expected<void> check_promise(const PlyHeader& header, std::uint64_t file_size,
                              const std::string& name) {
   std::uint64_t need = 0;
   for (const PlyElement& element : header.elements) {
@@ -196,6 +196,11 @@ std::uint64_t ply_row_bytes(const PlyElement& element, PlyEncoding encoding) {
 }
 
 Expected<PlyHeader> parse_ply_header(std::span<const std::byte> bytes, const std::string& name) {
+  return parse_ply_header(bytes, bytes.size(), name);
+}
+
+Expected<PlyHeader> parse_ply_header(std::span<const std::byte> bytes, std::uint64_t size,
+                                     const std::string& name) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()),
                               std::min(bytes.size(), kMaxHeader));
   HeaderParser parser(name);
@@ -210,7 +215,7 @@ Expected<PlyHeader> parse_ply_header(std::span<const std::byte> bytes, const std
     at = end + 1;
     if (!*done) continue;
     parser.header.size = at;
-    if (auto kept = check_promise(parser.header, bytes.size(), name); !kept) {
+    if (auto kept = check_promise(parser.header, size, name); !kept) {
       return std::unexpected(kept.error());
     }
     return std::move(parser.header);

@@ -42,5 +42,8 @@ std::uint64_t ply_row_bytes(const PlyElement& element, PlyEncoding encoding);
 
 /// Parse the header and check that the file is large enough for all that it promises.
 Expected<PlyHeader> parse_ply_header(std::span<const std::byte> bytes, const std::string& name);
+/// The same of the beginning of a file of `size` bytes.
+Expected<PlyHeader> parse_ply_header(std::span<const std::byte> begin, std::uint64_t size,
+                                     const std::string& name);
 
 }  // namespace fluxgs::io

@@ -24,8 +24,9 @@ int degree_of_rest(std::size_t numbers) {
   return 0;
 }
 
-Expected<Announced> in_ply(std::span<const std::byte> bytes, const std::string& name) {
-  const auto header = parse_ply_header(bytes, name);
+Expected<Announced> in_ply(std::span<const std::byte> bytes, std::uint64_t size,
+                           const std::string& name) {
+  const auto header = parse_ply_header(bytes, size, name);
   if (!header) return std::unexpected(header.error());
   Announced result;
   std::size_t rest = 0;
@@ -64,11 +65,19 @@ Expected<Announced> in_spz(std::span<const std::byte> bytes, const std::string& 
 Expected<Announced> announced(const std::string& format, std::span<const std::byte> bytes,
                               const std::string& name) {
   constexpr std::size_t kSplatRecord = 32;
-  if (format == "ply" || format == "compressed.ply") return in_ply(bytes, name);
+  if (format == "ply" || format == "compressed.ply") return in_ply(bytes, bytes.size(), name);
   if (format == "glb") return in_glb(bytes, name);
   if (format == "spz") return in_spz(bytes, name);
   if (format == "splat") return Announced{bytes.size() / kSplatRecord, 0};
   return Announced{};
+}
+
+SceneEstimate estimate_of(const std::string& format, const Announced& found) {
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 40;  // beyond, nobody has the memory
+  return {.format = format,
+          .splats = found.splats,
+          .sh_degree = found.sh_degree,
+          .decoded = splat_memory_bytes(std::min(found.splats, kMost), found.sh_degree)};
 }
 
 }  // namespace
@@ -79,12 +88,18 @@ Expected<SceneEstimate> estimate_scene(std::span<const std::byte> bytes, const s
   const std::string format_name((*format)->name);
   const auto found = announced(format_name, bytes, name);
   if (!found) return std::unexpected(found.error());
-  constexpr std::uint64_t kMost = std::uint64_t{1} << 40;  // beyond, nobody has the memory
-  return SceneEstimate{
-      .format = format_name,
-      .splats = found->splats,
-      .sh_degree = found->sh_degree,
-      .decoded = splat_memory_bytes(std::min(found->splats, kMost), found->sh_degree)};
+  return estimate_of(format_name, *found);
+}
+
+std::optional<SceneEstimate> estimate_beginning(std::span<const std::byte> begin,
+                                                std::uint64_t size, const std::string& name) {
+  const auto format = recognise_scene(begin, name);
+  if (!format) return std::nullopt;
+  const std::string format_name((*format)->name);
+  if (format_name != "ply" && format_name != "spz") return std::nullopt;
+  const auto found =
+      format_name == "ply" ? in_ply(begin, size, name) : announced(format_name, begin, name);
+  return found ? std::optional(estimate_of(format_name, *found)) : std::nullopt;
 }
 
 }  // namespace fluxgs

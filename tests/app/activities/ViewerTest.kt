@@ -178,13 +178,15 @@ class ViewerTest {
 
     @Test
     fun loadingIsShownAndCanBeCancelled() {
-        Documents.answers["slow.glb"] = { // a pipe that nobody writes to
+        Documents.answers["garden.ply"] = { // a pipe in which there is a part of it, and no more
             val mode = ParcelFileDescriptor.MODE_READ_WRITE
             ParcelFileDescriptor.open(File(material, "pipe"), mode)
         }
-        open(Documents.uri("slow.glb"))
+        open(Documents.uri("garden.ply"))
         until("it is read") { session.state()!!.loading.phase == "reading" }
-        pump(300)
+        val part = File(material, "scene.ply").inputStream().use { it.readNBytes(1_000_000) }
+        java.io.FileOutputStream(File(material, "pipe")).use { it.write(part) }
+        until("what it will take is said") { "28,842 splats" in activity.text(R.id.loading_detail) }
         assertTrue(activity.isShown(R.id.loading_cancel))
         keep(screenOf(activity, null), "loading")
         press(R.id.loading_cancel)

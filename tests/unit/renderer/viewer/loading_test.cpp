@@ -96,6 +96,49 @@ TEST(SceneLoading, ReadsAPipe) {
   EXPECT_EQ(state.bytes, 0U) << "a pipe does not say";
 }
 
+// A million splats are announced, of which a part has come.
+TEST(SceneLoading, SaysWhatItWillTakeWhileItIsRead) {
+  const auto header = [] {
+    std::string text = "ply\nformat binary_little_endian 1.0\nelement vertex 1000000\n";
+    for (const char* name : {"x", "y", "z", "opacity", "scale_0", "scale_1", "scale_2", "rot_0",
+                             "rot_1", "rot_2", "rot_3", "f_dc_0", "f_dc_1", "f_dc_2"})
+      text += std::string("property float ") + name + "\n";
+    text += "end_header\n";
+    text.resize(100'000);
+    return text;
+  }();
+  std::signal(SIGPIPE, SIG_IGN);
+  Pipe pipe;
+  SceneLoading loading;
+  loading.begin(pipe.out, "large.ply", {});
+  // Pipes hold 64 KB
+  std::thread writer([&] {
+    for (std::size_t done = 0; done < header.size();) {
+      const auto put = ::write(pipe.in, header.data() + done, header.size() - done);
+      ASSERT_GT(put, 0);
+      done += static_cast<std::size_t>(put);
+    }
+  });
+  for (int i = 0; i < 500 && !loading.state().estimate; ++i) std::this_thread::sleep_for(10ms);
+  writer.join();
+  const LoadState state = loading.state();
+  EXPECT_EQ(state.phase, LoadPhase::reading);
+  ASSERT_TRUE(state.estimate);
+  EXPECT_EQ(state.estimate->splats, 1'000'000U);
+  loading.cancel();
+  ::close(pipe.in);
+
+  Pipe again;
+  loading.begin(again.out, "large.ply", {.memory = 10'000'000});
+  ASSERT_GT(::write(again.in, header.data(), 60'000), 0);
+  std::thread second([&] { ASSERT_GT(::write(again.in, header.data(), 40'000), 0); });
+  const LoadState refused = settled(loading);
+  second.join();
+  ::close(again.in);
+  EXPECT_EQ(refused.phase, LoadPhase::failed);
+  EXPECT_THAT(refused.error, HasSubstr("large.ply: memory: needs about"));
+}
+
 TEST(SceneLoading, GivesUpAProviderThatStalls) {
   SceneLoading loading;
   Pipe pipe;
@@ -127,7 +170,7 @@ TEST(SceneLoading, RefusesKindlyWhatIsTooLarge) {
   loading.begin(descriptor, "huge.ply", {.memory = 1'000'000'000});
   LoadState state = settled(loading);
   EXPECT_EQ(state.phase, LoadPhase::failed);
-  EXPECT_EQ(state.error, "huge.ply: memory: needs about 2147.5 MB, but only 1000.0 MB are free");
+  EXPECT_EQ(state.error, "huge.ply: memory: needs about 2147.5 MB, but only 1000.0 MB may be used");
   EXPECT_EQ(state.read, 0U);
 
   const auto bytes = scene_bytes();

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <chrono>
 #include <exception>
+#include <limits>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -25,6 +26,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kChunk = std::size_t{1} << 20;
 constexpr int kLookEveryMs = 100;  // whether it was cancelled
+constexpr std::size_t kEnoughForHeaders = std::size_t{1} << 16;
 
 std::string megabytes(std::uint64_t bytes) {
   constexpr double kMegabyte = 1e6;
@@ -58,7 +60,7 @@ struct SceneLoading::Job {
 
   std::unexpected<Error> too_large(std::uint64_t needed) const {
     return fail(name, "memory",
-                fmt::format("needs about {}, but only {} are free", megabytes(needed),
+                fmt::format("needs about {}, but only {} may be used", megabytes(needed),
                             megabytes(limits.memory)));
   }
 
@@ -108,9 +110,22 @@ struct SceneLoading::Job {
       if (got < 0) return fail(name, "read", std::generic_category().message(errno));
       if (got == 0) break;
       if (bytes.size() > limits.memory) return too_large(bytes.size());
+      if (before < kEnoughForHeaders && bytes.size() >= kEnoughForHeaders)
+        if (auto fits = look_ahead(bytes, *size); !fits) return std::unexpected(fits.error());
       update([&](LoadState& s) { s.read = bytes.size(); });
     }
     return bytes;
+  }
+
+  /// What it will take, for most formats long before all of it is there. Fails if that is too much.
+  Expected<void> look_ahead(const Bytes& bytes, const std::optional<std::uint64_t>& size) {
+    constexpr auto kUnknown = std::numeric_limits<std::uint64_t>::max();
+    const auto estimate = estimate_beginning(bytes, size.value_or(kUnknown), name);
+    if (!estimate) return {};
+    const std::uint64_t needed = size.value_or(bytes.size()) + estimate->decoded;
+    if (needed > limits.memory) return too_large(needed);
+    update([&](LoadState& s) { s.estimate = *estimate; });
+    return {};
   }
 
   Expected<SceneFile> load() {

@@ -19,7 +19,7 @@ enum class LoadPhase { idle, reading, decoding, ready, failed, cancelled };
 struct LoadState {
   LoadPhase phase = LoadPhase::idle;
   std::uint64_t read = 0, bytes = 0;      ///< of the file; bytes is 0 where the size is not known
-  std::optional<SceneEstimate> estimate;  ///< once the file is read
+  std::optional<SceneEstimate> estimate;  ///< once the header is read, or all of it
   std::string error;                      ///< one line, when it failed
 };
 

@@ -66,7 +66,10 @@ internal class LoadingView(
                 R.string.read_of, Texts.megabytes(loading.read), Texts.megabytes(loading.bytes),
             )
             else Texts.megabytes(loading.read)
-        progress(context.getString(R.string.loading, name), detail, part)
+        val more = if (loading.splats > 0) "\n" + context.getString(
+            R.string.will_take, Texts.count(loading.splats), Texts.megabytes(2 * loading.memory),
+        ) else ""
+        progress(context.getString(R.string.loading, name), detail + more, part)
     }
 
     /** What it will take, as soon as the file says. */
