@@ -44,7 +44,9 @@ Expected<void> SceneView::draw(const Camera& camera, const RenderOptions& option
     if (auto fitted = fit(size); !fitted) return fitted;
   const Camera view = scaled_camera(camera, target_.width(), target_.height());
   if (auto drawn = renderer_->draw(view, options, target_); !drawn) return drawn;
-  return check_context();
+  auto whole = check_context();
+  if (!whole) renderer_->sort_anew();  // who knows what became of the order
+  return whole;
 }
 
 TargetPlan SceneView::plan(const Size& size) const {

@@ -69,16 +69,15 @@ uint project(uint splat) {
   uvec4 green_blue_harmonics = geometry[4u * splat + 3u];
   vec4 scale_red = uintBitsToFloat(geometry[4u * splat + 1u]);
   vec3 axes_x, axes_y;
-  float depth_deviation;
   vec4 rotation = uintBitsToFloat(geometry[4u * splat + 2u]);
-  screen_axes(p, rotation, scale_red.xyz, axes_x, axes_y, depth_deviation);
+  screen_axes(p, rotation, scale_red.xyz, axes_x, axes_y);
   Footprint shape = footprint(axes_x, axes_y);
   vec2 centre = frame.focal_centre.xy * (p.xy / p.z) + frame.focal_centre.zw;
   // Where α falls below the cut-off, not at a fixed number of deviations.
   float radius = min(sqrt(level - frame.level_min), frame.radius_max) / TO_LEVELS;
   vec2 half_extent = radius * shape.deviation;
-  bool in_view = depth_deviation <= frame.depth_spread_max * p.z;
-  bool large = in_view && 2.0 * max(half_extent.x, half_extent.y) >= frame.size_min;
+  bool large = is_flat(p.z, rotation, scale_red.xyz) &&
+               2.0 * max(half_extent.x, half_extent.y) >= frame.size_min;
   if (!large || !touches_picture(centre, half_extent)) {
     hide(splat);
     bool near_by = large && touches_picture(centre, half_extent + frame.sort_margin);

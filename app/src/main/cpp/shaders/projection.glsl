@@ -6,29 +6,29 @@ struct Footprint {
   vec2 deviation;  // px
 };
 
-// Rᵀ of the unit quaternion q = (x, y, z, w).
-mat3 transposed_rotation(vec4 q) {
-  vec3 d = 2.0 * q.xyz;
-  vec3 xx = d.x * q.xyz, ww = d * q.w;
-  float yy = d.y * q.y, yz = d.y * q.z, zz = d.z * q.z;
-  return mat3(1.0 - yy - zz, xx.y - ww.z, xx.z + ww.y,
-              xx.y + ww.z, 1.0 - xx.x - zz, yz - ww.x,
-              xx.z - ww.y, yz + ww.x, 1.0 - xx.x - yy);
+vec3 rotate_by_transpose(vec4 q, vec3 v) {  // Rᵀ·v for the unit quaternion q = (x, y, z, w)
+  vec3 t = 2.0 * cross(v, q.xyz);
+  return v + q.w * t + cross(t, q.xyz);
+}
+
+// Whether a splat at depth z extends along the view by no more than frame.depth_spread_max × z. Most
+// are so small that this is seen at once.
+bool is_flat(float z, vec4 rotation, vec3 scale) {
+  float most = frame.depth_spread_max * z;
+  if (max(max(scale.x, scale.y), scale.z) <= most) return true;
+  vec3 along = rotate_by_transpose(rotation, frame.rotation_row2.xyz) * scale;
+  return dot(along, along) <= most * most;
 }
 
 // The images on the screen of the principal axes, as the rows of J·W·R·diag(s).
-// `depth_deviation` is along the view direction, in scene units.
-void screen_axes(vec3 p, vec4 rotation, vec3 scale, out vec3 axes_x, out vec3 axes_y,
-                 out float depth_deviation) {
+void screen_axes(vec3 p, vec4 rotation, vec3 scale, out vec3 axes_x, out vec3 axes_y) {
   float inverse_z = 1.0 / p.z;
   vec2 slope = clamp(p.xy * inverse_z, frame.slope_limits.xz, frame.slope_limits.yw);
   vec2 focal = frame.focal_centre.xy * inverse_z;
   vec3 row_x = frame.rotation_row0.xyz * focal.x - frame.rotation_row2.xyz * (focal.x * slope.x);
   vec3 row_y = frame.rotation_row1.xyz * focal.y - frame.rotation_row2.xyz * (focal.y * slope.y);
-  mat3 turn = transposed_rotation(rotation);
-  axes_x = (turn * row_x) * scale;
-  axes_y = (turn * row_y) * scale;
-  depth_deviation = length((turn * frame.rotation_row2.xyz) * scale);
+  axes_x = rotate_by_transpose(rotation, row_x) * scale;
+  axes_y = rotate_by_transpose(rotation, row_y) * scale;
 }
 
 Footprint footprint(vec3 axes_x, vec3 axes_y) {
