@@ -4,7 +4,8 @@
 // GCC 12's sanitizer takes thread-local memory that lies 16 bytes into a page for a block with a
 // header as glibc 2.19 had one, and what it reads there for an address. Where the memory of a
 // thread of ANGLE happens to lie so, the leak check at exit crashes ("Tracer caught signal 11").
-extern "C" const char* __asan_default_options();  // NOLINT(bugprone-reserved-identifier)
+// NOLINTNEXTLINE(bugprone-reserved-identifier)
+extern "C" [[gnu::visibility("default")]] const char* __asan_default_options();
 extern "C" const char* __asan_default_options() { return "intercept_tls_get_addr=0"; }  // NOLINT
 #endif
 
