@@ -43,34 +43,40 @@ void add_presets(std::vector<SweepRow>& rows) {
   for (const std::string& name : preset_names()) rows.push_back({"presets", name, name, name, {}});
 }
 
+struct NamedOptions {
+  const char *name, *label;
+  Options options;
+};
+
+void add_named(std::vector<SweepRow>& rows, const char* group, const char* preset,
+               const std::vector<NamedOptions>& list) {
+  for (const NamedOptions& n : list) rows.push_back({group, n.name, n.label, preset, n.options});
+}
+
 /// The paper's table "Ablation": each part of the method taken away from the whole.
 void add_parts(std::vector<SweepRow>& rows) {
-  const auto add = [&](const char* name, const char* label, Options options) {
-    rows.push_back({"parts", name, label, kPaper, std::move(options)});
-  };
-  add("full", "full", {});
-  add("no-mc-sea", "without MC-SEA (truncated)", {"--sh-reduce", "truncate"});
-  add("no-delta-c", "without Δc", {"--phi", "off"});
-  add("no-multiview-densify", "without multi-view densification", {"--densify", "grad"});
-  add("no-multiview-prune", "without multi-view pruning", {"--prune", "opacity"});
-  add("no-prune", "without pruning", {"--prune", "none"});
+  add_named(rows, "parts", kPaper,
+            {{"full", "full", {}},
+             {"no-mc-sea", "without MC-SEA (truncated)", {"--sh-reduce", "truncate"}},
+             {"no-delta-c", "without Δc", {"--phi", "off"}},
+             {"no-multiview-densify", "without multi-view densification", {"--densify", "grad"}},
+             {"no-multiview-prune", "without multi-view pruning", {"--prune", "opacity"}},
+             {"no-prune", "without pruning", {"--prune", "none"}}});
 }
 
 /// What `flux` adds to 3DGS and to the paper, each taken away from the whole.
 void add_ours(std::vector<SweepRow>& rows) {
-  const auto add = [&](const char* name, const char* label, Options options) {
-    rows.push_back({"ours", name, label, kOurs, std::move(options)});
-  };
-  add("ours", "flux", {});
-  add("ours-no-dropout", "without dropout", {"--dropout", "0"});
-  add("ours-no-coarse-start", "without halved photos first", {"--coarse-levels", "0"});
-  add("ours-no-error-rank", "growth by gradients only", {"--densify", "grad"});
-  add("ours-random-split", "splits at random", {"--split", "random"});
-  add("ours-unlimited-growth", "without a limit to growth", {"--densify-growth", "0"});
-  add("ours-no-late-prune", "without late pruning", {"--late-prune", "off"});
-  add("ours-no-adaptive-degree", "all of degree 3", {"--sh-target", "3"});
-  add("ours-no-rounding", "rounded only when stored", {"--rounding", "off"});
-  add("ours-no-depth-spread", "splats of any depth", {"--depth-spread", "0"});
+  add_named(rows, "ours", kOurs,
+            {{"ours-full", "flux", {}},
+             {"ours-no-dropout", "without dropout", {"--dropout", "0"}},
+             {"ours-no-coarse-start", "without halved photos first", {"--coarse-levels", "0"}},
+             {"ours-no-error-rank", "growth by gradients only", {"--densify", "grad"}},
+             {"ours-random-split", "splits at random", {"--split", "random"}},
+             {"ours-unlimited-growth", "without a limit to growth", {"--densify-growth", "0"}},
+             {"ours-no-late-prune", "without late pruning", {"--late-prune", "off"}},
+             {"ours-no-adaptive-degree", "all of degree 3", {"--sh-target", "3"}},
+             {"ours-no-rounding", "rounded only when stored", {"--rounding", "off"}},
+             {"ours-no-depth-spread", "splats of any depth", {"--depth-spread", "0"}}});
 }
 
 /// The integrals behind E_mag and E_dir, which only the paper's reduction needs. Lebedev's rules
