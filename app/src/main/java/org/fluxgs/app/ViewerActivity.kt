@@ -232,18 +232,27 @@ class ViewerActivity : Activity() {
 
     // Life
 
+    /** Seen, though perhaps beside another app that has the focus: a split screen before Android 10. */
+    override fun onStart() {
+        super.onStart()
+        surface.running = true
+        look.run()
+    }
+
+    override fun onStop() {
+        main.removeCallbacks(look)
+        surface.running = false
+        super.onStop()
+    }
+
     override fun onResume() {
         super.onResume()
         Insets.immersive(window)
-        surface.running = true
         if (findViewById<View>(R.id.gyroscope).isActivated) gyroscope.on = true
-        look.run()
     }
 
     override fun onPause() {
         remember() // while there is a picture
-        main.removeCallbacks(look)
-        surface.running = false
         gyroscope.on = false
         super.onPause()
     }
