@@ -230,7 +230,7 @@ class BenchmarkActivity : Activity() {
             outcome, state, name, state.loading.read, before, thermals.now(), selfTest,
         )
         val history = BenchmarkHistory(this)
-        val earlier = history.last(found.sceneName)
+        val earlier = history.last(found.sceneName, found.splats)
         try {
             history.add(found)
             intent.getStringExtra("json")?.let { write(ownFile(it), found) }

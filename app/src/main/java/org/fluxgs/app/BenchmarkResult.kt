@@ -110,10 +110,10 @@ internal class BenchmarkResult(val json: JSONObject) {
 internal class BenchmarkHistory(context: Context) {
     private val folder = File(context.filesDir, "benchmarks")
 
-    /** The last whole one of the same scene. */
-    fun last(scene: String): BenchmarkResult? = files()
+    /** The last whole one of the same scene: of as many splats, too, for names are given anew. */
+    fun last(scene: String, splats: Long): BenchmarkResult? = files()
         .mapNotNull { file -> read(file) }
-        .firstOrNull { it.sceneName == scene && it.stopped.isEmpty() }
+        .firstOrNull { it.sceneName == scene && it.splats == splats && it.stopped.isEmpty() }
 
     @Throws(IOException::class)
     fun add(result: BenchmarkResult) {
