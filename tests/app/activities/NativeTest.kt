@@ -65,7 +65,7 @@ class NativeTest {
     fun numbersThatAreNone() = inSession { session ->
         val nan = Float.NaN
         Native.surfaceCreated(session, Surface(SurfaceTexture(0)))
-        Native.surfaceChanged(session, -5, 0)
+        Native.surfaceChanged(session, -5, 0, nan)
         Native.touch(session, 0, 7, intArrayOf(1), floatArrayOf(nan, nan), -1)
         Native.touch(session, 1, 7, intArrayOf(1), floatArrayOf(Float.POSITIVE_INFINITY, 1f), 9)
         Native.turn(session, nan, nan, nan, nan, 99, Long.MIN_VALUE)

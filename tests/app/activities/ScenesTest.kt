@@ -36,6 +36,11 @@ class ScenesTest {
 
     private fun open() {
         controller = Robolectric.buildActivity(ScenesActivity::class.java).setup()
+        listRead()
+    }
+
+    private fun listRead() {
+        Background.start {}.get()
         pump()
     }
 
@@ -95,7 +100,7 @@ class ScenesTest {
         grid.onItemLongClickListener!!.onItemLongClick(grid, grid.getChildAt(1), 1, 1)
         pump()
         ShadowAlertDialog.getLatestAlertDialog().getButton(-1).performClick()
-        pump()
+        listRead()
         assertEquals(1, grid.adapter.count)
         assertNull(Recents(context).find(uri))
     }
@@ -141,6 +146,7 @@ class ScenesTest {
         assertEquals(1, grid.adapter.count)
         File(context.filesDir, "recents/list.json").writeText("[7, {\"nothing\": 1}, {\"uri\": \"a:b\"}]")
         controller!!.pause().resume()
+        listRead()
         assertEquals(2, grid.adapter.count)
     }
 

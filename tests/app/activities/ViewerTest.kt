@@ -403,6 +403,50 @@ class ViewerTest {
         )) assertFalse(activity.view(id).contentDescription.isNullOrEmpty())
     }
 
+    @Test
+    fun talkBackMovesTheSceneByNamedActions() {
+        openAndDraw()
+        val surface = activity.view(R.id.surface)
+        val node = surface.createAccessibilityNodeInfo()
+        val labels = node.actionList.associate { it.id to it.label?.toString() }
+        assertEquals(
+            context.getString(R.string.toggle_controls),
+            labels[android.view.accessibility.AccessibilityNodeInfo.ACTION_CLICK],
+        )
+        val start = settled()
+        val opposites = listOf(
+            R.id.look_left to R.id.look_right, R.id.look_higher to R.id.look_lower,
+            R.id.come_nearer to R.id.go_away,
+        )
+        for ((there, back) in opposites) {
+            assertNotNull(labels[there])
+            assertNotNull(labels[back])
+            surface.performAccessibilityAction(there, null)
+            assertTrue("it moves", psnr(start, settled()) < 30)
+            surface.performAccessibilityAction(back, null)
+            assertTrue("and back", psnr(start, settled()) > 35)
+        }
+        surface.performAccessibilityAction(
+            android.view.accessibility.AccessibilityNodeInfo.ACTION_CLICK, null,
+        )
+        assertFalse(activity.isShown(R.id.controls))
+    }
+
+    @Test
+    fun aSceneThatHasNoRoomBesideTheFirstIsOpenedWhenTriedAgain() {
+        openAndDraw()
+        memory(500L shl 20)
+        val file = File(context.cacheDir, "broken.glb").apply { writeText("nothing") }
+        controller!!.newIntent(
+            Intent(context, ViewerActivity::class.java).setData(Documents.offer(file)),
+        )
+        until("the app says that it cannot") { activity.isShown(R.id.loading_retry) }
+        assertTrue("the first is still there", session.state()!!.hasScene)
+        press(R.id.loading_retry)
+        until("the app says that it cannot") { activity.isShown(R.id.loading_retry) }
+        assertFalse("the first has made room", session.state()!!.hasScene)
+    }
+
     // Settings
 
     @Test
@@ -452,17 +496,25 @@ class ViewerTest {
         openAndDraw()
         settled()
         press(R.id.screenshot)
-        assertEquals(context.getString(R.string.screenshot_saved), ShadowToast.getTextOfLatestToast())
+        val saved = context.getString(R.string.screenshot_saved)
+        until("it is saved") { ShadowToast.getTextOfLatestToast() == saved }
     }
 
     @Test
-    fun measuringStartsTheBenchmarkOfThisScene() {
+    fun measuringStartsTheBenchmarkOfThisSceneAndLeavesItTheMemory() {
         val uri = Documents.offer(File(material, "scene.glb"))
         openAndDraw(uri)
+        drag(320f to 240f, 400f to 260f)
+        val before = settled()
         press(R.id.measure)
         val next = shadowOf(activity).nextStartedActivity
         assertEquals(BenchmarkActivity::class.java.name, next.component!!.className)
         assertEquals(uri, next.data)
+        controller!!.pause().stop()
+        assertFalse(session.state()!!.hasScene)
+        controller!!.restart().start().resume()
+        until("the scene is there again") { session.state()!!.drawn && !activity.isShown(R.id.loading) }
+        assertTrue("from the same place", psnr(before, settled()) > 45)
     }
 
     // Life
@@ -474,6 +526,7 @@ class ViewerTest {
         settled()
         val place = session.place()!!
         controller!!.pause()
+        Background.start {}.get()
         val recent = Recents(context).find(Scene.SAMPLE)!!
         assertEquals(28842L, recent.splats)
         assertNotNull(Recents(context).picture(recent))

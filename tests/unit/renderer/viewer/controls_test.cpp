@@ -147,6 +147,19 @@ TEST(Gestures, ALongOrTremblingPressIsNoTap) {
   EXPECT_TRUE(same(hand.n.view, at_the_origin().view)) << "within the slop nothing moves";
 }
 
+TEST(Gestures, AFingerIsAsLargeOnEveryScreen) {
+  const auto moves = [](double density, double pixels) {
+    Hand hand;
+    hand.gestures.options.density = density;
+    hand.put(0, {200, 200});
+    hand.move({{200 + pixels, 200}});
+    return !same(hand.n.view, at_the_origin().view);
+  };
+  EXPECT_TRUE(moves(1, 20));
+  EXPECT_FALSE(moves(4, 20));
+  EXPECT_TRUE(moves(4, 40));
+}
+
 TEST(Gestures, StrangeEventsAreHarmless) {
   Hand hand;
   hand.tell(TouchPhase::up, 7);

@@ -59,7 +59,7 @@ class SessionTest : public testing::TestWithParam<host::HostGl> {
     session_ = std::make_unique<Session>(host::make_offscreen_screen(GetParam()));
     session_->set(settings_);
     session_->surface_created(this);
-    session_->surface_changed(kWidth, kHeight);
+    session_->surface_changed(kWidth, kHeight, 1);
   }
 
   /// Lets the display go on until something holds.
@@ -186,12 +186,12 @@ TEST_P(SessionTest, TheWindowComesAndGoes) {
   session_->surface_destroyed();
   session_->flip_up();
   session_->flip_up();
-  session_->surface_changed(40, 60);
+  session_->surface_changed(40, 60, 3);
   session_->surface_created(this);
   EXPECT_EQ(picture().width, 40) << "turned to portrait";
-  session_->surface_changed(kWidth, kHeight);
+  session_->surface_changed(kWidth, kHeight, 1);
   EXPECT_GT(psnr(picture(), before), 50);
-  session_->surface_changed(0, 0);
+  session_->surface_changed(0, 0, 0);
   session_->frame(time_ += 1);
   EXPECT_EQ(session_->state().error, "");
 }

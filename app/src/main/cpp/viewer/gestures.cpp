@@ -15,6 +15,10 @@ const Finger* find(std::span<const Finger> fingers, int id) {
 
 bool is_finite(const glm::dvec2& p) { return std::isfinite(p.x) && std::isfinite(p.y); }
 
+double distance_dp(const Gestures& g, const glm::dvec2& a, const glm::dvec2& b) {
+  return glm::distance(a, b) / g.options.density;
+}
+
 /// A single finger begins, or goes on after the other was lifted.
 void begin_single(Gestures& g, double seconds) {
   g.trail = {};
@@ -53,7 +57,7 @@ void move(const TouchEvent& e, const glm::dvec2& size, Gestures& g, camera::Navi
     g.fingers = now;
     return;
   }
-  if (g.tapping && glm::distance(now[0].position, g.pressed_at) <= g.options.slop) return;
+  if (g.tapping && distance_dp(g, now[0].position, g.pressed_at) <= g.options.slop) return;
   g.tapping = false;
   camera::drag(n, g.one_finger, now[0].position - g.fingers[0].position, size);
   camera::add(g.trail, e.seconds, now[0].position);
@@ -64,7 +68,7 @@ void move(const TouchEvent& e, const glm::dvec2& size, Gestures& g, camera::Navi
 std::optional<glm::dvec2> tap(const TouchEvent& e, const glm::dvec2& at, Gestures& g) {
   const GestureOptions& o = g.options;
   const bool second = g.tapped && g.pressed - *g.tapped <= o.double_tap &&
-                      glm::distance(at, g.tapped_at) <= o.double_tap_slop;
+                      distance_dp(g, at, g.tapped_at) <= o.double_tap_slop;
   g.tapped = e.seconds;
   g.tapped_at = at;
   if (!second) return std::nullopt;

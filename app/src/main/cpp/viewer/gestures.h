@@ -26,10 +26,11 @@ struct TouchEvent {
 };
 
 struct GestureOptions {
-  double slop = 24;              ///< px that a tap may move; some 8 dp
-  double longest_tap = 0.3;      ///< s
-  double double_tap = 0.3;       ///< s between the taps
-  double double_tap_slop = 120;  ///< px between them
+  double density = 1;           ///< px of a dp, which is 1/160 inch: a finger has a size
+  double slop = 8;              ///< dp that a tap may move
+  double longest_tap = 0.3;     ///< s
+  double double_tap = 0.3;      ///< s between the taps
+  double double_tap_slop = 40;  ///< dp between them
 };
 
 struct Gestures {

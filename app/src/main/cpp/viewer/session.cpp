@@ -113,11 +113,11 @@ void Session::surface_created(void* window) {
   });
 }
 
-void Session::surface_changed(int width, int height) {
-  post([this, width, height] {
+void Session::surface_changed(int width, int height, double density) {
+  post([this, width, height, density] {
     width_ = width;
     height_ = height;
-    viewer_.resize(width, height);
+    viewer_.resize(width, height, density);
     redraw_ = true;
   });
 }

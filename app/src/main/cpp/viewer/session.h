@@ -56,7 +56,8 @@ class Session {
 
   // The window. Pictures of another size may be wanted at any time.
   void surface_created(void* window);
-  void surface_changed(int width, int height);
+  /// In pixels, and how many of them are a dp (1/160 inch).
+  void surface_changed(int width, int height, double density);
   /// Returns when the window is no longer touched.
   void surface_destroyed();
 

@@ -124,7 +124,8 @@ void Viewer::set(const ViewerSettings& settings) {
   stale_ = true;
 }
 
-void Viewer::resize(int width, int height) {
+void Viewer::resize(int width, int height, double density) {
+  if (std::isfinite(density) && density > 0) gestures_.options.density = density;
   const glm::ivec2 size(std::max(width, 1), std::max(height, 1));
   if (size == size_) return;
   size_ = size;

@@ -69,7 +69,7 @@ class Viewer {
   const ViewerSettings& settings() const { return settings_; }
   void set_heat(const Heat& heat) { heat_ = heat; }
 
-  void resize(int width, int height);
+  void resize(int width, int height, double density);
 
   void touch(const TouchEvent& event);
   void turn(const DevicePose& pose);

@@ -88,7 +88,7 @@ class EglScreen final : public viewer::Screen {
 
  private:
   Expected<void> open_display() {
-    if (display_ != EGL_NO_DISPLAY) return {};
+    if (config_ != nullptr) return {};  // else it failed before, or was never tried
     display_ = eglGetDisplay(EGL_DEFAULT_DISPLAY);
     if (display_ == EGL_NO_DISPLAY || eglInitialize(display_, nullptr, nullptr) != EGL_TRUE)
       return egl_failure("eglInitialize");
@@ -104,8 +104,10 @@ class EglScreen final : public viewer::Screen {
                              8,
                              EGL_NONE};
     EGLint count = 0;
-    if (eglChooseConfig(display_, wanted, &config_, 1, &count) != EGL_TRUE || count < 1)
+    EGLConfig config = nullptr;
+    if (eglChooseConfig(display_, wanted, &config, 1, &count) != EGL_TRUE || count < 1)
       return egl_failure("eglChooseConfig");
+    config_ = config;
     return {};
   }
 

@@ -193,8 +193,9 @@ FLUXGS_JNI(void, surfaceCreated)(JNIEnv* env, jclass, jlong session, jobject sur
   });
 }
 
-FLUXGS_JNI(void, surfaceChanged)(JNIEnv* env, jclass, jlong session, jint width, jint height) {
-  guarded(env, [&] { sessions().find(session)->surface_changed(width, height); });
+FLUXGS_JNI(void, surfaceChanged)(JNIEnv* env, jclass, jlong session, jint width, jint height,
+                                 jfloat density) {
+  guarded(env, [&] { sessions().find(session)->surface_changed(width, height, density); });
 }
 
 FLUXGS_JNI(void, surfaceDestroyed)(JNIEnv* env, jclass, jlong session) {

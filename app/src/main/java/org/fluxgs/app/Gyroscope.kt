@@ -7,9 +7,11 @@ import android.hardware.SensorEventListener
 import android.hardware.SensorManager
 import android.view.Surface
 
-/** Hands the device's attitude to a session while it is [on]. */
-internal class Gyroscope(private val activity: Activity, private val session: Session) :
-    SensorEventListener {
+/** Hands the device's attitude on while it is [on], as [Session.turn] wants it. */
+internal class Gyroscope(
+    private val activity: Activity,
+    private val turn: (rotation: FloatArray, screenTurns: Int, nanoseconds: Long) -> Unit,
+) : SensorEventListener {
     private val manager = activity.getSystemService(SensorManager::class.java)
     private val sensor = manager.getDefaultSensor(Sensor.TYPE_GAME_ROTATION_VECTOR)
         ?: manager.getDefaultSensor(Sensor.TYPE_ROTATION_VECTOR)
@@ -28,7 +30,7 @@ internal class Gyroscope(private val activity: Activity, private val session: Se
     override fun onSensorChanged(event: SensorEvent) {
         SensorManager.getQuaternionFromVector(quaternion, event.values) // w, x, y, z
         val (w, x, y, z) = quaternion
-        session.turn(floatArrayOf(x, y, z, w), screenTurns(), event.timestamp)
+        turn(floatArrayOf(x, y, z, w), screenTurns(), event.timestamp)
     }
 
     override fun onAccuracyChanged(sensor: Sensor?, accuracy: Int) = Unit

@@ -46,11 +46,25 @@ internal object Insets {
         return intArrayOf(bars.left, bars.top, bars.right, bars.bottom)
     }
 
+    /** Bars that are hidden have no size here, but the cameras below them have. */
     @Suppress("DEPRECATION")
-    private fun barsBefore30(insets: WindowInsets) = intArrayOf(
-        insets.systemWindowInsetLeft, insets.systemWindowInsetTop,
-        insets.systemWindowInsetRight, insets.systemWindowInsetBottom,
-    )
+    private fun barsBefore30(insets: WindowInsets): IntArray {
+        val bars = intArrayOf(
+            insets.systemWindowInsetLeft, insets.systemWindowInsetTop,
+            insets.systemWindowInsetRight, insets.systemWindowInsetBottom,
+        )
+        if (Build.VERSION.SDK_INT < 28) return bars
+        val cutout = cutout28(insets)
+        return IntArray(4) { maxOf(bars[it], cutout[it]) }
+    }
+
+    @TargetApi(28)
+    private fun cutout28(insets: WindowInsets): IntArray {
+        val cutout = insets.displayCutout ?: return IntArray(4)
+        return intArrayOf(
+            cutout.safeInsetLeft, cutout.safeInsetTop, cutout.safeInsetRight, cutout.safeInsetBottom,
+        )
+    }
 
     @TargetApi(30)
     private fun immersive30(window: Window) {

@@ -82,8 +82,9 @@ internal class LoadingView(
 
     private fun progress(text: String, more: String, thousandths: Int) {
         root.visibility = View.VISIBLE
-        title.text = text
-        detail.text = more
+        set(title, text)
+        set(detail, more)
+        detail.accessibilityLiveRegion = View.ACCESSIBILITY_LIVE_REGION_NONE // it counts
         bar.visibility = View.VISIBLE
         bar.isIndeterminate = thousandths < 0
         bar.progress = thousandths.coerceAtLeast(0)
@@ -92,10 +93,16 @@ internal class LoadingView(
         leave.visibility = View.GONE
     }
 
+    /** What is set anew is read out anew. */
+    private fun set(view: TextView, text: String) {
+        if (view.text.toString() != text) view.text = text
+    }
+
     private fun tell(message: String) {
         root.visibility = View.VISIBLE
-        title.text = root.context.getString(R.string.cannot_open)
-        detail.text = message
+        set(title, root.context.getString(R.string.cannot_open))
+        detail.accessibilityLiveRegion = View.ACCESSIBILITY_LIVE_REGION_POLITE
+        set(detail, message)
         bar.visibility = View.GONE
         cancel.visibility = View.GONE
         retry.visibility = View.VISIBLE

@@ -18,7 +18,8 @@ internal object Native {
 
     @JvmStatic external fun surfaceCreated(session: Long, surface: Surface)
 
-    @JvmStatic external fun surfaceChanged(session: Long, width: Int, height: Int)
+    /** [density]: pixels of a dp. */
+    @JvmStatic external fun surfaceChanged(session: Long, width: Int, height: Int, density: Float)
 
     /** Returns when the surface is no longer touched. */
     @JvmStatic external fun surfaceDestroyed(session: Long)

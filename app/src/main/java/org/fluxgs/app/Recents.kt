@@ -26,7 +26,10 @@ data class Recent(
     override fun hashCode() = id.hashCode()
 }
 
-/** The scenes that were opened last, the newest first, with pictures. */
+/**
+ * The scenes that were opened last, the newest first, with pictures. Reads and writes files: for the
+ * [Background].
+ */
 internal class Recents(context: Context) {
     private val folder = File(context.filesDir, "recents")
     private val list = File(folder, "list.json")

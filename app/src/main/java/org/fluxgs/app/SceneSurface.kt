@@ -2,9 +2,11 @@ package org.fluxgs.app
 
 import android.content.Context
 import android.util.AttributeSet
+import android.util.Size
 import android.view.Choreographer
 import android.view.GestureDetector
 import android.view.MotionEvent
+import android.view.Surface
 import android.view.SurfaceHolder
 import android.view.SurfaceView
 
@@ -15,10 +17,13 @@ import android.view.SurfaceView
 class SceneSurface(context: Context, attributes: AttributeSet?) :
     SurfaceView(context, attributes), SurfaceHolder.Callback, Choreographer.FrameCallback {
 
+    /** May be another one at any time: it gets the surface that is there. */
     var session: Session? = null
         set(value) {
             field = value
-            if (value != null && isThere) surfaceCreated(holder)
+            val surface = drawnOn ?: return
+            value?.surfaceCreated(surface)
+            tellSize()
         }
 
     /** A tap that is not the first of two. */
@@ -32,7 +37,8 @@ class SceneSurface(context: Context, attributes: AttributeSet?) :
             else Choreographer.getInstance().removeFrameCallback(this)
         }
 
-    private var isThere = false
+    private var drawnOn: Surface? = null // while there is one
+    private var size = Size(0, 0) // of the surface
     private val taps = GestureDetector(context, object : GestureDetector.SimpleOnGestureListener() {
         override fun onSingleTapConfirmed(event: MotionEvent): Boolean {
             performClick()
@@ -43,19 +49,25 @@ class SceneSurface(context: Context, attributes: AttributeSet?) :
     init {
         holder.addCallback(this)
         isClickable = true
+        accessibilityDelegate = SceneActions()
     }
 
     override fun surfaceCreated(holder: SurfaceHolder) {
-        isThere = true
+        drawnOn = holder.surface
         session?.surfaceCreated(holder.surface)
     }
 
     override fun surfaceChanged(holder: SurfaceHolder, format: Int, width: Int, height: Int) {
-        session?.surfaceChanged(width, height)
+        size = Size(width, height)
+        tellSize()
+    }
+
+    private fun tellSize() {
+        session?.surfaceChanged(size.width, size.height, resources.displayMetrics.density)
     }
 
     override fun surfaceDestroyed(holder: SurfaceHolder) {
-        isThere = false
+        drawnOn = null
         session?.surfaceDestroyed()
     }
 

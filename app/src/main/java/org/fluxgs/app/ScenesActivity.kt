@@ -4,6 +4,7 @@ import android.app.Activity
 import android.app.AlertDialog
 import android.content.ActivityNotFoundException
 import android.content.Intent
+import android.graphics.Bitmap
 import android.net.Uri
 import android.os.Bundle
 import android.view.LayoutInflater
@@ -19,7 +20,10 @@ import android.widget.Toast
 class ScenesActivity : Activity() {
     private lateinit var recents: Recents
     private lateinit var grid: GridView
-    private var shown = emptyList<Recent>()
+    private var sample: Entry? = null // once it was looked at
+    private var shown = emptyList<Entry>()
+
+    private class Entry(val recent: Recent, val picture: Bitmap?)
 
     override fun onCreate(state: Bundle?) {
         super.onCreate(state)
@@ -39,7 +43,20 @@ class ScenesActivity : Activity() {
 
     override fun onResume() {
         super.onResume()
-        shown = recents.all().filterNot { Scene.isSample(it.uri) }
+        load()
+    }
+
+    private fun load() {
+        Background.start {
+            val entries = recents.all().map { Entry(it, recents.picture(it)) }
+            runOnUiThread { show(entries) }
+        }
+    }
+
+    private fun show(entries: List<Entry>) {
+        val (samples, others) = entries.partition { Scene.isSample(it.recent.uri) }
+        sample = samples.firstOrNull()
+        shown = others
         (grid.adapter as BaseAdapter).notifyDataSetChanged()
     }
 
@@ -49,7 +66,9 @@ class ScenesActivity : Activity() {
         else version
     }
 
-    private fun uriAt(position: Int) = if (position == 0) Scene.SAMPLE else shown[position - 1].uri
+    private fun entryAt(position: Int) = if (position == 0) sample else shown[position - 1]
+
+    private fun uriAt(position: Int) = if (position == 0) Scene.SAMPLE else shown[position - 1].recent.uri
 
     private fun open(uri: Uri) {
         startActivity(Intent(this, ViewerActivity::class.java).setData(uri))
@@ -57,7 +76,7 @@ class ScenesActivity : Activity() {
 
     private fun askToForget(position: Int): Boolean {
         if (position == 0) return false
-        val recent = shown[position - 1]
+        val recent = shown[position - 1].recent
         AlertDialog.Builder(this)
             .setMessage(getString(R.string.forget_question, recent.name))
             .setPositiveButton(R.string.forget) { _, _ -> forget(recent) }
@@ -67,7 +86,7 @@ class ScenesActivity : Activity() {
     }
 
     private fun forget(recent: Recent) {
-        recents.forget(recent.uri)
+        Background.start { recents.forget(recent.uri) }
         try {
             contentResolver.releasePersistableUriPermission(
                 recent.uri, Intent.FLAG_GRANT_READ_URI_PERMISSION,
@@ -75,7 +94,7 @@ class ScenesActivity : Activity() {
         } catch (_: SecurityException) {
             // There was none: it came from "open with"
         }
-        onResume()
+        load()
     }
 
     private fun pick() {
@@ -114,14 +133,15 @@ class ScenesActivity : Activity() {
 
         override fun getItem(position: Int): Any = uriAt(position)
 
-        override fun getItemId(position: Int) = if (position == 0) 0L else shown[position - 1].id
+        override fun getItemId(position: Int) = if (position == 0) 0L else shown[position - 1].recent.id
 
         override fun hasStableIds() = true
 
         override fun getView(position: Int, old: View?, parent: ViewGroup): View {
             val view = old
                 ?: LayoutInflater.from(this@ScenesActivity).inflate(R.layout.scene, parent, false)
-            val recent = if (position == 0) recents.find(Scene.SAMPLE) else shown[position - 1]
+            val entry = entryAt(position)
+            val recent = entry?.recent
             val name = if (position == 0) getString(R.string.sample_scene) else recent!!.name
             val detail = recent?.let {
                 getString(
@@ -131,7 +151,7 @@ class ScenesActivity : Activity() {
             view.findViewById<TextView>(R.id.name).text = name
             view.findViewById<TextView>(R.id.detail).text = detail
             val picture = view.findViewById<ImageView>(R.id.picture)
-            picture.setImageBitmap(recent?.let { recents.picture(it) })
+            picture.setImageBitmap(entry?.picture)
             view.contentDescription = "$name, $detail"
             return view
         }

@@ -85,7 +85,8 @@ class Session : AutoCloseable {
 
     fun surfaceCreated(surface: Surface) = call { Native.surfaceCreated(it, surface) }
 
-    fun surfaceChanged(width: Int, height: Int) = call { Native.surfaceChanged(it, width, height) }
+    fun surfaceChanged(width: Int, height: Int, density: Float) =
+        call { Native.surfaceChanged(it, width, height, density) }
 
     fun surfaceDestroyed() = call { Native.surfaceDestroyed(it) }
 

@@ -39,6 +39,8 @@ class ViewerActivity : Activity() {
     private var shown: Shown? = null // what there is to go back to
     private var memory = 0L
     private var memoryAskedAt = 0L
+    private var appliedFrameSeconds = 0f
+    private var measuring = false // the benchmark has the device for itself
     private val main = Handler(Looper.getMainLooper())
 
     private val look = object : Runnable {
@@ -58,7 +60,7 @@ class ViewerActivity : Activity() {
         thermals = Thermals(this)
         settings = Settings.load(this)
         session = Session()
-        gyroscope = Gyroscope(this, session)
+        gyroscope = Gyroscope(this) { rotation, turns, time -> session.turn(rotation, turns, time) }
         memory = FreeMemory.forGraphics(this)
         surface = findViewById(R.id.surface)
         surface.session = session
@@ -103,12 +105,13 @@ class ViewerActivity : Activity() {
         name = ""
         scenesBefore = session.state()?.scenes ?: 0
         loadingView.opening()
+        val wanted = uri
+        val last = Background.start { recents.find(wanted)?.place }
         opening = SceneOpening(this, uri, { descriptor, found ->
             name = found
             bytes = descriptor.statSize.coerceAtLeast(0)
             session.load(
-                descriptor.detachFd(), found, FreeMemory.forScene(this),
-                place ?: recents.find(uri)?.place,
+                descriptor.detachFd(), found, FreeMemory.forScene(this), place ?: last.get(),
             )
         }, { message -> loadingView.failed(message) })
         opening?.start()
@@ -124,12 +127,26 @@ class ViewerActivity : Activity() {
         loadingView.hide()
     }
 
-    private fun retry() = begin(if (shown?.uri == uri) session.place() else null)
+    private fun retry() {
+        val place = if (shown?.uri == uri) session.place() else null
+        dropScene() // which has the memory that the other may have wanted
+        begin(place)
+    }
+
+    /** Gives back what the scene takes, on the GPU, too. */
+    private fun dropScene() {
+        session.close()
+        session = Session()
+        shown = null
+        surface.session = session
+        apply(settings)
+    }
 
     // What is shown
 
     private fun update() {
         val state = session.state() ?: return
+        if (frameSeconds() != appliedFrameSeconds) apply(settings)
         heat = thermals.now()
         session.setHeat(heat.status, heat.headroom)
         watchMemory()
@@ -155,9 +172,12 @@ class ViewerActivity : Activity() {
         val state = session.state() ?: return
         val scene = shown ?: return
         if (!state.drawn || scene.uri != uri) return
-        recents.remember(
-            uri, scene.name, scene.bytes, state.stats.splats, session.place(), session.picture(),
-        )
+        val splats = state.stats.splats
+        val place = session.place()
+        val picture = session.picture()
+        Background.start {
+            recents.remember(scene.uri, scene.name, scene.bytes, splats, place, picture)
+        }
     }
 
     // Controls
@@ -196,7 +216,8 @@ class ViewerActivity : Activity() {
 
     private fun apply(changed: Settings) {
         settings = changed
-        session.set(changed, gyroscope.on, frameSeconds(), memory)
+        appliedFrameSeconds = frameSeconds()
+        session.set(changed, gyroscope.on, appliedFrameSeconds, memory)
     }
 
     private fun frameSeconds(): Float {
@@ -211,18 +232,26 @@ class ViewerActivity : Activity() {
             Toast.makeText(this, R.string.screenshot_of_nothing, Toast.LENGTH_SHORT).show()
             return
         }
-        try {
-            val saved = Gallery.save(this, picture, name)
-            if (Build.VERSION.SDK_INT >= 29)
-                Toast.makeText(this, R.string.screenshot_saved, Toast.LENGTH_SHORT).show()
-            else startActivity(SharedFiles.send(this, saved, "image/png"))
-        } catch (problem: IOException) {
-            val text = getString(R.string.screenshot_failed, problem.message)
-            Toast.makeText(this, text, Toast.LENGTH_LONG).show()
+        val scene = name
+        Background.start {
+            try {
+                val saved = Gallery.save(applicationContext, picture, scene)
+                runOnUiThread { tellOfSaved(saved) }
+            } catch (problem: IOException) {
+                val text = getString(R.string.screenshot_failed, problem.message)
+                runOnUiThread { Toast.makeText(this, text, Toast.LENGTH_LONG).show() }
+            }
         }
     }
 
+    private fun tellOfSaved(picture: Uri) {
+        if (Build.VERSION.SDK_INT >= 29)
+            Toast.makeText(this, R.string.screenshot_saved, Toast.LENGTH_SHORT).show()
+        else if (!isDestroyed) startActivity(SharedFiles.send(this, picture, "image/png"))
+    }
+
     private fun measure() {
+        measuring = true
         startActivity(
             Intent(this, BenchmarkActivity::class.java)
                 .setData(uri)
@@ -235,6 +264,8 @@ class ViewerActivity : Activity() {
     /** Seen, though perhaps beside another app that has the focus: a split screen before Android 10. */
     override fun onStart() {
         super.onStart()
+        if (measuring) begin(null)
+        measuring = false
         surface.running = true
         look.run()
     }
@@ -242,6 +273,10 @@ class ViewerActivity : Activity() {
     override fun onStop() {
         main.removeCallbacks(look)
         surface.running = false
+        if (measuring) {
+            opening?.cancel()
+            dropScene()
+        }
         super.onStop()
     }
 
