@@ -131,8 +131,8 @@ Expected<void> report(const TrainReport& s) {
                          .retry = s.retry,
                          // This very program, even if another was built in its place meanwhile
                          .program = "/proc/self/exe"};
-  for (const std::string& file : s.known)
-    if (auto added = settings.known.add(file); !added) return added;
+  for (const std::string& path : s.known)
+    if (auto added = settings.known.add(path); !added) return added;
   std::iota(settings.seeds.begin(), settings.seeds.end(), 1);
   settings.measures.flip = flip.has_value();
   auto table = run_sweep(settings);
@@ -183,7 +183,8 @@ void add_options(CLI::App& command, TrainReport& s) {
       ->check(CLI::Range(0, 100'000))
       ->capture_default_str();
   command
-      .add_option("--known", s.known, "reports (.json) of other sweeps whose runs are taken over")
+      .add_option("--known", s.known,
+                  "reports (.json) of other sweeps, or folders of such, whose runs are taken over")
       ->delimiter(',')
       ->allow_extra_args(false);
   command.add_flag("--retry", s.retry, "also the runs that failed before");

@@ -57,6 +57,20 @@ json training_meaning(const SweepRow& row, const std::vector<std::string>& commo
 }
 
 Expected<void> KnownRuns::add(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(path, error)) return add_file(path);
+  std::vector<std::filesystem::path> reports;
+  for (const auto& entry : std::filesystem::directory_iterator(path, error))
+    if (entry.path().extension() == ".json") reports.push_back(entry.path());
+  if (reports.empty())
+    return fail(path.string(), "", "expected reports of `fluxgs report train` (.json) in it");
+  std::ranges::sort(reports);  // so that of a run that two tell of, the same one counts anywhere
+  for (const auto& report : reports)
+    if (auto added = add_file(report); !added) return added;
+  return {};
+}
+
+Expected<void> KnownRuns::add_file(const std::filesystem::path& path) {
   auto report = read_json(path);
   if (!report) return std::unexpected(report.error());
   try {

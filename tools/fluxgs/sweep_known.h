@@ -23,15 +23,17 @@ nlohmann::json training_meaning(const SweepRow& row, const std::vector<std::stri
 
 class KnownRuns {
  public:
-  /// Takes the finished runs of a report.json in. Errors: cannot be read, not a report of a sweep,
-  /// or of another version of fluxgs.
-  Expected<void> add(const std::filesystem::path& report);
+  /// Takes the finished runs of a report.json in, or of all .json of a folder. Errors: cannot be
+  /// read, not a report of a sweep, or of another version of fluxgs; a folder without any.
+  Expected<void> add(const std::filesystem::path& path);
 
   /// The run of a data set (by its hash) with this meaning and seed, or null.
   const RunOutcome* find(const std::string& data_hash, const nlohmann::json& meaning,
                          std::uint64_t seed) const;
 
  private:
+  Expected<void> add_file(const std::filesystem::path& report);
+
   std::map<std::string, RunOutcome> runs_;
 };
 

@@ -326,10 +326,18 @@ TEST(Sweep, RunsOfAnotherReportAreTakenOver) {
   EXPECT_TRUE(fs::exists(folder / "second/spheres/other/seed-1/train.json"));
   EXPECT_NE(second->at(0, 1, 0).values, first->at(0, 0, 0).values);
 
+  // A folder is all reports in it
+  fs::create_directory(folder / "reports");
+  fs::copy_file(report, folder / "reports/one.json");
+  std::ofstream(folder / "reports/one.md") << "not read";
+  KnownRuns known;
+  ASSERT_TRUE(known.add(folder / "reports"));
+
   // Neither another seed nor photos of another size are the same run
   const json meaning = training_meaning(settings.rows[0], settings.common);
   const std::string& hash = first->scenes[0].hash;
   EXPECT_TRUE(settings.known.find(hash, meaning, 1));
+  EXPECT_TRUE(known.find(hash, meaning, 1));
   EXPECT_FALSE(settings.known.find(hash, meaning, 2));
   EXPECT_FALSE(settings.known.find("0123", meaning, 1));
   settings.common.insert(settings.common.end(), {"--downscale", "2"});
@@ -346,6 +354,9 @@ TEST(Sweep, BadUseIsOneLine) {
                {"odd.json", "report train"});
   expect_error(fluxgs(report_train(folder / "out", "--known " + quoted(folder / "none.json"))),
                {"none.json"});
+  fs::create_directory(folder / "empty");
+  expect_error(fluxgs(report_train(folder / "out", "--known " + quoted(folder / "empty"))),
+               {"empty", ".json"});
   expect_error(fluxgs(report_train(folder / "out", "--only nothing")), {"--only", "nothing"});
   expect_error(
       fluxgs(fmt::format("report train {} -o {}", quoted(folder / "no"), quoted(folder / "out"))),
