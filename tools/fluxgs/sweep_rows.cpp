@@ -116,6 +116,7 @@ const std::vector<SweepGroup>& sweep_groups() {
       {"quantile-plus", "Quantile of densification", "Q⁺"},
       {"quantile-minus", "Quantile of pruning", "Q⁻"},
       {"size", "Size of the scene, by the gradient above which splats are added"},
+      {"store", "Precision of the file, by how near its pictures are to the scene's (dB)"},
       {"sh", "Degree of the harmonics, and how it is reached"},
       {"densify", "Densification"}};
   return groups;
@@ -133,6 +134,8 @@ std::vector<SweepRow> all_sweep_rows() {
   add_values(rows, "quantile-minus", "--quantile-minus", {0.01, 0.1, 0.3, 0.5, 0.7, 0.9},
              {"--prune", "multiview"});
   add_values(rows, "size", "--densify-gradient", {1e-4, 2e-4, 3e-4, 4.5e-4, 6e-4, 9e-4});
+  // Of which the other limit must not take the decision
+  add_values(rows, "store", "--store-psnr", {36, 38, 40, 42, 44, 46}, {"--store-loss", "0.01"});
   add_choices(rows, "sh", "sh-target", "--sh-target", {"0", "1", "2", "3", "adaptive"});
   add_choices(rows, "sh", "sh-reduce", "--sh-reduce",
               {"view-ls", "truncate", "uniform-ls", "energy"}, {"--sh-target", "1"});

@@ -40,8 +40,8 @@ TrainOptions flux() {
   // Each splat its own degree, once they know what they look like; then the numbers of the file
   o.sh_target = ShTarget::adaptive;
   o.sh_loss = 1;
-  o.store_loss = 0.7;
-  o.store_psnr = 40;
+  o.store_loss = 0.4;
+  o.store_psnr = 42;
   o.rounding = Switch::on;
   return o;
 }
