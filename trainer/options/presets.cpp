@@ -41,7 +41,7 @@ TrainOptions flux() {
   o.sh_target = ShTarget::adaptive;
   o.sh_loss = 1;
   o.store_loss = 0.4;
-  o.store_psnr = 42;
+  o.store_psnr = 41.5;
   o.rounding = Switch::on;
   return o;
 }
