@@ -1,0 +1,216 @@
+package org.fluxgs.app
+
+import android.content.Intent
+import android.os.ParcelFileDescriptor
+import android.view.View
+import android.view.ViewGroup
+import java.io.File
+import org.junit.Assert.assertEquals
+import org.junit.Assert.assertFalse
+import org.junit.Assert.assertTrue
+import org.junit.Test
+import org.junit.runner.RunWith
+import org.robolectric.RobolectricTestRunner
+import org.robolectric.Shadows.shadowOf
+import org.robolectric.annotation.Config
+import org.robolectric.annotation.GraphicsMode
+
+@RunWith(RobolectricTestRunner::class)
+@Config(sdk = [35], qualifiers = "w640dp-h480dp-land-mdpi", shadows = [RealDescriptors::class])
+@GraphicsMode(GraphicsMode.Mode.NATIVE)
+class OpeningTest : ViewerScreen() {
+    @Test
+    fun theSampleIsDrawnAsTheDesktopDrawsIt() {
+        openAndDraw()
+        val picture = settled()
+        keep(picture, "sample-scene")
+        val found = psnr(picture, pictureOf("sample.png"))
+        assertTrue("$found dB", found > 45)
+        assertEquals(0, session.state()!!.dropped)
+    }
+
+    @Test
+    fun everyFormatOfAnotherAppIsOpenedByItsContent() {
+        for (format in listOf("ply", "glb", "spz", "splat")) {
+            val file = File(material, "scene.$format")
+            val unnamed = file.copyTo(File(context.cacheDir, "document-$format"), true)
+            openAndDraw(Documents.offer(unnamed))
+            assertEquals(format, session.state()!!.loading.format)
+            assertTrue(spread(settled()) > 100)
+            close()
+        }
+    }
+
+    @Test
+    fun whatIsSharedToTheAppIsOpened() {
+        val uri = Documents.offer(File(material, "scene.spz"))
+        start(
+            Intent(context, ViewerActivity::class.java).setAction(Intent.ACTION_SEND)
+                .putExtra(Intent.EXTRA_STREAM, uri),
+        )
+        until("the scene is drawn") { session.state()!!.drawn }
+        assertEquals("spz", session.state()!!.loading.format)
+    }
+
+    @Test
+    fun anotherSceneTakesThePlaceOfTheFirst() {
+        openAndDraw()
+        val first = settled()
+        val other = Documents.offer(File(material, "scene.splat"))
+        controller!!.newIntent(Intent(context, ViewerActivity::class.java).setData(other))
+        until("the other is drawn") { session.state()!!.loading.format == "splat" }
+        until("the other is drawn") { session.state()!!.loading.ready && !activity.isShown(R.id.loading) }
+        assertTrue(psnr(settled(), first) < 40)
+    }
+
+    @Test
+    fun loadingIsShownAndCanBeCancelled() {
+        Documents.answers["garden.ply"] = { // a pipe in which there is a part of it, and no more
+            val mode = ParcelFileDescriptor.MODE_READ_WRITE
+            ParcelFileDescriptor.open(File(material, "pipe"), mode)
+        }
+        open(Documents.uri("garden.ply"))
+        until("it is read") { session.state()!!.loading.phase == "reading" }
+        val part = File(material, "scene.ply").inputStream().use { it.readNBytes(1_000_000) }
+        java.io.FileOutputStream(File(material, "pipe")).use { it.write(part) }
+        until("what it will take is said") { "28,842 splats" in activity.text(R.id.loading_detail) }
+        assertTrue(activity.isShown(R.id.loading_cancel))
+        keep(screenOf(activity, null), "loading")
+        press(R.id.loading_cancel)
+        assertTrue(activity.isFinishing)
+    }
+
+    @Test
+    fun aProviderThatNeverAnswersIsGivenUp() {
+        val gate = java.util.concurrent.CountDownLatch(1)
+        Documents.answers["stuck"] = {
+            gate.await()
+            throw IllegalStateException("late")
+        }
+        open(Documents.uri("stuck"))
+        pump(SceneOpening.PATIENCE_MS + 1000)
+        assertTrue(activity.isShown(R.id.loading_retry))
+        assertEquals(context.getString(R.string.provider_stalls), activity.text(R.id.loading_detail))
+        gate.countDown()
+        repeat(5) { pump() }
+        assertTrue("a late answer changes nothing", activity.isShown(R.id.loading_retry))
+    }
+
+    @Test
+    fun aFileThatMayNotBeRead() {
+        Documents.answers["locked"] = {
+            throw java.io.FileNotFoundException("open failed: EACCES (Permission denied)")
+        }
+        assertEquals(
+            context.getString(R.string.scene_forbidden), openAndFail(Documents.uri("locked")),
+        )
+    }
+
+    @Test
+    fun whatIsSharedAndNoFileIsSaidToBe() {
+        for (extra in listOf<android.os.Parcelable?>(null, android.graphics.Rect(1, 2, 3, 4))) {
+            val intent = Intent(context, ViewerActivity::class.java).setAction(Intent.ACTION_SEND)
+            if (extra != null) intent.putExtra(Intent.EXTRA_STREAM, extra)
+            start(intent)
+            assertEquals(context.getString(R.string.nothing_shared), activity.text(R.id.loading_detail))
+            close()
+        }
+    }
+
+    @Test
+    fun everyButtonCanBeReachedInANarrowWindow() {
+        openAndDraw()
+        val tools = listOf(
+            R.id.back, R.id.reset, R.id.flip, R.id.gyroscope, R.id.screenshot, R.id.measure, R.id.options,
+        ).map { activity.view(it) }
+        tools.forEach { it.visibility = View.VISIBLE }
+        val density = activity.resources.displayMetrics.density
+        for (width in listOf(360, 320, 200)) {
+            val root = activity.view(R.id.root)
+            val exactly = View.MeasureSpec.EXACTLY
+            root.measure(
+                View.MeasureSpec.makeMeasureSpec((width * density).toInt(), exactly),
+                View.MeasureSpec.makeMeasureSpec((640 * density).toInt(), exactly),
+            )
+            root.layout(0, 0, root.measuredWidth, root.measuredHeight)
+            val lefts = tools.map { tool ->
+                android.graphics.Rect().also { (root as ViewGroup).offsetDescendantRectToMyCoords(tool, it) }.left
+            }
+            assertEquals("$width dp: one after the other", lefts.sorted().distinct(), lefts)
+            tools.forEach { assertTrue(it.width >= 48 * density - 1) }
+            if (width == 360) assertTrue(lefts.last() + tools.last().width <= root.width)
+        }
+    }
+
+    @Test
+    fun cancellingAnotherSceneLeadsBackToTheFirst() {
+        openAndDraw()
+        Documents.answers["slow.glb"] = {
+            ParcelFileDescriptor.open(File(material, "pipe"), ParcelFileDescriptor.MODE_READ_WRITE)
+        }
+        controller!!.newIntent(Intent(context, ViewerActivity::class.java).setData(Documents.uri("slow.glb")))
+        until("it is read") { session.state()!!.loading.phase == "reading" }
+        press(R.id.loading_cancel)
+        assertFalse(activity.isFinishing)
+        activity.view(R.id.measure).performClick()
+        assertEquals(Scene.SAMPLE, shadowOf(activity).nextStartedActivity.data)
+    }
+
+    @Test
+    fun aFileThatIsGone() {
+        assertEquals(context.getString(R.string.scene_gone), openAndFail(Documents.uri("nothing")))
+        keep(screenOf(activity, null), "cannot-open")
+    }
+
+    @Test
+    fun aPermissionThatHasEnded() {
+        Documents.answers["private"] = { throw SecurityException("no") }
+        val said = openAndFail(Documents.uri("private"))
+        assertEquals(context.getString(R.string.scene_forbidden), said)
+    }
+
+    @Test
+    fun aProviderThatThrowsAnything() {
+        Documents.answers["rude"] = { throw IllegalStateException("broken app") }
+        assertTrue(openAndFail(Documents.uri("rude")).contains("broken app"))
+    }
+
+    @Test
+    fun aFileThatIsNoScene() {
+        val file = File(context.cacheDir, "letter.pdf").apply { writeText("%PDF-1.7 hello") }
+        val said = openAndFail(Documents.offer(file))
+        assertTrue(said, said.contains("no known scene format"))
+    }
+
+    @Test
+    fun hostileFilesAreTurnedAwayAndTheAppLivesOn() {
+        for (name in listOf("cut.glb", "cut.ply", "many.ply", "zeros.spz", "empty.glb")) {
+            val said = openAndFail(Documents.offer(File(material, name)))
+            assertTrue("$name: $said", said.length in 10..400)
+            close()
+        }
+        openAndDraw()
+    }
+
+    @Test
+    fun aFileLargerThanTheMemoryIsSaidToBe() {
+        val file = File(context.cacheDir, "large.ply")
+        java.io.RandomAccessFile(file, "rw").use {
+            it.write("ply\nformat binary_little_endian 1.0\nelement vertex 9000000\n".toByteArray())
+            it.setLength(2L shl 30)
+        }
+        memory(600L shl 20)
+        val said = openAndFail(Documents.offer(file))
+        assertTrue(said, said.contains("memory") || said.contains("MB"))
+        file.delete()
+    }
+
+    @Test
+    fun aFileThatWasMendedCanBeTriedAgain() {
+        val file = File(context.cacheDir, "mended.glb").apply { writeText("nothing") }
+        openAndFail(Documents.offer(file))
+        File(material, "scene.glb").copyTo(file, true)
+        press(R.id.loading_retry)
+        until("the scene is drawn") { session.state()!!.drawn }
+    }
+}
