@@ -8,19 +8,21 @@ import android.os.ParcelFileDescriptor
 import java.io.File
 import java.io.FileNotFoundException
 import java.io.IOException
+import java.util.concurrent.Future
 import java.util.concurrent.atomic.AtomicBoolean
 import kotlin.concurrent.thread
 
 /**
  * Asks whoever keeps a scene for it, on a thread of its own: other apps may take as long as they like,
  * and throw what they like. Exactly one of the callbacks is called, on the main thread, unless it is
- * cancelled.
+ * cancelled; onOpened not [before] something else is done.
  */
 internal class SceneOpening(
     context: Context,
     private val uri: Uri,
     private val onOpened: (descriptor: ParcelFileDescriptor, name: String) -> Unit,
     private val onFailed: (message: String) -> Unit,
+    private val before: Future<*>? = null,
 ) {
     private val context = context.applicationContext
     private val main = Handler(Looper.getMainLooper())
@@ -41,6 +43,7 @@ internal class SceneOpening(
         try {
             val name = Scene.nameOf(context, uri)
             val descriptor = descriptorOf(uri)
+            before?.get()
             main.post { finish({ descriptor.close() }) { onOpened(descriptor, name) } }
         } catch (problem: Exception) {
             main.post { finish { onFailed(messageOf(problem)) } }

@@ -113,7 +113,7 @@ class ViewerActivity : Activity() {
             session.load(
                 descriptor.detachFd(), found, FreeMemory.forScene(this), place ?: last.get(),
             )
-        }, { message -> loadingView.failed(message) })
+        }, { message -> loadingView.failed(message) }, last)
         opening?.start()
     }
 
