@@ -98,6 +98,17 @@ void add_quadratures(std::vector<SweepRow>& rows) {
   add("lebedev", {86, 110, 194, 302});
 }
 
+/// How what is between views and scores is chosen, each different from the whole.
+void add_scores(std::vector<SweepRow>& rows) {
+  add_named(rows, "score", kOurs,
+            {{"score-full", "flux", {}},
+             {"score-random-views", "views at random", {"--camera-sampling", "random"}},
+             {"score-alpha", "α instead of αT", {"--score", "alpha"}},
+             {"score-l1", "L1 instead of L1 and D-SSIM", {"--score-loss", "l1"}},
+             {"score-raw", "errors as they are", {"--score-unit", "raw"}},
+             {"score-by-gradient", "the largest gradients first", {"--growth-rank", "gradient"}}});
+}
+
 bool sets(const Options& options, std::string_view name) {
   return std::ranges::any_of(options, [&](const std::string& word) {
     return word.starts_with("--") && word.substr(0, word.find('=')) == name;
@@ -112,12 +123,14 @@ const std::vector<SweepGroup>& sweep_groups() {
       {"ours", "The parts of flux, each taken away"},
       {"parts", "The parts of the paper's method, each taken away"},
       {"quadrature", "Quadrature of the energy moments", "directions", true},
+      {"score", "How splats are scored over views"},
       {"cameras", "Views behind a score", "views"},
       {"quantile-plus", "Quantile of densification", "Q⁺"},
       {"quantile-minus", "Quantile of pruning", "Q⁻"},
       {"size", "Size of the scene, by the gradient above which splats are added"},
       {"store", "Precision of the file, by how near its pictures are to the scene's (dB)"},
       {"sh", "Degree of the harmonics, and how it is reached"},
+      {"switch", "The step at which harmonics are reduced", "step"},
       {"densify", "Densification"}};
   return groups;
 }
@@ -128,6 +141,7 @@ std::vector<SweepRow> all_sweep_rows() {
   add_ours(rows);
   add_parts(rows);
   add_quadratures(rows);
+  add_scores(rows);
   add_values(rows, "cameras", "--cameras", {2, 4, 6, 8, 10, 12});
   add_values(rows, "quantile-plus", "--quantile-plus", {0.4, 0.5, 0.6, 0.7, 0.8, 0.9});
   // Of the pruning that looks at it
@@ -140,6 +154,10 @@ std::vector<SweepRow> all_sweep_rows() {
   add_choices(rows, "sh", "sh-reduce", "--sh-reduce",
               {"view-ls", "truncate", "uniform-ls", "energy"}, {"--sh-target", "1"});
   add_choices(rows, "sh", "phi", "--phi", {"on"}, {"--sh-target", "1"});
+  const Options energy = {"--sh-target", "1", "--sh-reduce", "energy"};
+  add_choices(rows, "sh", "residual", "--residual", {"3-1", "3-2", "3-0"}, energy);
+  add_choices(rows, "sh", "psi", "--psi", {"off"}, energy);
+  add_values(rows, "switch", "--switch-iter", {1000, 2000, 3000, 4000, 5000, 6000});
   add_choices(rows, "densify", "densify", "--densify", {"multiview", "grad"});
   // As its authors use it
   add_choices(rows, "densify", "densify", "--densify", {"mcmc"},

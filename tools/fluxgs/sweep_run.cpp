@@ -91,10 +91,7 @@ std::vector<Step> measuring_steps(const SweepRun& run, const SweepMeasures& meas
 /// What a folder remembers.
 struct Record {
   std::string data_hash, version, build;
-  json steps = json::object();          ///< name → {meaning, error: text or null}
-  bool training = false;                ///< a training was begun whose end nobody saw
-  bool time_known = true;               ///< the times below are all there was before the checkpoint
-  double seconds = 0, cpu_seconds = 0;  ///< of interrupted trainings that the checkpoint holds
+  json steps = json::object();  ///< name → {meaning, error: text or null}
 };
 
 std::string record_path(const SweepRun& run) { return (run.folder / "run.json").string(); }
@@ -106,11 +103,7 @@ Record read_record(const SweepRun& run) {
     Record r{.data_hash = found->at("data_hash"),
              .version = found->at("version"),
              .build = found->at("build"),
-             .steps = found->at("steps"),
-             .training = found->at("training"),
-             .time_known = found->at("time_known"),
-             .seconds = found->at("interrupted_seconds"),
-             .cpu_seconds = found->at("interrupted_cpu_seconds")};
+             .steps = found->at("steps")};
     return r;
   } catch (const json::exception&) {  // not ours, or an old one
     return {};
@@ -125,11 +118,7 @@ Expected<void> write_record(const SweepRun& run, const Record& r) {
                                        {"preset", run.preset},
                                        {"options", run.options},
                                        {"seed", run.seed},
-                                       {"steps", r.steps},
-                                       {"training", r.training},
-                                       {"time_known", r.time_known},
-                                       {"interrupted_seconds", r.seconds},
-                                       {"interrupted_cpu_seconds", r.cpu_seconds}});
+                                       {"steps", r.steps}});
 }
 
 /// How far a training's log says it is, of `total`.
@@ -258,22 +247,14 @@ class Execution {
     return true;
   }
 
-  /// Training, from a checkpoint if there is one, with the time of what that holds. One from which
-  /// training fails is of no use.
+  /// Training, from a checkpoint if there is one. One that is named as the cause of a failure is of
+  /// no use.
   bool train(const Step& s) {
-    const bool resumes = has("scene.glb.ckpt");
-    if (!resumes) {
-      record_.seconds = record_.cpu_seconds = 0;
-      record_.time_known = true;
-      record_.build = tools_build();
-    } else if (record_.training) {
-      record_.time_known = false;
-    }
+    if (!has("scene.glb.ckpt")) record_.build = tools_build();
     forget_measures();
-    record_.training = true;
     const bool goes_on = run_step(s);
-    const bool failed = outcome_.state == RunState::failed;
-    if (goes_on || (failed && resumes)) remove("scene.glb.ckpt");
+    if (goes_on || outcome_.error.starts_with(checkpoint_of(run_).string()))
+      remove("scene.glb.ckpt");
     return goes_on;
   }
 
@@ -314,11 +295,6 @@ class Execution {
     std::error_code ignored;
     const bool done = end && end->success() && fs::exists(s.product, ignored);
     const bool interrupted = !done && end && tools_.interrupts.count() > 0;
-    if (s.name == kTrain) {
-      record_.training = false;
-      if (interrupted && fs::exists(checkpoint_of(run_), ignored))
-        record_.seconds += end->seconds, record_.cpu_seconds += end->cpu_seconds;
-    }
     std::string error;
     if (!done && !interrupted) error = end ? error_in(log, from, *end) : end.error().message();
     if (!error.empty()) record_.steps[s.name]["error"] = error;
@@ -349,33 +325,25 @@ class Execution {
     }
   }
 
-  void take(const json& from, const char* key, const char* as, double more = 0) {
+  void take(const json& from, const char* key, const char* as) {
     const json::json_pointer at(key);
     if (from.contains(at) && from.at(at).is_number())
-      outcome_.values[as] = from.at(at).get<double>() + more;
+      outcome_.values[as] = from.at(at).get<double>();
   }
 
   void collect_training(const json& report) {
     take(report, "/psnr_before_storing", "psnr");
     take(report, "/ssim_before_storing", "ssim");
     take(report, "/splats", "splats");
-    if (record_.time_known) {
-      take(report, "/seconds", "seconds", record_.seconds);
-      take(report, "/cpu_seconds", "cpu_seconds", record_.cpu_seconds);
-    } else {
-      outcome_.remarks.push_back("no time: a part of the training was killed before it could tell");
-    }
-    if (record_.seconds > 0)
-      outcome_.remarks.push_back(
-          "interrupted and gone on with: the time holds loading the photos before");
+    take(report, "/seconds", "seconds");
+    take(report, "/cpu_seconds", "cpu_seconds");
     if (report.contains("networks_error"))
       outcome_.remarks.push_back("stored without networks: " +
                                  report.at("networks_error").get<std::string>());
     if (report.contains("psnr")) collect_curves(report.at("curves"));
   }
 
-  /// The test photos' PSNR over the training, and what the switch did to it. A training that was
-  /// gone on with has only what came after.
+  /// The test photos' PSNR over the training, and what the switch did to it.
   void collect_curves(const json& curves) {
     if (curves.at("switch").is_object()) {
       const auto test = curves.at("switch").at("test_psnr").get<std::array<double, 2>>();

@@ -65,7 +65,7 @@ class Training {
         threads_(threads),
         first_(run_.state.iteration),
         trainer_(run_.data, run_.options, std::move(run_.state), threads, times_),
-        log_(run_.options.iterations - first_) {}
+        log_(run_.options.iterations) {}
 
   /// An interruption saves a checkpoint and is an error that says how to go on.
   Expected<void> to_end();
@@ -158,8 +158,8 @@ Expected<void> Training::after_step(const StepReport& step, Progress& progress) 
 TrainHistory Training::history() const {
   if (whole_) return *whole_;
   return joined(run_.history, {wall_seconds() - start_ - log_.measuring_seconds(),
-                               cpu_seconds() - cpu_start_ - log_.measuring_cpu_seconds(), times_,
-                               log_.to_json()});
+                               cpu_seconds() - cpu_start_ - log_.measuring_cpu_seconds(),
+                               trainer_.rejected_gradients(), times_, log_.to_json()});
 }
 
 void Training::make_report() {
@@ -175,7 +175,9 @@ void Training::make_report() {
              {"preset", settings_.preset},
              {"options", options_json(resolved(run_.options))},
              {"downscale", settings_.data.downscale},
+             {"background", settings_.data.background},
              {"backend", "cpu"},
+             {"threads", threads_.count()},
              {"instruction_set", name_of(best_isa())},
              {"iterations", trainer_.state().iteration},
              {"resumed_at", first_},
@@ -185,7 +187,7 @@ void Training::make_report() {
              {"iterations_per_second", {{"start", rates.front()}, {"end", rates.back()}}},
              {"splats", trainer_.state().parameters.size()},
              {"peak_memory_bytes", peak_memory()},
-             {"rejected_gradients", trainer_.rejected_gradients()},
+             {"rejected_gradients", all.rejected_gradients},
              {"stages", stages},
              {"curves", all.curves},
              {"versions",
@@ -324,10 +326,8 @@ void add_train(CLI::App& app, Action& action) {
       ->add_option("--checkpoint-every", settings->checkpoint_every,
                    "steps between saves of OUT.ckpt (0: never)")
       ->check(CLI::NonNegativeNumber);
-  command->add_option(
-      "--json", settings->report,
-      "write a report of the run here (-: standard output); of a run that was gone on "
-      "with, its times and curves are those since then");
+  command->add_option("--json", settings->report,
+                      "write a report of the run here (-: standard output)");
   add_method_options(*command, settings->method);
   command->callback([settings, command, &action] {
     for (const CLI::Option* option : command->get_options())

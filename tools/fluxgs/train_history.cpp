@@ -23,6 +23,7 @@ json joined(const json& before, const json& after) {
 std::string text_of(const TrainHistory& history) {
   return json{{"seconds", history.seconds},
               {"cpu_seconds", history.cpu_seconds},
+              {"rejected_gradients", history.rejected_gradients},
               {"stages", history.stages.seconds},
               {"curves", history.curves}}
       .dump();
@@ -34,6 +35,7 @@ TrainHistory history_of(const std::string& text) {
     TrainHistory history;
     all.at("seconds").get_to(history.seconds);
     all.at("cpu_seconds").get_to(history.cpu_seconds);
+    all.at("rejected_gradients").get_to(history.rejected_gradients);
     all.at("stages").get_to(history.stages.seconds);
     history.curves = all.at("curves");
     return history;
@@ -46,6 +48,7 @@ TrainHistory joined(const TrainHistory& before, const TrainHistory& after) {
   TrainHistory all = after;
   all.seconds += before.seconds;
   all.cpu_seconds += before.cpu_seconds;
+  all.rejected_gradients += before.rejected_gradients;
   for (std::size_t s = 0; s < all.stages.seconds.size(); ++s)
     all.stages.seconds[s] += before.stages.seconds[s];
   all.curves = joined(before.curves, after.curves);

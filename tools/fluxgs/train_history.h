@@ -1,6 +1,7 @@
 // What a training has taken and shown so far, over all the parts that interruptions cut it into.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -11,6 +12,7 @@ namespace fluxgs::cli {
 
 struct TrainHistory {
   double seconds = 0, cpu_seconds = 0;
+  std::uint64_t rejected_gradients = 0;  ///< that were not finite
   StageTimes stages;
   nlohmann::json curves;  ///< TrainLog::to_json(); null: none yet
 };

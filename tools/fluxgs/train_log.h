@@ -13,7 +13,7 @@ namespace fluxgs::cli {
 
 class TrainLog {
  public:
-  explicit TrainLog(int iterations);  ///< that are to come
+  explicit TrainLog(int iterations);  ///< of the whole training
 
   /// Takes a step in, and tells the user of what happened in it.
   void add(int iteration, const StepReport& step, std::size_t splats);

@@ -25,8 +25,8 @@ float mean_gradient(const TrainState& state, std::uint32_t i) {
          std::max(state.statistics.row(statistic::views)[i], 1.0f);
 }
 
-/// How many splats may be added now.
-std::size_t room(const TrainState& state, const TrainOptions& options) {
+/// How many splats may be added now, besides one for each of those that go.
+std::size_t room(const TrainState& state, const TrainOptions& options, std::size_t pruned) {
   const double size = static_cast<double>(state.parameters.size());
   double limit = 1e18;
   if (options.max_splats > 0) limit = static_cast<double>(options.max_splats) - size;
@@ -34,14 +34,16 @@ std::size_t room(const TrainState& state, const TrainOptions& options) {
   if (options.target_splats > 0) {
     // As many at each of the densifications that are left
     const int left = (options.densify_until - state.iteration) / options.densify_interval + 1;
-    limit = std::min(limit, (static_cast<double>(options.target_splats) - size) / left);
+    const double missing =
+        static_cast<double>(options.target_splats) - size + static_cast<double>(pruned);
+    limit = std::min(limit, missing / left);
   }
   return static_cast<std::size_t>(std::max(limit, 0.0));
 }
 
 /// Splats that are to grow, the first by rank if there is room for some only.
 std::vector<std::uint32_t> growing(const TrainState& state, const TrainOptions& options,
-                                   const SplatScores* scores) {
+                                   const SplatScores* scores, std::size_t pruned) {
   const float least =
       options.target_splats > 0 ? 0.0f : static_cast<float>(options.densify_gradient);
   const float quantile =
@@ -51,7 +53,7 @@ std::vector<std::uint32_t> growing(const TrainState& state, const TrainOptions& 
   for (std::uint32_t i = 0; i < state.parameters.size(); ++i)
     if (mean_gradient(state, i) >= least && (!scores || scores->plus[i] > quantile))
       chosen.push_back(i);
-  const std::size_t most = room(state, options);
+  const std::size_t most = room(state, options, pruned);
   if (chosen.size() <= most) return chosen;
   const auto rank = [&](std::uint32_t i) {
     if (!scores || options.growth_rank == GrowthRank::gradient) return mean_gradient(state, i);
@@ -92,13 +94,15 @@ std::vector<Fate> decide(const TrainState& state, const TrainOptions& options, d
                          const SplatScores* scores) {
   const PlanarFloats& p = state.parameters;
   std::vector<Fate> fates(p.size(), Fate::keep);
-  const bool by_views = options.densify == Densify::multiview;
-  for (std::uint32_t i : growing(state, options, by_views ? scores : nullptr))
-    fates[i] = options.split == Split::long_axis ||
-                       static_cast<double>(largest_scale(p, i)) > options.densify_size * extent
-                   ? Fate::split
-                   : Fate::clone;
   mark_pruned(state, options, extent, scores, fates);
+  const bool by_views = options.densify == Densify::multiview;
+  const auto pruned = static_cast<std::size_t>(std::ranges::count(fates, Fate::prune));
+  for (std::uint32_t i : growing(state, options, by_views ? scores : nullptr, pruned))
+    if (fates[i] != Fate::prune)
+      fates[i] = options.split == Split::long_axis ||
+                         static_cast<double>(largest_scale(p, i)) > options.densify_size * extent
+                     ? Fate::split
+                     : Fate::clone;
   return fates;
 }
 

@@ -113,7 +113,7 @@ struct TrainOptions {
   /// (opacity)
   int late_prune_from = 0;
   int late_prune_interval = 0;      ///< iterations; 0: a tenth of the run
-  int late_prune_until = 0;         ///< last iteration; 0: 2/3 of the run
+  int late_prune_until = 0;         ///< last iteration; 0: 2/3 of the run, with opacity 9/10
   double late_prune_opacity = 0.1;  ///< opacity: splats below may be removed
   double late_prune_share = 0.01;   ///< contribution: of all α·T, removed each time
 

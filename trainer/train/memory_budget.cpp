@@ -31,18 +31,18 @@ double fixed_bytes(const Dataset& data, const TrainOptions& options) {
     for (const Photo& photo : *photos)
       pixels = std::max(pixels, static_cast<double>(photo.rgb.pixels.size()) / 3);
   const double smaller = options.coarse_levels > 0 ? 1.0 / 3 : 0;
-  double planes = kPlanes;
-  if (options.rounding == Switch::on) planes += 3.0 * kMeasuringViews;
+  // What the scene's file is measured by
+  const double planes = kPlanes + 3.0 * kMeasuringViews;
   return kProgram + (1 + smaller) * photo_bytes(data.train) + photo_bytes(data.test) +
          planes * sizeof(float) * pixels;
 }
 
 double bytes_per_splat(const Dataset& data, const TrainOptions& options, double pairs) {
-  // Parameters, two moments, gradients, and a copy of one of them; what rounding knows of the
-  // views, and a copy of that
+  // Parameters, two moments, gradients, and a copy of one of them; what the file's encoder knows
+  // of the views, and a copy of that
   const int degree = degree_before_switch(options);
-  double floats = 5.0 * row::count(degree);
-  if (options.rounding == Switch::on) floats += 2.0 * static_cast<double>(error_costs_size(degree));
+  const double floats =
+      5.0 * row::count(degree) + 2.0 * static_cast<double>(error_costs_size(degree));
   double bytes = floats * sizeof(float) + kPerSplat + kPerPair * pairs;
   // Now and then another rasterizer and the splats' weights in all views (ViewWeights)
   if (options.rounding == Switch::on || reduces_appearance(options))

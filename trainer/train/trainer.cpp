@@ -160,6 +160,7 @@ DensifyCounts Trainer::densify() {
 }
 
 LatePruneReport Trainer::late_prune() {
+  StageTimer timer(times_, Stage::late_prune);
   LatePruneReport report{.splats_before = state_.parameters.size(),
                          .train_psnr_before = mean_psnr(data_.train)};
   prune_late(state_, options_,
@@ -229,6 +230,7 @@ int Trainer::latent_steps() const {
 }
 
 void Trainer::optimize_networks(const AdamConstants& constants) {
+  StageTimer timer(times_, Stage::networks);
   NetworkState& n = *state_.networks;
   if (latent_gradient_.size() != n.latents.size())
     latent_gradient_ = PlanarFloats(n.latents.rows(), n.latents.size());
@@ -285,6 +287,7 @@ RoundingReport Trainer::begin_rounding() {
 
 /// What the networks make is not rounded, and a lost file is no reason to lose the scene.
 std::optional<RoundingReport> Trainer::round() {
+  StageTimer timer(times_, Stage::rounding);
   const TrainOptions& o = options_;
   if (o.rounding == Switch::off || state_.networks || state_.parameters.size() == 0) return {};
   if (state_.iteration == o.round_from) return begin_rounding();
@@ -297,6 +300,7 @@ std::optional<RoundingReport> Trainer::round() {
 }
 
 SwitchReport Trainer::switch_appearance() {
+  StageTimer timer(times_, Stage::appearance);
   SwitchReport report;
   report.train_psnr_before = mean_psnr(data_.train);
   report.test_psnr_before = mean_psnr(data_.test);

@@ -13,6 +13,7 @@
 #include "fluxgs/io/sog.h"
 #include "fluxgs/io/splat.h"
 #include "fluxgs/io/spz.h"
+#include "splat_record.h"
 
 namespace fluxgs {
 namespace {
@@ -103,6 +104,13 @@ Expected<const SceneFormat*> recognise_scene(std::span<const std::byte> bytes,
                 fmt::format("{} names other files; expected the path of a file", format->name));
   }
   return format;
+}
+
+Expected<const SceneFormat*> recognise_beginning(std::span<const std::byte> begin,
+                                                 const std::string& name) {
+  // .splat is known by its size, too
+  const std::size_t part = begin.size() % sizeof(io::SplatRecord);
+  return recognise_scene(begin.first(begin.size() - part), name);
 }
 
 Expected<SceneFile> read_scene(std::span<const std::byte> bytes, const std::string& name) {

@@ -6,6 +6,7 @@
 #include "glb_container.h"
 #include "gltf_document.h"
 #include "ply_header.h"
+#include "splat_record.h"
 #include "spz_packed.h"
 
 namespace fluxgs {
@@ -64,11 +65,10 @@ Expected<Announced> in_spz(std::span<const std::byte> bytes, const std::string& 
 
 Expected<Announced> announced(const std::string& format, std::span<const std::byte> bytes,
                               const std::string& name) {
-  constexpr std::size_t kSplatRecord = 32;
   if (format == "ply" || format == "compressed.ply") return in_ply(bytes, bytes.size(), name);
   if (format == "glb") return in_glb(bytes, name);
   if (format == "spz") return in_spz(bytes, name);
-  if (format == "splat") return Announced{bytes.size() / kSplatRecord, 0};
+  if (format == "splat") return Announced{bytes.size() / sizeof(SplatRecord), 0};
   return Announced{};
 }
 
@@ -93,12 +93,16 @@ Expected<SceneEstimate> estimate_scene(std::span<const std::byte> bytes, const s
 
 std::optional<SceneEstimate> estimate_beginning(std::span<const std::byte> begin,
                                                 std::uint64_t size, const std::string& name) {
-  const auto format = recognise_scene(begin, name);
+  const auto format = recognise_beginning(begin, name);
   if (!format) return std::nullopt;
   const std::string format_name((*format)->name);
-  if (format_name != "ply" && format_name != "spz") return std::nullopt;
-  const auto found =
-      format_name == "ply" ? in_ply(begin, size, name) : announced(format_name, begin, name);
+  const auto found = [&]() -> Expected<Announced> {
+    if (format_name == "ply" || format_name == "compressed.ply") return in_ply(begin, size, name);
+    if (format_name == "spz") return in_spz(begin, name);
+    if (format_name == "splat" && size != kUnknownSize)
+      return Announced{size / sizeof(SplatRecord), 0};
+    return fail(name, "", "announces nothing at its beginning");
+  }();
   return found ? std::optional(estimate_of(format_name, *found)) : std::nullopt;
 }
 

@@ -97,6 +97,10 @@ class BenchmarkTest {
             assertTrue(sorted.getDouble("p95") >= sorted.getDouble("median"))
         }
         assertTrue(json.getJSONObject("driver").getString("renderer").isNotEmpty())
+        assertTrue(json.getJSONObject("driver").getJSONArray("extensions").length() > 10)
+        val table = File(own, "out/garden.csv").readLines()
+        assertEquals(1 + rows.length(), table.size)
+        assertEquals(table[0].count { it == ',' }, table[8].count { it == ',' })
     }
 
     @Test

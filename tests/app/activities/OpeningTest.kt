@@ -7,6 +7,7 @@ import android.view.ViewGroup
 import java.io.File
 import org.junit.Assert.assertEquals
 import org.junit.Assert.assertFalse
+import org.junit.Assert.assertNull
 import org.junit.Assert.assertTrue
 import org.junit.Test
 import org.junit.runner.RunWith
@@ -159,7 +160,11 @@ class OpeningTest : ViewerScreen() {
     @Test
     fun aFileThatIsGone() {
         assertEquals(context.getString(R.string.scene_gone), openAndFail(Documents.uri("nothing")))
+        press(R.id.measure)
+        assertNull("there is nothing to measure", shadowOf(activity).nextStartedActivity)
+        pump(200)
         keep(screenOf(activity, null), "cannot-open")
+        assertTrue(activity.view(R.id.loading_retry).height > 0)
     }
 
     @Test

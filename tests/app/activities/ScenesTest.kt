@@ -2,6 +2,7 @@ package org.fluxgs.app
 
 import android.app.Activity
 import android.content.Intent
+import android.content.pm.ConfigurationInfo
 import android.net.Uri
 import android.view.View
 import android.widget.GridView
@@ -10,6 +11,7 @@ import android.widget.TextView
 import java.io.File
 import org.junit.After
 import org.junit.Assert.assertEquals
+import org.junit.Assert.assertFalse
 import org.junit.Assert.assertNotNull
 import org.junit.Assert.assertNull
 import org.junit.Assert.assertTrue
@@ -48,6 +50,21 @@ class ScenesTest {
     fun close() {
         controller?.end()
         controller = null
+    }
+
+    @Test
+    fun aDeviceWithoutOpenGlSaysSoAtTheStart() {
+        open()
+        assertFalse("nobody knows", activity.isShown(R.id.problem))
+        close()
+        val manager = context.getSystemService(android.app.ActivityManager::class.java)
+        for ((version, told) in listOf(0x20000 to true, 0x30000 to true, 0x30001 to false, 0x30002 to false)) {
+            val facts = ConfigurationInfo().apply { reqGlEsVersion = version }
+            shadowOf(manager).setDeviceConfigurationInfo(facts)
+            open()
+            assertEquals(told, activity.isShown(R.id.problem))
+            close()
+        }
     }
 
     private fun tap(position: Int) {

@@ -104,6 +104,23 @@ TEST_P(BenchTest, StopsWhenItIsTold) {
   EXPECT_EQ(result.error().what, bench::kStopped);
 }
 
+TEST_P(BenchTest, StopsAmongTheFramesThatAreNotWaitedFor) {
+  must(renderer().upload(random_cloud(50, 0, 1)));
+  const auto target =
+      must(render::RenderTarget::create(api(), 64, 48, render::TargetFormat::rgba8));
+  const std::vector<Camera> views = {orbit_camera(64, 48, {}, 2, 0, 3)};
+  constexpr int kInThePipeline = 2 + 2 * 6 + 2;
+  int told = 0;
+  const auto result = bench::benchmark_frames(api(), renderer(), target, views, {},
+                                              {.warmup = 2, .frames = 6}, [&](int done, int) {
+                                                told = done;
+                                                return done < kInThePipeline;
+                                              });
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().what, bench::kStopped);
+  EXPECT_EQ(told, kInThePipeline);
+}
+
 // The model's fragments and vertices against the driver's own counters, which only desktop GL has.
 TEST_P(BenchTest, FragmentsAreThoseThatTheDriverCounts) {
   if (api().capabilities.is_es) GTEST_SKIP() << "ES 3.1 has no such counter";

@@ -5,7 +5,10 @@
 
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/io/file.h"
+#include "fluxgs/io/ply.h"
 #include "fluxgs/io/scene.h"
+#include "fluxgs/io/splat.h"
+#include "fluxgs/io/spz.h"
 #include "support.h"
 
 namespace fluxgs {
@@ -28,6 +31,21 @@ TEST(SceneEstimate, IsWhatDecodingFinds) {
     const auto compact = *encode_compact_glb(cloud, {}, "scene");
     EXPECT_EQ(estimate_scene(compact, "scene")->splats, 1000U);
   }
+}
+
+TEST(SceneEstimate, OfTheBeginningOfAFile) {
+  const SplatCloud cloud = test::random_cloud(4000, 0, 1);
+  for (const auto& [format, bytes] : {std::pair("ply", *encode_ply(cloud, "scene")),
+                                      {"splat", *encode_splat(cloud, "scene")},
+                                      {"spz", *encode_spz(cloud, "scene")}}) {
+    const std::span begin = std::span(bytes).first(bytes.size() / 2 + 7);
+    const auto estimate = estimate_beginning(begin, bytes.size(), "scene");
+    ASSERT_TRUE(estimate) << format;
+    EXPECT_EQ(estimate->format, format);
+    EXPECT_EQ(estimate->splats, 4000U);
+  }
+  const auto splat = *encode_splat(cloud, "scene");
+  EXPECT_FALSE(estimate_beginning(splat, kUnknownSize, "scene")) << "nobody knows how many";
 }
 
 TEST(SceneEstimate, RefusesWhatIsNoScene) {

@@ -181,7 +181,10 @@ TEST(TrainOptionsTest, WhatEndsWithTheRunFollowsItsLength) {
 TEST(TrainOptionsTest, LatePruningByContributionDoesNotWaitForTheLastDensification) {
   TrainOptions o;
   o.late_prune = LatePrune::opacity;
-  EXPECT_EQ(resolved(o).late_prune_from, 18000);  // as in the design of the paper
+  // At 18, 21, 24 and 27 thousand, as in the design of the paper
+  EXPECT_EQ(resolved(o).late_prune_from, 18000);
+  EXPECT_EQ(resolved(o).late_prune_until, 27000);
+  EXPECT_EQ(resolved(o).late_prune_interval, 3000);
   o.late_prune = LatePrune::contribution;
   EXPECT_EQ(resolved(o).late_prune_from, 6000);
   EXPECT_EQ(resolved(o).late_prune_interval, 3000);

@@ -39,6 +39,9 @@ std::string writable_extensions();
 /// The format of a content. Fails on what is no scene, and on one that names other files.
 Expected<const SceneFormat*> recognise_scene(std::span<const std::byte> bytes,
                                              const std::string& name);
+/// The same of the first bytes of a file, which should be thousands.
+Expected<const SceneFormat*> recognise_beginning(std::span<const std::byte> begin,
+                                                 const std::string& name);
 
 /// Read a scene from memory; `name` appears in errors. A scene of several files is an error.
 Expected<SceneFile> read_scene(std::span<const std::byte> bytes, const std::string& name);

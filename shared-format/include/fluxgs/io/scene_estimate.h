@@ -22,8 +22,10 @@ struct SceneEstimate {
 /// read_scene() does, on what is no scene at all.
 Expected<SceneEstimate> estimate_scene(std::span<const std::byte> bytes, const std::string& name);
 
-/// The same of the first bytes of a file, of which there are `size`; a large number where nobody
-/// knows. Nothing for formats that announce nothing at their beginning (.splat, .glb, .sog).
+inline constexpr std::uint64_t kUnknownSize = ~std::uint64_t{0};
+
+/// The same of the first bytes of a file, of which there are `size`, or kUnknownSize. Nothing for
+/// formats that announce nothing at their beginning (.glb, .sog).
 std::optional<SceneEstimate> estimate_beginning(std::span<const std::byte> begin,
                                                 std::uint64_t size, const std::string& name);
 

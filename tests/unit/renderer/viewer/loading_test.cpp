@@ -183,8 +183,10 @@ TEST(SceneLoading, RefusesKindlyWhatIsTooLarge) {
   Pipe pipe;  // without an end, and without a size
   loading.begin(pipe.out, "endless", {.memory = 5'000'000});
   std::thread writer([&] {
-    const std::vector<std::byte> zeros(1 << 16);
-    while (::write(pipe.in, zeros.data(), zeros.size()) > 0) {
+    std::vector<std::byte> splats(1 << 16);  // of a .splat: unit quaternions
+    for (std::size_t i = 0; i < splats.size(); i += 32)
+      std::fill_n(&splats[i + 29], 3, std::byte{128}), splats[i + 28] = std::byte{255};
+    while (::write(pipe.in, splats.data(), splats.size()) > 0) {
     }
   });
   state = settled(loading);
@@ -193,6 +195,17 @@ TEST(SceneLoading, RefusesKindlyWhatIsTooLarge) {
   loading.cancel();
   writer.join();  // its pipe is closed
   ::close(pipe.in);
+}
+
+TEST(SceneLoading, WhatIsNoSceneIsNotReadToItsEnd) {
+  SceneLoading loading;
+  const int descriptor = file_of(std::vector<std::byte>(1 << 20));
+  ASSERT_EQ(::ftruncate(descriptor, off_t{1} << 30), 0);
+  loading.begin(descriptor, "film.mp4", {.memory = std::size_t{4} << 30});
+  const LoadState state = settled(loading);
+  EXPECT_EQ(state.phase, LoadPhase::failed);
+  EXPECT_THAT(state.error, HasSubstr("no known scene format"));
+  EXPECT_LT(state.read, std::size_t{4} << 20);
 }
 
 TEST(SceneLoading, SaysWhatIsWrongWithOtherFiles) {

@@ -205,6 +205,60 @@ TEST_P(SessionTest, ALostContextIsMadeAgain) {
   EXPECT_EQ(session_->state().error, "");
 }
 
+/// A screen whose context turns out to be lost when its window comes back.
+class ForgetfulScreen final : public Screen {
+ public:
+  explicit ForgetfulScreen(std::unique_ptr<Screen> real) : real_(std::move(real)) {}
+  Expected<gl::Api*> make_context() override { return real_->make_context(); }
+  gl::Api* api() override { return real_->api(); }
+  Expected<void> attach(void* window) override {
+    if (auto attached = real_->attach(window); !attached || api() == nullptr) return attached;
+    api()->lost = true;
+    return fail("EGL", "eglMakeCurrent", "failed");
+  }
+  void detach() override { real_->detach(); }
+  bool has_window() const override { return real_->has_window(); }
+  Expected<void> present(const render::RenderTarget& target, int width, int height) override {
+    return real_->present(target, width, height);
+  }
+
+ private:
+  std::unique_ptr<Screen> real_;
+};
+
+TEST_P(SessionTest, AContextThatIsLostWhileTheWindowIsAwayIsMadeAgain) {
+  session_ = std::make_unique<Session>(
+      std::make_unique<ForgetfulScreen>(host::make_offscreen_screen(GetParam())));
+  session_->set(settings_);
+  session_->surface_created(this);
+  session_->surface_changed(kWidth, kHeight, 1);
+  ASSERT_TRUE(load(file_with_start()));
+  const auto before = picture();
+  session_->surface_destroyed();
+  session_->surface_created(this);
+  EXPECT_TRUE(run_until([](const SessionState& s) { return s.contexts == 2; }));
+  EXPECT_GT(psnr(picture(), before), 50);
+  EXPECT_EQ(session_->state().error, "");
+}
+
+TEST_P(SessionTest, LessMemoryThanTheSceneTakesLeavesOutSplats) {
+  ASSERT_TRUE(load(file_with_start()));
+  const auto before = picture();
+  const ViewerStats all = session_->state().stats;
+  ASSERT_GT(all.memory, 0U);
+  settings_.memory = all.memory;
+  session_->set(settings_);
+  EXPECT_GT(psnr(picture(), before), 50);
+  EXPECT_EQ(session_->state().stats.shown, all.splats);
+  settings_.memory = all.memory * 9 / 10;
+  session_->set(settings_);
+  picture();
+  const ViewerStats fewer = session_->state().stats;
+  EXPECT_LT(fewer.shown, all.splats);
+  EXPECT_GT(fewer.shown, 0U);
+  EXPECT_LE(fewer.memory, *settings_.memory);
+}
+
 TEST_P(SessionTest, ABadFileLeavesTheSceneBefore) {
   ASSERT_TRUE(load(file_with_start()));
   const auto before = picture();

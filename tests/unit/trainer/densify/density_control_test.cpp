@@ -171,6 +171,19 @@ TEST(Densify, ATargetIsReachedInEqualSteps) {
   }
 }
 
+TEST(Densify, WhatIsPrunedAtLastIsMadeUpForByATarget) {
+  TrainOptions options;
+  options.densify_from = options.densify_until = options.densify_interval = 100;
+  options.target_splats = 10;
+  std::vector<float> gradients(8, 1e-9f);
+  gradients[0] = gradients[1] = 0;  // do not grow
+  TrainState state = state_of(gradients, std::vector<float>(8, 0.005f));
+  state.iteration = 100;
+  for (std::size_t i = 0; i < 2; ++i) state.parameters.row(row::opacity)[i] = -9;
+  EXPECT_EQ(densify_and_prune(state, options, 1.0, nullptr).pruned, 2u);
+  EXPECT_EQ(state.parameters.size(), 10u);
+}
+
 TEST(Densify, GrowthIsLimitedAndTheRankDecides) {
   TrainOptions options;
   options.densify = Densify::multiview;

@@ -1,8 +1,10 @@
 // The training loop: it learns, and gives the same bytes whatever the threads.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <thread>
 
 #include "trainer/train/evaluate.h"
 #include "unit/trainer/train/short_run.h"
@@ -73,6 +75,32 @@ TEST(Train, NonFiniteGradientsAreSkippedAndCounted) {
   for (int r = 0; r < after.parameters.rows(); ++r)
     for (std::size_t i = 0; i < after.parameters.size(); ++i)
       ASSERT_TRUE(std::isfinite(after.parameters.row(r)[i]));
+}
+
+TEST(StageTimes, NoSecondIsInTwoStages) {
+  using namespace std::chrono_literals;
+  StageTimes times;
+  const auto start = std::chrono::steady_clock::now();
+  {
+    const StageTimer outer(times, Stage::densify);
+    std::this_thread::sleep_for(20ms);
+    {
+      const StageTimer inner(times, Stage::forward);
+      std::this_thread::sleep_for(50ms);
+      const StageTimer innermost(times, Stage::sort);
+      std::this_thread::sleep_for(10ms);
+    }
+    std::this_thread::sleep_for(20ms);
+  }
+  {
+    const StageTimer again(times, Stage::forward);
+  }
+  const double all =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  EXPECT_GE(times[Stage::densify], 0.040);
+  EXPECT_GE(times[Stage::forward], 0.050);
+  EXPECT_GE(times[Stage::sort], 0.010);
+  EXPECT_LE(times[Stage::densify] + times[Stage::forward] + times[Stage::sort], all);
 }
 
 TEST(Train, LatePruningSeesOpacitiesBeforeTheyAreReset) {

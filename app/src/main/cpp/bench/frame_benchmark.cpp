@@ -148,13 +148,15 @@ class Protocol {
     Expected<void> drawn = draw_sorted(0);
     api_.Finish();
     const double ms = milliseconds_of([&] {
-      for (int i = 0; i < protocol_.frames && drawn; ++i) drawn = draw(i);
+      for (int i = 0; i < protocol_.frames && drawn; ++i) {
+        drawn = draw(i);
+        ++done_;
+        if (drawn) drawn = go_on();
+      }
       api_.Finish();
     });
-    if (!drawn) return drawn;
     result.pipelined_ms = ms / protocol_.frames;
-    done_ += protocol_.frames;
-    return go_on();
+    return drawn;
   }
 
   gl::Api& api_;

@@ -181,6 +181,7 @@ std::string driver_json(const gl::Api& api) {
   return json{{"vendor", c.vendor},
               {"renderer", c.renderer},
               {"version", c.version},
+              {"extensions", c.extensions},
               {"quirks", api.quirks.names()},
               {"timestamps", c.timestamps},
               {"half_float_targets", c.half_float_targets},

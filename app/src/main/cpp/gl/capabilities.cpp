@@ -54,7 +54,8 @@ bool notifies_of_resets(Api& api) {
 }
 
 void ask_extensions(Api& api, Capabilities& c) {
-  const std::set<std::string> has = extensions(api);
+  c.extensions = extensions(api);
+  const std::set<std::string>& has = c.extensions;
   if (!c.is_es) {  // All of it is core in desktop GL 4.5
     c.half_float_targets = c.float_targets = c.timestamps = c.debug = true;
     c.reset_notification = notifies_of_resets(api);

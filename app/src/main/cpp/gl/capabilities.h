@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 
 #include "fluxgs/error.h"
@@ -12,6 +13,7 @@ struct Api;
 
 struct Capabilities {
   std::string vendor, renderer, version;
+  std::set<std::string> extensions;
   bool is_es = true;                ///< an ES context; otherwise desktop GL with ES 3.1 shaders
   int major = 0, minor = 0;         ///< of the context's version
   bool half_float_targets = false;  ///< RGBA16F can be rendered to and blended

@@ -88,6 +88,12 @@ std::size_t SceneView::splats_for(const Size& picture) const {
   return most;
 }
 
+std::size_t SceneView::memory() const {
+  const Size picture{target_.width(), target_.height()};
+  return estimate_memory(largest_of(degrees_, shown_), renderer_->settings(), plan(picture))
+      .total();
+}
+
 Expected<void> SceneView::upload(std::size_t splats) {
   if (splats == shown_) return {};
   shown_ = 0;

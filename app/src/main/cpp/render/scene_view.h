@@ -56,6 +56,8 @@ class SceneView {
   /// How many splats there is room for: those that contribute most (splat_budget.h).
   std::size_t splats() const { return shown_; }
   bool shows_all() const { return shown_ == cloud_->size(); }
+  /// Bytes of graphics memory that are taken, by the estimate (memory_estimate.h).
+  std::size_t memory() const;
 
   Renderer& renderer() { return *renderer_; }
   /// The picture: of the camera's size, or half as many pixels in each direction, or a quarter, …,

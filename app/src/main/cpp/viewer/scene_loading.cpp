@@ -9,7 +9,6 @@
 #include <cerrno>
 #include <chrono>
 #include <exception>
-#include <limits>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -43,6 +42,7 @@ struct SceneLoading::Job {
   std::atomic<bool> cancelled = false;
   mutable std::mutex mutex;
   LoadState state;
+  std::optional<Clock::time_point> last_came;  ///< bytes, or the wish for the first
   std::optional<SceneFile> scene;
 
   Job() = default;
@@ -64,19 +64,34 @@ struct SceneLoading::Job {
                             megabytes(limits.memory)));
   }
 
+  void came() {
+    const std::lock_guard lock(mutex);
+    last_came = Clock::now();
+  }
+
+  /// A file of which nothing has come for too long is given up, even where the thread hangs in a
+  /// read(): what is said to be a regular file may be another app's, or lie across a network.
+  void look_for_stalling() {
+    const std::lock_guard lock(mutex);
+    if (state.phase != LoadPhase::reading || !last_came) return;
+    if (std::chrono::duration<double>(Clock::now() - *last_came).count() <= limits.patience) return;
+    cancelled = true;
+    state.phase = LoadPhase::failed;
+    state.error =
+        fail(name, "read",
+             fmt::format("nothing came for {:.0f} s from where it is kept", limits.patience))
+            .error()
+            .message();
+  }
+
   /// False when it was cancelled.
   Expected<bool> wait_for_bytes() const {
-    const auto start = Clock::now();
     while (!cancelled) {
       pollfd asked{descriptor, POLLIN, 0};
       const int found = ::poll(&asked, 1, kLookEveryMs);
       if (found > 0) return true;
       if (found < 0 && errno != EINTR)
         return fail(name, "read", std::generic_category().message(errno));
-      if (std::chrono::duration<double>(Clock::now() - start).count() > limits.patience)
-        return fail(
-            name, "read",
-            fmt::format("nothing came for {:.0f} s from where it is kept", limits.patience));
     }
     return false;
   }
@@ -96,8 +111,9 @@ struct SceneLoading::Job {
     if (!size) return std::unexpected(size.error());
     if (*size && **size > limits.memory) return too_large(**size);
     Bytes bytes;
-    if (*size) bytes.reserve(**size);
+    if (*size) bytes.reserve(**size + kChunk);  // the last read asks for more than there is
     update([&](LoadState& s) { s.bytes = size->value_or(0); });
+    came();
     while (!cancelled) {
       const auto there = wait_for_bytes();
       if (!there) return std::unexpected(there.error());
@@ -105,6 +121,7 @@ struct SceneLoading::Job {
       const std::size_t before = bytes.size();
       bytes.resize(before + kChunk);
       const auto got = ::read(descriptor, bytes.data() + before, kChunk);
+      came();
       bytes.resize(before + static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
       if (got < 0 && (errno == EINTR || errno == EAGAIN)) continue;
       if (got < 0) return fail(name, "read", std::generic_category().message(errno));
@@ -117,10 +134,12 @@ struct SceneLoading::Job {
     return bytes;
   }
 
-  /// What it will take, for most formats long before all of it is there. Fails if that is too much.
+  /// What it will take, for most formats long before all of it is there. Fails if that is too
+  /// much, and on what is no scene.
   Expected<void> look_ahead(const Bytes& bytes, const std::optional<std::uint64_t>& size) {
-    constexpr auto kUnknown = std::numeric_limits<std::uint64_t>::max();
-    const auto estimate = estimate_beginning(bytes, size.value_or(kUnknown), name);
+    if (auto known = recognise_beginning(bytes, name); !known)
+      return std::unexpected(known.error());
+    const auto estimate = estimate_beginning(bytes, size.value_or(kUnknownSize), name);
     if (!estimate) return {};
     const std::uint64_t needed = size.value_or(bytes.size()) + estimate->decoded;
     if (needed > limits.memory) return too_large(needed);
@@ -145,6 +164,7 @@ struct SceneLoading::Job {
 
   void finish(Expected<SceneFile> loaded) {
     update([&](LoadState& s) {
+      if (s.phase == LoadPhase::failed) return;  // was given up
       if (cancelled) {
         s.phase = LoadPhase::cancelled;
       } else if (!loaded) {
@@ -193,6 +213,7 @@ void SceneLoading::cancel() {
 
 LoadState SceneLoading::state() const {
   if (!job_) return {};
+  job_->look_for_stalling();
   const std::lock_guard lock(job_->mutex);
   return job_->state;
 }

@@ -26,7 +26,8 @@ class Screen {
   virtual gl::Api* api() = 0;
 
   /// Pictures go to this window from now on; the platform's own handle, ownership of which is
-  /// passed.
+  /// passed. Fails, with the context marked as lost (gl::context_lost()), when that is why; the
+  /// window is attached all the same.
   virtual Expected<void> attach(void* window) = 0;
   /// The window is no longer touched when this returns.
   virtual void detach() = 0;

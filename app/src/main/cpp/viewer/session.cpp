@@ -108,7 +108,10 @@ void Session::run() {
 
 void Session::surface_created(void* window) {
   post([this, window] {
-    if (auto attached = screen_->attach(window); !attached) give_up(attached.error());
+    const auto attached = screen_->attach(window);
+    // A lost context is made again by the next frame
+    gl::Api* api = screen_->api();
+    if (!attached && (api == nullptr || !gl::context_lost(*api))) give_up(attached.error());
     redraw_ = true;
   });
 }

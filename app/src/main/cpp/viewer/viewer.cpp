@@ -46,11 +46,6 @@ bool same(const camera::ViewState& a, const camera::ViewState& b) {
          a.fov == b.fov;
 }
 
-/// Settings that GL objects are made for.
-bool needs_remaking(const ViewerSettings& a, const ViewerSettings& b) {
-  return a.sorter != b.sorter || a.most_splats != b.most_splats || a.memory != b.memory;
-}
-
 }  // namespace
 
 void Viewer::show(std::shared_ptr<const SplatCloud> cloud, const std::optional<StartView>& start,
@@ -114,9 +109,17 @@ void Viewer::close() {
   measured_.reset();
 }
 
+/// Whether GL objects were made for other settings.
+bool Viewer::needs_remaking(const ViewerSettings& s) const {
+  const bool fits =
+      is_open() && scene_->shows_all() && (!s.memory || scene_->memory() <= *s.memory);
+  return s.sorter != settings_.sorter || s.most_splats != settings_.most_splats ||
+         (s.memory != settings_.memory && !fits);
+}
+
 void Viewer::set(const ViewerSettings& settings) {
   if (settings == settings_) return;
-  remake_ = remake_ || needs_remaking(settings, settings_);
+  remake_ = remake_ || needs_remaking(settings);
   if (settings.gyroscope != settings_.gyroscope) anchor_anew(gyroscope_);
   settings_ = settings;
   scale_control_.set_frame_seconds(settings.frame_seconds);
@@ -254,6 +257,7 @@ ViewerStats Viewer::stats() {
   stats_.frames_per_second = frame_seconds_ > 0 ? 1 / frame_seconds_ : 0;
   stats_.shown = scene_->splats();
   stats_.splats = cloud_->size();
+  stats_.memory = scene_->memory();
   stats_.width = scene_->target().blend_width();
   stats_.height = scene_->target().blend_height();
   stats_.scale = settings_.scale > 0 ? settings_.scale : scale_control_.scale();

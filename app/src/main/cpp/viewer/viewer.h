@@ -39,6 +39,7 @@ struct ViewerStats {
   std::size_t shown = 0, splats = 0;  ///< of the scene: for which there is room; all
   int width = 0, height = 0;          ///< of the picture that is blended
   double scale = 1;
+  std::size_t memory = 0;  ///< bytes of graphics memory that are taken
 };
 
 /// Where a view is, to be kept over the end of the process: target, orientation (w, x, y, z),
@@ -101,6 +102,7 @@ class Viewer {
   Expected<void> make(gl::Api& api);
   render::SceneViewSettings scene_settings(const gl::Api& api) const;
   double wanted_scale();
+  bool needs_remaking(const ViewerSettings& settings) const;
   void begin_navigation();
 
   ViewerSettings settings_;

@@ -105,8 +105,9 @@ class EglScreen final : public viewer::Screen {
                              EGL_NONE};
     EGLint count = 0;
     EGLConfig config = nullptr;
-    if (eglChooseConfig(display_, wanted, &config, 1, &count) != EGL_TRUE || count < 1)
+    if (eglChooseConfig(display_, wanted, &config, 1, &count) != EGL_TRUE)
       return egl_failure("eglChooseConfig");
+    if (count < 1) return fail("EGL", "config", "this device has no OpenGL ES 3.1");
     config_ = config;
     return {};
   }

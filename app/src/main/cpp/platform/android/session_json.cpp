@@ -46,7 +46,8 @@ json json_of(const viewer::LoadState& s) {
 json json_of(const viewer::ViewerStats& s) {
   return {{"fps", s.frames_per_second}, {"frameMs", s.frame_ms}, {"sortMs", s.sort_ms},
           {"drawn", s.drawn},           {"shown", s.shown},      {"splats", s.splats},
-          {"width", s.width},           {"height", s.height},    {"scale", s.scale}};
+          {"width", s.width},           {"height", s.height},    {"scale", s.scale},
+          {"memory", s.memory}};
 }
 
 }  // namespace

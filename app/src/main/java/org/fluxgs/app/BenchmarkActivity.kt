@@ -191,6 +191,7 @@ class BenchmarkActivity : Activity() {
         val loading = state.loading
         if (loading.failed) return fail(loading.error)
         if (!loading.ready) return true
+        if (testing) return true // also one of a run that was stopped: it takes the processor
         if (!tested) test()
         if (testing) return true
         if (report == null) {
@@ -231,24 +232,33 @@ class BenchmarkActivity : Activity() {
         )
         val history = BenchmarkHistory(this)
         val earlier = history.last(found.sceneName, found.splats)
-        try {
-            history.add(found)
-            intent.getStringExtra("json")?.let { write(ownFile(it), found) }
-        } catch (problem: IOException) {
-            Log.e(TAG, "failed ${problem.message}")
-        } catch (problem: IllegalArgumentException) {
-            Log.e(TAG, "failed ${problem.message}")
-        }
+        orTellTheLog { history.add(found) }
+        intent.getStringExtra("json")?.let { orTellTheLog { writeFor(it, found) } }
         show(found, earlier)
         return false
     }
 
-    private fun write(file: File, found: BenchmarkResult) {
+    private inline fun orTellTheLog(work: () -> Unit) = try {
+        work()
+    } catch (problem: IOException) {
+        Log.e(TAG, "failed ${problem.message}")
+    } catch (problem: IllegalArgumentException) {
+        Log.e(TAG, "failed ${problem.message}")
+    }
+
+    /** Who asked for garden.json finds garden.csv beside it. */
+    private fun writeFor(name: String, found: BenchmarkResult) {
+        val file = ownFile(name)
+        write(ownFile(name.removeSuffix(".json") + ".csv"), found.csv())
+        write(file, found.text())
+        Log.i(TAG, "done ${file.path}")
+    }
+
+    private fun write(file: File, text: String) {
         file.parentFile?.mkdirs()
         val part = File(file.path + ".part")
-        part.writeText(found.json.toString(1) + "\n")
+        part.writeText(text)
         if (!part.renameTo(file)) throw IOException("$file cannot be written")
-        Log.i(TAG, "done ${file.path}")
     }
 
     private fun fail(message: String): Boolean {
@@ -293,7 +303,7 @@ class BenchmarkActivity : Activity() {
         if (earlier != null) {
             val ratios = found.rows.mapNotNull { found.ratioTo(earlier, it) }.sorted()
             if (ratios.isNotEmpty()) lines += getString(
-                R.string.compared, earlier.started, ratios[ratios.size / 2],
+                R.string.compared, earlier.started.replace('T', ' ').take(16), ratios[ratios.size / 2],
             )
         }
         if (BuildFacts.isCheckBuild) lines += getString(R.string.check_build)
@@ -303,9 +313,9 @@ class BenchmarkActivity : Activity() {
     private fun share(kind: String) {
         val found = result ?: return
         val base = found.sceneName.substringBeforeLast('.').replace(Regex("[^A-Za-z0-9._-]+"), "-")
-        val file = File(SharedFiles.folder(this), "benchmark-$base.$kind")
+        val file = SharedFiles.create(this, "benchmark-$base.$kind")
         try {
-            file.writeText(if (kind == "csv") found.csv() else found.json.toString(1) + "\n")
+            file.writeText(if (kind == "csv") found.csv() else found.text())
         } catch (problem: IOException) {
             status.text = getString(R.string.benchmark_failed, problem.message)
             return

@@ -37,6 +37,8 @@ internal class BenchmarkResult(val json: JSONObject) {
     val stopped: String get() = json.getString("stopped")
     val started: String get() = json.getString("started")
 
+    fun text() = json.toString(1) + "\n"
+
     fun csv(): String {
         val lines = mutableListOf(COLUMNS.joinToString(","))
         val rows = json.getJSONArray("rows")
@@ -120,7 +122,7 @@ internal class BenchmarkHistory(context: Context) {
         folder.mkdirs()
         val next = (files().firstOrNull()?.nameWithoutExtension?.toLongOrNull() ?: 0) + 1
         File(folder, String.format(Locale.ROOT, "%06d.json", next))
-            .writeText(result.json.toString(1))
+            .writeText(result.text())
         files().drop(MOST).forEach { it.delete() }
     }
 

@@ -8,6 +8,9 @@ internal object FreeMemory {
     /** What is left to everything else. */
     private const val KEPT = 150L shl 20
 
+    /** With which there is still a picture. */
+    private const val LEAST_GRAPHICS = 32L shl 20
+
     /** Bytes for a file and what it decodes to. The GPU gets as much again for drawing it. */
     fun forScene(context: Context): Long {
         val info = ActivityManager.MemoryInfo()
@@ -22,6 +25,10 @@ internal object FreeMemory {
         context.getSystemService(ActivityManager::class.java).getMemoryInfo(info)
         return info.lowMemory
     }
+
+    /** A smaller budget of graphics memory, when the system wants some back: half of what is taken. */
+    fun less(budget: Long, taken: Long): Long =
+        (budget.coerceAtMost(taken) / 2).coerceAtLeast(LEAST_GRAPHICS)
 
     /** Bytes of the GPU, which shares the device's memory. */
     fun forGraphics(context: Context): Long = forScene(context)

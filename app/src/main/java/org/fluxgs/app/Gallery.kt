@@ -61,7 +61,7 @@ internal object Gallery {
     }
 
     private fun saveToShare(context: Context, picture: Bitmap, file: String): Uri {
-        val target = File(SharedFiles.folder(context), file)
+        val target = SharedFiles.create(context, file)
         target.outputStream().use { compress(picture, it) }
         return SharedFiles.uriOf(context, target)
     }

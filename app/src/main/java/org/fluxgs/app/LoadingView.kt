@@ -46,11 +46,11 @@ internal class LoadingView(
         when {
             problem != null -> tell(problem!!)
             loading.failed -> tell(loading.error)
-            state.error.isNotEmpty() -> tell(state.error)
             loading.phase == "reading" -> showReading(loading, name)
             loading.phase == "decoding" -> progress(
                 root.context.getString(R.string.loading, name), estimateOf(loading), -1,
             )
+            state.error.isNotEmpty() -> tell(state.error)
             loading.ready && !state.drawn -> progress(
                 root.context.getString(R.string.loading, name), estimateOf(loading), -1,
             )

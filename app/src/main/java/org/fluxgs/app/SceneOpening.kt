@@ -30,13 +30,16 @@ internal class SceneOpening(
 
     fun start() {
         thread(name = "scene-opening", isDaemon = true) { open() }
-        main.postDelayed({
-            finish { onFailed(context.getString(R.string.provider_stalls)) }
-        }, PATIENCE_MS)
+        main.postDelayed(stalls, PATIENCE_MS)
     }
 
     fun cancel() {
         over.set(true)
+        main.removeCallbacks(stalls) // which would keep the activity
+    }
+
+    private val stalls = Runnable {
+        finish { onFailed(context.getString(R.string.provider_stalls)) }
     }
 
     private fun open() {
@@ -51,6 +54,7 @@ internal class SceneOpening(
     }
 
     private fun finish(otherwise: () -> Unit = {}, callback: () -> Unit) {
+        main.removeCallbacks(stalls)
         if (over.getAndSet(true)) otherwise() else callback()
     }
 

@@ -1,9 +1,11 @@
 package org.fluxgs.app
 
 import android.app.Activity
+import android.app.ActivityManager
 import android.app.AlertDialog
 import android.content.ActivityNotFoundException
 import android.content.Intent
+import android.content.pm.ConfigurationInfo
 import android.graphics.Bitmap
 import android.net.Uri
 import android.os.Bundle
@@ -39,6 +41,14 @@ class ScenesActivity : Activity() {
         findViewById<View>(R.id.open).setOnClickListener { pick() }
         findViewById<View>(R.id.benchmark).setOnClickListener { benchmark() }
         findViewById<TextView>(R.id.version).text = versionText()
+        if (!hasOpenGl()) findViewById<View>(R.id.problem).visibility = View.VISIBLE
+    }
+
+    /** OpenGL ES 3.1, or nobody knows. */
+    private fun hasOpenGl(): Boolean {
+        val version = getSystemService(ActivityManager::class.java).deviceConfigurationInfo
+            ?.reqGlEsVersion ?: ConfigurationInfo.GL_ES_VERSION_UNDEFINED
+        return version == ConfigurationInfo.GL_ES_VERSION_UNDEFINED || version >= 0x30001
     }
 
     override fun onResume() {

@@ -30,6 +30,7 @@ data class Stats(
     val width: Int,
     val height: Int,
     val scale: Double,
+    val memory: Long, // bytes of graphics memory that are taken
 )
 
 data class SessionState(
@@ -64,6 +65,7 @@ data class SessionState(
                     stats.getDouble("fps"), stats.getDouble("frameMs"), stats.getDouble("sortMs"),
                     stats.getLong("drawn"), stats.getLong("shown"), stats.getLong("splats"),
                     stats.getInt("width"), stats.getInt("height"), stats.getDouble("scale"),
+                    stats.getLong("memory"),
                 ),
             )
         }

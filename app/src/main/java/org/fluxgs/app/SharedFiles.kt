@@ -68,6 +68,15 @@ class SharedFiles : ContentProvider() {
     companion object {
         fun folder(context: Context) = File(context.filesDir, "shared").apply { mkdirs() }
 
+        /** A file to share. Who was given an earlier one has had days to read it. */
+        fun create(context: Context, name: String): File {
+            val old = System.currentTimeMillis() - KEPT_MS
+            folder(context).listFiles()?.filter { it.lastModified() < old }?.forEach { it.delete() }
+            return File(folder(context), name)
+        }
+
+        private const val KEPT_MS = 3L * 24 * 3600 * 1000
+
         fun uriOf(context: Context, file: File): Uri = Uri.Builder()
             .scheme("content")
             .authority(context.packageName + ".shared")

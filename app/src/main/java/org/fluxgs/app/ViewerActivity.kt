@@ -68,7 +68,7 @@ class ViewerActivity : Activity() {
         loadingView = LoadingView(findViewById(R.id.loading), ::cancelLoading, ::retry, ::finish)
         setUpControls()
         apply(settings)
-        val wanted = uriOf(intent)
+        val wanted = state?.getString(SCENE)?.let { Uri.parse(it) } ?: uriOf(intent)
         uri = wanted ?: Scene.SAMPLE
         if (wanted == null && intent.action == Intent.ACTION_SEND)
             loadingView.failed(getString(R.string.nothing_shared))
@@ -103,6 +103,8 @@ class ViewerActivity : Activity() {
         opening?.cancel()
         session.cancelLoading()
         name = ""
+        memory = FreeMemory.forGraphics(this).coerceAtLeast(memory)
+        apply(settings)
         scenesBefore = session.state()?.scenes ?: 0
         loadingView.opening()
         val wanted = uri
@@ -206,7 +208,9 @@ class ViewerActivity : Activity() {
 
     private fun toggleGyroscope() {
         gyroscope.on = !gyroscope.on
-        findViewById<View>(R.id.gyroscope).isActivated = gyroscope.on
+        val button = findViewById<View>(R.id.gyroscope)
+        button.isActivated = gyroscope.on
+        button.isSelected = gyroscope.on // which is read out
         apply(settings)
     }
 
@@ -251,12 +255,19 @@ class ViewerActivity : Activity() {
     }
 
     private fun measure() {
-        measuring = true
-        startActivity(
-            Intent(this, BenchmarkActivity::class.java)
-                .setData(uri)
-                .addFlags(Intent.FLAG_GRANT_READ_URI_PERMISSION),
-        )
+        if (shown?.uri != uri) {
+            Toast.makeText(this, R.string.nothing_to_measure, Toast.LENGTH_SHORT).show()
+            return
+        }
+        val intent = Intent(this, BenchmarkActivity::class.java)
+            .setData(uri)
+            .addFlags(Intent.FLAG_GRANT_READ_URI_PERMISSION)
+        try {
+            startActivity(intent)
+            measuring = true
+        } catch (_: SecurityException) { // the permission has ended since the scene was opened
+            Toast.makeText(this, R.string.scene_forbidden, Toast.LENGTH_LONG).show()
+        }
     }
 
     // Life
@@ -294,6 +305,7 @@ class ViewerActivity : Activity() {
 
     override fun onSaveInstanceState(state: Bundle) {
         super.onSaveInstanceState(state)
+        if (opening != null) state.putString(SCENE, uri.toString())
         session.place()?.let { state.putDoubleArray(PLACE, it) }
         state.putBoolean(BARE, findViewById<View>(R.id.controls).visibility != View.VISIBLE)
         state.putBoolean(GYROSCOPE, findViewById<View>(R.id.gyroscope).isActivated)
@@ -313,11 +325,16 @@ class ViewerActivity : Activity() {
         val now = SystemClock.elapsedRealtime()
         if (now < memoryAskedAt + ASK_MEMORY_EVERY_MS) return
         memoryAskedAt = now
-        if (FreeMemory.isLow(this)) useLessMemory()
+        if (!FreeMemory.isLow(this)) return
+        useLessMemory()
+        memoryAskedAt += WAIT_FOR_MEMORY_MS
     }
 
+    /** Half of what the scene takes. Until another one is opened: it is not to change to and fro. */
     private fun useLessMemory() {
-        memory = (memory / 2).coerceAtLeast(LEAST_MEMORY)
+        val taken = session.state()?.stats?.memory ?: return
+        if (taken == 0L) return
+        memory = FreeMemory.less(memory, taken)
         apply(settings)
     }
 
@@ -330,10 +347,11 @@ class ViewerActivity : Activity() {
 
     internal companion object {
         const val LOOK_EVERY_MS = 200L
+        private const val SCENE = "scene"
         private const val PLACE = "place"
         private const val BARE = "bare"
         private const val GYROSCOPE = "gyroscope"
         private const val ASK_MEMORY_EVERY_MS = 5_000L
-        private const val LEAST_MEMORY = 32L shl 20
+        private const val WAIT_FOR_MEMORY_MS = 25_000L // what was let go of has an effect by then
     }
 }
