@@ -35,8 +35,20 @@ void expect_survives(const Dataset& data, const TrainOptions& options, const Poi
   EXPECT_EQ(stored->cloud.size(), trainer.state().parameters.size());
 }
 
+/// Networks make the colours of the last steps.
+TrainOptions networks_run() {
+  TrainOptions options = short_run(50);
+  options.sh_degree_interval = 10;
+  options.switch_iteration = 40;
+  options.sh_target = ShTarget::degree_1;
+  options.sh_reduce = ShReduction::energy;
+  options.psi = options.phi = Switch::on;
+  options.psi_fit_steps = 10;
+  return options;
+}
+
 void expect_survives(const Dataset& data) {
-  for (const auto& options : {everything(), short_run(60)})
+  for (const auto& options : {everything(), short_run(60), networks_run(), mcmc_run(50)})
     expect_survives(data, options, points_of(small_capture()));
 }
 

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "fluxgs/io/gltf.h"
 #include "trainer/compress/rounding.h"
 #include "trainer/train/evaluate.h"
+#include "trainer/train/reduce_appearance.h"
 #include "trainer/train/store_scene.h"
 #include "unit/trainer/train/short_run.h"
 
@@ -102,6 +104,33 @@ TEST(Switch, EveryReductionTrainsOn) {
       ASSERT_TRUE(told.stored);
       EXPECT_EQ(told.stored->cloud.size(), told.cloud.size());
     }
+}
+
+// Of c·d along an axis, the positive half is c/4 on the mean, and projects onto the axis' own
+// harmonic as half of the whole does.
+TEST(Switch, TheProjectedEnergyIsThatOfThePositivePart) {
+  const Dataset& data = small_capture();
+  const Threads threads(2);
+  TrainOptions options = curriculum(ShTarget::degree_1, ShReduction::energy);
+  options.residual = Residual::from_0;
+  options.psi = Switch::off;
+  options.samples = 4096;
+  TrainState state = fresh(data, options);
+  for (int r = row::sh_dc; r < state.parameters.rows(); ++r)
+    std::fill_n(state.parameters.row(r), state.parameters.size(), 0.0f);
+  for (int axis = 0; axis < 3; ++axis)
+    state.parameters.row(row::sh_rest + 3 * axis)[axis] = 1;  // red, in the order of the basis
+  const ViewWeights views = view_weights(state.parameters, cameras_of(data.train), {}, threads);
+  reduce_appearance(state, options, views, 1e-3, threads);
+  ASSERT_EQ(sh_degree_of(state.parameters), 1);
+  for (int splat = 0; splat < 3; ++splat) {
+    EXPECT_NEAR(state.parameters.row(row::sh_dc)[splat], std::numbers::pi * 0.2820948 * 0.4886025,
+                2e-3);
+    EXPECT_EQ(state.parameters.row(row::sh_dc + 1)[splat], 0);
+    for (int k = 0; k < 3; ++k)
+      EXPECT_NEAR(state.parameters.row(row::sh_rest + 3 * k)[splat], k == splat ? 1.5 : 0, 2e-3)
+          << splat << ", " << k;
+  }
 }
 
 TEST(Networks, AreStoredOnlyWhereTheyPay) {
