@@ -25,7 +25,7 @@ float mean_gradient(const TrainState& state, std::uint32_t i) {
          std::max(state.statistics.row(statistic::views)[i], 1.0f);
 }
 
-/// How many splats may be added now, besides one for each of those that go.
+/// How many splats may be added now. With a target, what goes is made up for.
 std::size_t room(const TrainState& state, const TrainOptions& options, std::size_t pruned) {
   const double size = static_cast<double>(state.parameters.size());
   double limit = 1e18;

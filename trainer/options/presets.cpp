@@ -149,7 +149,7 @@ TrainOptions resolved(TrainOptions options) {
                                          ? n / 5
                                          : options.densify_until + options.late_prune_interval);
   otherwise(options.late_prune_until,
-            options.late_prune == LatePrune::contribution ? n / 3 * 2 : n / 10 * 9);
+            options.late_prune == LatePrune::opacity ? n / 10 * 9 : n / 3 * 2);
   otherwise(options.round_from, n / 10 * 9);
   otherwise(options.round_interval, std::max(n / 1000, 20));
   // Neither when the number of splats changes nor what they are made of
