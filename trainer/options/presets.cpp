@@ -54,9 +54,11 @@ TrainOptions vanilla_first_order() {
   return o;
 }
 
-/// The paper to the letter, its faults included; what it leaves open is as in vanilla 3DGS. One
-/// thing is not: its supplement has two networks behind the energy, of one hidden layer each,
-/// without saying what either makes; Ψ is one such network, as in the paper's own formula.
+/// The paper to the letter, its faults included; what it leaves open is as in vanilla 3DGS. Two
+/// things are not. Its supplement has two networks behind the energy, of one hidden layer each,
+/// without saying what either makes; Ψ is one such network, as in the paper's own formula. Nor does
+/// it say with what weights Ψ begins: ours is first taught the harmonics cut off, E moving with it
+/// (fit_psi.h), after which it hardly matters how many directions E was averaged over.
 TrainOptions paper() {
   TrainOptions o;
   // "Monte Carlo Specular Energy Aggregator", "Additional Implementation"
