@@ -126,6 +126,7 @@ std::vector<std::string> differences(const PhoneResult& now, const PhoneResult& 
   look("device", now.device, before.device);
   look("driver", now.driver, before.driver);
   look("app", now.app, before.app);
+  look("scene", now.scene, before.scene);
   look("splats", now.splats, before.splats);
   look("bytes", now.bytes, before.bytes);
   if (!before.stopped.empty()) found.push_back("the earlier run was stopped: " + before.stopped);
@@ -156,7 +157,8 @@ Expected<void> report(const PhoneReport& s) {
   if (!s.before.empty()) {
     auto earlier = read_result(s.before);
     if (!earlier) return std::unexpected(earlier.error());
-    if (earlier->scene != result->scene)
+    // The same scene may have been given another name, by a file picker say
+    if (earlier->scene != result->scene && earlier->splats != result->splats)
       return fail(
           s.before, "scene",
           fmt::format("is {}; expected that of {}, {}", earlier->scene, s.result, result->scene));

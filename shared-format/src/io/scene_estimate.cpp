@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "fluxgs/io/scene.h"
+#include "fluxgs/io/sog.h"
 #include "glb_container.h"
 #include "gltf_document.h"
 #include "ply_header.h"
@@ -63,12 +64,19 @@ Expected<Announced> in_spz(std::span<const std::byte> bytes, const std::string& 
   return Announced{header->count, std::clamp(header->sh_degree, 0, 3)};
 }
 
+Expected<Announced> in_sog(std::span<const std::byte> bytes, const std::string& name) {
+  const auto found = announced_by_sog(bytes, name);
+  if (!found) return std::unexpected(found.error());
+  return Announced{found->first, found->second};
+}
+
 Expected<Announced> announced(const std::string& format, std::span<const std::byte> bytes,
                               const std::string& name) {
   if (format == "ply" || format == "compressed.ply") return in_ply(bytes, bytes.size(), name);
   if (format == "glb") return in_glb(bytes, name);
   if (format == "spz") return in_spz(bytes, name);
   if (format == "splat") return Announced{bytes.size() / sizeof(SplatRecord), 0};
+  if (format == "sog") return in_sog(bytes, name);
   return Announced{};
 }
 

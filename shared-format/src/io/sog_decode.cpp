@@ -14,7 +14,6 @@ namespace fluxgs::io {
 namespace {
 
 constexpr std::uint64_t kMaxImageBytes = std::uint64_t(1) << 30;
-constexpr std::size_t kSplatsPerByte = 16, kSplatSlack = 65536;
 constexpr std::size_t kPixelsPerSplat = 4, kPixelSlack = std::size_t(1) << 20;
 constexpr std::size_t kPaletteRow = 64, kPaletteRows = 1024;  // section 3.5
 
@@ -73,8 +72,7 @@ class SogDecoder {
     if (!low_bytes) return std::unexpected(low_bytes.error());
     const auto high_bytes = read(meta_.means[1]);
     if (!high_bytes) return std::unexpected(high_bytes.error());
-    const std::size_t most =
-        kSplatSlack + kSplatsPerByte * (low_bytes->size() + high_bytes->size());
+    const std::size_t most = most_sog_splats(low_bytes->size() + high_bytes->size());
     if (meta_.count > most) {
       return bad(
           meta_.means[0],

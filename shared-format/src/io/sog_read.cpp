@@ -61,7 +61,7 @@ SceneFile make_scene(SplatCloud cloud, const char* format, std::size_t bytes, At
 
 // Parsing takes memory that is not asked for as a value.
 template <class Read>
-Expected<SceneFile> within_memory(const std::string& name, Read read) {
+auto within_memory(const std::string& name, Read read) -> decltype(read()) {
   try {
     return read();
   } catch (const std::exception&) {  // bad_alloc, or length_error beyond what a vector can count
@@ -69,14 +69,39 @@ Expected<SceneFile> within_memory(const std::string& name, Read read) {
   }
 }
 
+Expected<SogMeta> meta_from(std::span<const std::byte> json, const std::string& field,
+                            const std::string& name) {
+  const auto root = parse_json_object(as_text(json), name, field);
+  if (!root) return std::unexpected(root.error());
+  return parse_sog_meta(*root, name, field);
+}
+
 Expected<SplatCloud> read_from(std::span<const std::byte> json, const NamedFiles& files,
                                const std::string& folder, const std::string& field,
                                const std::string& name) {
-  const auto root = parse_json_object(as_text(json), name, field);
-  if (!root) return std::unexpected(root.error());
-  const auto meta = parse_sog_meta(*root, name, field);
+  const auto meta = meta_from(json, field, name);
   if (!meta) return std::unexpected(meta.error());
   return decode_sog(*meta, files, folder, name);
+}
+
+// Of an archive. Its images may be compressed once more, and tell of far more than it has bytes
+// for.
+Expected<SogMeta> archive_meta(const NamedFiles& files, std::size_t bytes,
+                               const std::string& name) {
+  const auto json = files(kMetaFile, kMaxJsonText);
+  if (!json) return std::unexpected(json.error());
+  auto meta = meta_from(*json, kMetaFile, name);
+  if (meta && meta->count > most_sog_splats(bytes))
+    return fail(name, kMetaFile,
+                fmt::format("announces {} splats; an archive of {} bytes has at most {}",
+                            meta->count, bytes, most_sog_splats(bytes)));
+  return meta;
+}
+
+NamedFiles reader_of(const ZipArchive& archive) {
+  return [&archive](const std::string& file, std::uint64_t max_bytes) {
+    return archive.read(file, max_bytes);
+  };
 }
 
 Expected<SplatCloud> read_chunk(const SogChunk& chunk, const NamedFiles& files,
@@ -143,15 +168,23 @@ Expected<SceneFile> read_sog(std::span<const std::byte> bytes, const std::string
     const auto archive = ZipArchive::open(bytes, name);
     if (!archive) return std::unexpected(archive.error());
     AttributeBits bits;
-    const NamedFiles files =
-        counted([&](const std::string& file,
-                    std::uint64_t max_bytes) { return archive->read(file, max_bytes); },
-                bits);
-    const auto json = files(kMetaFile, kMaxJsonText);
-    if (!json) return std::unexpected(json.error());
-    auto cloud = read_from(*json, files, "", kMetaFile, name);
+    const NamedFiles files = counted(reader_of(*archive), bits);
+    const auto meta = archive_meta(files, bytes.size(), name);
+    if (!meta) return std::unexpected(meta.error());
+    auto cloud = decode_sog(*meta, files, "", name);
     if (!cloud) return std::unexpected(cloud.error());
     return make_scene(std::move(*cloud), "sog", bytes.size(), std::move(bits));
+  });
+}
+
+Expected<std::pair<std::size_t, int>> announced_by_sog(std::span<const std::byte> bytes,
+                                                       const std::string& name) {
+  return within_memory(name, [&]() -> Expected<std::pair<std::size_t, int>> {
+    const auto archive = ZipArchive::open(bytes, name);
+    if (!archive) return std::unexpected(archive.error());
+    const auto meta = archive_meta(reader_of(*archive), bytes.size(), name);
+    if (!meta) return std::unexpected(meta.error());
+    return std::pair(meta->count, meta->harmonics ? meta->harmonics->degree.value_or(3) : 0);
   });
 }
 

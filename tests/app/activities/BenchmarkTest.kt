@@ -101,6 +101,16 @@ class BenchmarkTest {
         val table = File(own, "out/garden.csv").readLines()
         assertEquals(1 + rows.length(), table.size)
         assertEquals(table[0].count { it == ',' }, table[8].count { it == ',' })
+        assertTrue(table[1], table[1].startsWith("garden.glb,28842,"))
+    }
+
+    @Test
+    fun aShellSaysWhatTheSceneIsCalled() {
+        File(material, "scene.glb").copyTo(File(own, "scene-garden.glb"), true)
+        start(short("scene" to "scene-garden.glb", "name" to "garden, \"mine\".glb"))
+        assertEquals("garden, \"mine\".glb", finished().sceneName)
+        val line = activity.result!!.csv().lines()[1]
+        assertTrue(line, line.startsWith("\"garden, \"\"mine\"\".glb\",28842,"))
     }
 
     @Test
@@ -146,7 +156,25 @@ class BenchmarkTest {
         until("it runs", 100) { activity.text(R.id.status).contains("left") }
         controller!!.pause().stop()
         assertEquals(context.getString(R.string.stopped_by_leaving), finished().stopped)
-        assertNull("no whole run to compare with", BenchmarkHistory(context).last("Sample scene", 28_842))
+        assertTrue(activity.result!!.csv().trim().endsWith(",".repeat(13)))
+        assertTrue(context.getString(R.string.stopped_by_leaving) in activity.result!!.csv())
+        close()
+        start(short())
+        assertNull("no whole run to compare with", BenchmarkHistory(context).before(finished()))
+    }
+
+    /** A window of another app, or the system's, over this one or beside it. */
+    @Test
+    fun whatComesInFrontIsMarked() {
+        start(intent("sizes" to "640x480", "frames" to "50"))
+        until("it runs", 100) { activity.text(R.id.status).contains("left") }
+        controller!!.windowFocusChanged(false)
+        assertEquals(context.getString(R.string.stopped_by_covering), finished().stopped)
+        close()
+        start(intent("sizes" to "640x480", "frames" to "50"))
+        until("it runs", 100) { activity.text(R.id.status).contains("left") }
+        controller!!.pause() // and no more
+        assertEquals(context.getString(R.string.stopped_by_leaving), finished().stopped)
     }
 
     @Test
@@ -194,12 +222,18 @@ class BenchmarkTest {
     @Test
     fun theResultSurvivesTheEndOfTheProcess() {
         start(short())
+        finished()
+        close()
+        start(short())
         val before = finished().json.toString()
+        val facts = activity.text(R.id.facts)
+        assertTrue(facts, "times as fast" in facts)
         val state = Bundle()
         controller!!.pause().stop().saveInstanceState(state).destroy()
         controller = null
         start(short(), state)
         assertEquals(before, activity.result!!.json.toString())
+        assertEquals("with what it was compared with", facts, activity.text(R.id.facts))
     }
 
     @Test

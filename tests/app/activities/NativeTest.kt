@@ -48,7 +48,7 @@ class NativeTest {
     fun arraysOfTheWrongLength() = inSession { session ->
         assertWrong { Native.touch(session, 0, 0, intArrayOf(0), floatArrayOf(1f), 0) }
         assertWrong { Native.touch(session, 4, 0, intArrayOf(0), floatArrayOf(1f, 1f), 0) }
-        assertWrong { Native.load(session, -1, "a", 1L shl 30, doubleArrayOf(1.0)) }
+        assertWrong { Native.load(session, -1, "a", -1, 1L shl 30, doubleArrayOf(1.0)) }
         assertWrong { Native.startBenchmark(session, intArrayOf(1), 0, 1, true, true) }
         assertWrong { Native.startBenchmark(session, intArrayOf(0, 5), 0, 1, true, true) }
         assertWrong { Native.startBenchmark(session, intArrayOf(5, 5), 0, 0, true, true) }
@@ -76,7 +76,7 @@ class NativeTest {
 
     @Test
     fun aDescriptorThatIsClosed() = inSession { session ->
-        Native.load(session, 123456, "none", 1L shl 30, null)
+        Native.load(session, 123456, "none", -1, 1L shl 30, null)
         until("it has failed") {
             JSONObject(Native.state(session)).getJSONObject("loading").getString("phase") == "failed"
         }
@@ -100,7 +100,7 @@ class NativeTest {
     @Test
     fun namesOfAnyLanguage() = inSession { session ->
         val name = "Küche \uD83C\uDF73 台所.glb"
-        Native.load(session, 123456, name, 1L shl 30, null)
+        Native.load(session, 123456, name, -1, 1L shl 30, null)
         until("it has failed") {
             val loading = JSONObject(Native.state(session)).getJSONObject("loading")
             loading.getString("phase") == "failed" && loading.getString("error").contains(name)

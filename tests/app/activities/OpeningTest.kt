@@ -81,6 +81,39 @@ class OpeningTest : ViewerScreen() {
         assertTrue(activity.isFinishing)
     }
 
+    /** Its .splat has no header that would miss the rest. */
+    @Test
+    fun aProviderThatDiesInBetweenIsNoPartOfAScene() {
+        val whole = File(material, "scene.splat")
+        val pipe = File(material, "pipe")
+        Documents.answers["garden.splat"] = {
+            ParcelFileDescriptor.open(pipe, ParcelFileDescriptor.MODE_READ_ONLY)
+        }
+        Documents.sizes["garden.splat"] = whole.length()
+        val sender = kotlin.concurrent.thread {
+            val part = whole.inputStream().use { it.readNBytes(192 * 1024) }
+            java.io.FileOutputStream(pipe).use { it.write(part) }
+        }
+        val message = openAndFail(Documents.uri("garden.splat"))
+        sender.join()
+        assertTrue(message, "ended after 196608 of ${whole.length()} bytes" in message)
+    }
+
+    @Test
+    fun aSceneThatCannotBeShownLeadsBackToTheOneBefore() {
+        openAndDraw()
+        val first = settled()
+        val text = File(context.cacheDir, "text.glb").apply { writeText("no scene") }
+        val other = Documents.offer(text)
+        controller!!.newIntent(Intent(context, ViewerActivity::class.java).setData(other))
+        until("the app says that it cannot") { activity.isShown(R.id.loading_leave) }
+        press(R.id.loading_leave)
+        assertFalse(activity.isFinishing)
+        repeat(20) { pump() }
+        assertFalse(activity.isShown(R.id.loading))
+        assertTrue(psnr(settled(), first) > 45)
+    }
+
     @Test
     fun aProviderThatNeverAnswersIsGivenUp() {
         val gate = java.util.concurrent.CountDownLatch(1)
@@ -189,7 +222,7 @@ class OpeningTest : ViewerScreen() {
 
     @Test
     fun hostileFilesAreTurnedAwayAndTheAppLivesOn() {
-        for (name in listOf("cut.glb", "cut.ply", "many.ply", "zeros.spz", "empty.glb")) {
+        for (name in listOf("cut.glb", "cut.ply", "many.ply", "zeros.spz", "empty.glb", "bomb.sog")) {
             val said = openAndFail(Documents.offer(File(material, name)))
             assertTrue("$name: $said", said.length in 10..400)
             close()

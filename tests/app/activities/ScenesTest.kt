@@ -111,6 +111,27 @@ class ScenesTest {
     }
 
     @Test
+    fun scenesThatWereSentByAdbAreThere() {
+        val own = context.getExternalFilesDir(null)!!
+        val sent = java.io.File(own, "garden.PLY").apply { writeBytes(ByteArray(2_500_000)) }
+        java.io.File(own, "garden.json").writeText("{}")
+        open()
+        assertEquals(2, grid.adapter.count)
+        assertEquals("garden.PLY", name(1))
+        assertTrue(grid.getChildAt(1).contentDescription.endsWith("2.5 MB"))
+        assertFalse(grid.onItemLongClickListener!!.onItemLongClick(grid, grid.getChildAt(1), 1, 1))
+        tap(1)
+        val uri = shadowOf(activity).nextStartedActivity.data!!
+        assertEquals(Uri.fromFile(sent), uri)
+        close()
+        Recents(context).remember(uri, "garden.PLY", 2_500_000, 10_000, null, null)
+        open()
+        assertEquals("once", 2, grid.adapter.count)
+        assertTrue(grid.getChildAt(1).contentDescription.contains("splats"))
+        sent.delete()
+    }
+
+    @Test
     fun aSceneCanBeTakenOffTheList() {
         val uri = remember("old.spz", "sample.png")
         open()

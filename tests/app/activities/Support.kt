@@ -158,8 +158,8 @@ class Documents : ContentProvider() {
         order: String?,
     ): Cursor {
         if (uri.lastPathSegment == "rude") throw IllegalStateException("no")
-        return MatrixCursor(arrayOf(OpenableColumns.DISPLAY_NAME)).apply {
-            addRow(arrayOf("My ${uri.lastPathSegment}"))
+        return MatrixCursor(arrayOf(OpenableColumns.DISPLAY_NAME, OpenableColumns.SIZE)).apply {
+            addRow(arrayOf<Any?>("My ${uri.lastPathSegment}", sizes[uri.lastPathSegment]))
         }
     }
 
@@ -175,6 +175,9 @@ class Documents : ContentProvider() {
 
     companion object {
         val answers = mutableMapOf<String, () -> ParcelFileDescriptor>()
+
+        /** What it says of the size of those. */
+        val sizes = mutableMapOf<String, Long>()
 
         fun install() {
             Robolectric.setupContentProvider(Documents::class.java, "documents")

@@ -4,12 +4,14 @@ import android.content.ComponentCallbacks2
 import android.content.Intent
 import android.graphics.Bitmap
 import android.os.Bundle
+import android.os.ParcelFileDescriptor
 import android.view.MotionEvent
 import android.view.View
 import java.io.File
 import org.junit.Assert.assertEquals
 import org.junit.Assert.assertFalse
 import org.junit.Assert.assertNotNull
+import org.junit.Assert.assertNull
 import org.junit.Assert.assertTrue
 import org.junit.Test
 import org.junit.runner.RunWith
@@ -301,11 +303,45 @@ class ViewerTest : ViewerScreen() {
         openAndDraw()
         val before = session.state()!!.stats
         assertTrue(before.memory > 0)
-        controller!!.get().onTrimMemory(ComponentCallbacks2.TRIM_MEMORY_COMPLETE)
+        controller!!.get().onTrimMemory(ComponentCallbacks2.TRIM_MEMORY_RUNNING_CRITICAL)
         repeat(10) { pump() }
         assertTrue(session.state()!!.hasScene)
         assertTrue(spread(settled()) > 100)
         assertEquals("it is small", before.splats, session.state()!!.stats.shown)
+    }
+
+    @Test
+    fun inTheBackgroundGraphicsMemoryIsGivenBackAndTheSceneComesAgain() {
+        openAndDraw()
+        val before = settled()
+        val splats = session.state()!!.stats.shown
+        controller!!.pause().stop()
+        @Suppress("DEPRECATION")
+        activity.onTrimMemory(ComponentCallbacks2.TRIM_MEMORY_BACKGROUND)
+        until("it is given back") { session.state()!!.stats.memory == 0L }
+        assertNull("there is nothing to see", session.picture())
+        controller!!.restart().start().resume()
+        until("it is drawn with again") { session.state()!!.stats.memory > 0 }
+        assertTrue(psnr(before, settled()) > 45)
+        assertEquals("all of it", splats, session.state()!!.stats.shown)
+    }
+
+    /** The view of one scene is no place in another. */
+    @Test
+    fun theEndOfTheProcessWhileAnotherIsLoadedKeepsNoPlace() {
+        openAndDraw()
+        Documents.answers["slow"] = {
+            ParcelFileDescriptor.open(
+                File(material, "pipe"), ParcelFileDescriptor.MODE_READ_WRITE,
+            )
+        }
+        val other = Documents.uri("slow")
+        controller!!.newIntent(Intent(context, ViewerActivity::class.java).setData(other))
+        until("it is read") { session.state()!!.loading.phase == "reading" }
+        val state = Bundle()
+        controller!!.pause().stop().saveInstanceState(state)
+        assertEquals(other.toString(), state.getString("scene"))
+        assertNull(state.getDoubleArray("place"))
     }
 
     @Test

@@ -402,6 +402,27 @@ TEST(Command, DiskFullLeavesNothingBehind) {
   EXPECT_EQ(files_in(folder / "out"), 0u);
 }
 
+// What the program has held, not what was estimated: in a run that would take far more.
+TEST(Command, TrainingStaysWithinItsMemory) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "AddressSanitizer takes several times as much";
+#endif
+  const test::TempFolder folder;
+  const auto peak_of = [&](const std::string& limit) {
+    const Outcome run = fluxgs(
+        fmt::format("train {} -o {} --json {} --preset 3dgs --iterations 110 --densify-from 20 "
+                    "--densify-interval 15 --densify-until 100 --densify-gradient 1e-7 {}",
+                    quoted(capture_folder()), quoted(folder / "scene.glb"),
+                    quoted(folder / "run.json"), limit));
+    EXPECT_EQ(run.status, 0) << run.err;
+    constexpr double kMebibyte = 1 << 20;
+    return json::parse(text_of(folder / "run.json"))["peak_memory_bytes"].get<double>() / kMebibyte;
+  };
+  constexpr int kLimit = 110;
+  EXPECT_LE(peak_of(fmt::format("--max-memory {}", kLimit)), kLimit);
+  EXPECT_GT(peak_of("--max-splats 30000"), kLimit);
+}
+
 TEST(Command, OutOfMemoryIsALine) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "AddressSanitizer needs the address space that this test takes away";

@@ -9,6 +9,7 @@
 #include "fluxgs/io/scene.h"
 #include "fluxgs/io/splat.h"
 #include "fluxgs/io/spz.h"
+#include "sog_support.h"
 #include "support.h"
 
 namespace fluxgs {
@@ -30,6 +31,19 @@ TEST(SceneEstimate, IsWhatDecodingFinds) {
     }
     const auto compact = *encode_compact_glb(cloud, {}, "scene");
     EXPECT_EQ(estimate_scene(compact, "scene")->splats, 1000U);
+  }
+}
+
+TEST(SceneEstimate, OfAnArchiveOfImages) {
+  for (const int degree : {0, 2}) {
+    const SplatCloud cloud = test::random_cloud(300, degree);
+    const auto bytes = test::bundle(test::make_sog(cloud));
+    const auto estimate = estimate_scene(bytes, "scene.sog");
+    ASSERT_TRUE(estimate) << estimate.error().message();
+    EXPECT_EQ(estimate->format, "sog");
+    EXPECT_EQ(estimate->splats, 300U);
+    EXPECT_EQ(estimate->sh_degree, degree);
+    EXPECT_EQ(estimate->decoded, splat_memory_bytes(300, degree));
   }
 }
 

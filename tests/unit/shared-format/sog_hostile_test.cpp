@@ -6,6 +6,7 @@
 #include <random>
 
 #include "fluxgs/io/scene.h"
+#include "fluxgs/io/scene_estimate.h"
 #include "sog_support.h"
 
 namespace fluxgs {
@@ -192,7 +193,10 @@ TEST(SogHostile, BombsOfPixelsAndSplatsAreRefused) {
   expect_error(read_bundle(files), {"shN_centroids.webp", "960x1025"});
   files = with_meta([](json& m) { m["count"] = 1000000; });
   for (const char* image : {"means_l.webp", "means_u.webp"}) files[image] = webp({}, 1024, 1024);
-  expect_error(read_bundle(files), {"means_l.webp", "bytes", "1000000"});
+  expect_error(read_bundle(files), {"meta.json", "bytes", "1000000"});
+  const TemporaryFolder folder;
+  write_files(folder, files);
+  expect_error(read_scene(folder / "meta.json"), {"means_l.webp", "bytes", "1000000"});
 }
 
 Bytes deflated(const std::string& name, const Bytes& content) {
@@ -237,6 +241,18 @@ TEST(SogHostile, DeflatedEntriesAreReadAndBombsRefused) {
   expect_error(read_sog(bomb, "x.sog"), {"meta.json", "claims 9437184 bytes"});
   replace_all(bomb, size, 50000);  // inflates to more than it says
   expect_error(read_sog(bomb, "x.sog"), {"x.sog: meta.json"});
+}
+
+// An image compressed once more may have pixels for millions of splats in a few kilobytes.
+TEST(SogHostile, MoreSplatsThanAnArchiveHasBytesForAreRefused) {
+  const auto announcing = [](std::size_t count) {
+    return bundle(with_meta([&](json& m) { m["count"] = count; }));
+  };
+  const std::size_t most = 65536 + 16 * announcing(2'000'000).size();
+  ASSERT_LT(most, 2'000'000U);
+  expect_error(read_sog(announcing(2'000'000), "x.sog"),
+               {"x.sog: meta.json: announces 2000000 splats", fmt::format("at most {}", most)});
+  expect_error(estimate_scene(announcing(2'000'000), "x.sog"), {"announces 2000000 splats"});
 }
 
 TEST(SogHostile, ArchivesOfOtherKindsAreNamed) {

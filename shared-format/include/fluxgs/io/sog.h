@@ -18,6 +18,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "fluxgs/error.h"
 #include "fluxgs/io/scene_file.h"
@@ -27,7 +28,12 @@ namespace fluxgs {
 /// Whether the bytes begin like a .sog: a ZIP archive whose first entry is meta.json or a .webp.
 bool is_sog(std::span<const std::byte> bytes);
 
-/// Read a bundled scene. `name` appears in errors.
+/// How many splats a bundled scene says it has, and their degree (3 where only its images tell).
+Expected<std::pair<std::size_t, int>> announced_by_sog(std::span<const std::byte> bytes,
+                                                       const std::string& name);
+
+/// Read a bundled scene. `name` appears in errors. One that announces more splats than its bytes
+/// can hold is refused.
 Expected<SceneFile> read_sog(std::span<const std::byte> bytes, const std::string& name);
 
 /// Whether the bytes look like the meta.json of an unbundled scene.

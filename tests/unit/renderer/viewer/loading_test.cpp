@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "fluxgs/io/gltf.h"
+#include "fluxgs/io/splat.h"
 #include "tests/support/scenes.h"
 
 namespace fluxgs::viewer {
@@ -94,6 +95,29 @@ TEST(SceneLoading, ReadsAPipe) {
   writer.join();
   ASSERT_EQ(state.phase, LoadPhase::ready) << state.error;
   EXPECT_EQ(state.bytes, 0U) << "a pipe does not say";
+}
+
+// The provider says how many bytes there are.
+TEST(SceneLoading, APipeOfAnnouncedSize) {
+  const auto bytes = *encode_splat(test::random_cloud(1000, 0), "scene");
+  const auto send = [&](std::uint64_t announced, std::size_t sent, std::uint64_t memory) {
+    SceneLoading loading;
+    Pipe pipe;
+    loading.begin(pipe.out, "garden.splat", {.memory = memory, .announced = announced});
+    EXPECT_EQ(::write(pipe.in, bytes.data(), sent), static_cast<ssize_t>(sent));
+    ::close(pipe.in);
+    return settled(loading);
+  };
+  const LoadState whole = send(bytes.size(), bytes.size(), 1 << 30);
+  EXPECT_EQ(whole.phase, LoadPhase::ready) << whole.error;
+  EXPECT_EQ(whole.bytes, bytes.size());
+  EXPECT_EQ(whole.estimate->splats, 1000U);
+  // Whole records, and no header that would miss the others
+  const LoadState cut = send(bytes.size(), 320, 1 << 30);
+  EXPECT_EQ(cut.phase, LoadPhase::failed);
+  EXPECT_THAT(cut.error, HasSubstr("garden.splat: read: ended after 320 of 32000 bytes"));
+  const LoadState large = send(2'000'000'000, 320, 1 << 20);
+  EXPECT_THAT(large.error, HasSubstr("memory: needs about 2000.0 MB"));
 }
 
 // A million splats are announced, of which a part has come.

@@ -196,6 +196,38 @@ TEST_P(SessionTest, TheWindowComesAndGoes) {
   EXPECT_EQ(session_->state().error, "");
 }
 
+TEST_P(SessionTest, GraphicsThatWereFreedAreMadeAgain) {
+  ASSERT_TRUE(load(file_with_start()));
+  const auto before = picture();
+  session_->surface_destroyed();
+  session_->free_graphics();
+  EXPECT_FALSE(session_->picture());
+  for (int i = 0; i < 200 && session_->state().stats.memory > 0; ++i)
+    std::this_thread::sleep_for(5ms);
+  EXPECT_EQ(session_->state().stats.memory, 0U);
+  session_->surface_created(this);
+  EXPECT_GT(psnr(picture(), before), 50);
+  EXPECT_GT(session_->state().stats.memory, 0U);
+  EXPECT_EQ(session_->state().contexts, 1);
+}
+
+// A shell that asked for several, and cancelled some, knows by the number which it sees.
+TEST_P(SessionTest, TheSceneThatIsShownIsKnownByItsNumber) {
+  EXPECT_EQ(session_->state().shown, 0U);
+  const auto begin_loading = [&](std::uint32_t seed) {
+    return session_->load(file_of(file_with_start(seed)), "scene.glb", {});
+  };
+  const auto first = begin_loading(1);
+  ASSERT_TRUE(run_until([&](const SessionState& s) { return s.shown == first; }));
+  const auto second = begin_loading(2);
+  EXPECT_NE(second, first);
+  session_->cancel_loading();
+  picture();
+  EXPECT_EQ(session_->state().shown, first);
+  const auto third = begin_loading(3);
+  ASSERT_TRUE(run_until([&](const SessionState& s) { return s.shown == third; }));
+}
+
 TEST_P(SessionTest, ALostContextIsMadeAgain) {
   ASSERT_TRUE(load(file_with_start()));
   const auto before = picture();

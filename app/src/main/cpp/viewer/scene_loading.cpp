@@ -96,13 +96,13 @@ struct SceneLoading::Job {
     return false;
   }
 
-  /// How large the file says it is; nothing where it does not (a pipe).
+  /// How large the file says it is, or its provider; nothing where nobody does.
   Expected<std::optional<std::uint64_t>> announced_size() const {
     struct stat status{};
     if (::fstat(descriptor, &status) != 0)
       return fail(name, "open", std::generic_category().message(errno));
     if (S_ISDIR(status.st_mode)) return fail(name, "open", "is a folder; expected a scene");
-    if (!S_ISREG(status.st_mode)) return std::nullopt;
+    if (!S_ISREG(status.st_mode)) return limits.announced;
     return static_cast<std::uint64_t>(status.st_size);
   }
 
@@ -131,6 +131,11 @@ struct SceneLoading::Job {
         if (auto fits = look_ahead(bytes, *size); !fits) return std::unexpected(fits.error());
       update([&](LoadState& s) { s.read = bytes.size(); });
     }
+    // A .splat has no header that would miss the rest
+    if (!cancelled && *size && bytes.size() < **size)
+      return fail(
+          name, "read",
+          fmt::format("ended after {} of {} bytes: it was cut, or is gone", bytes.size(), **size));
     return bytes;
   }
 

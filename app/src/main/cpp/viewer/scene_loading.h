@@ -28,6 +28,8 @@ struct LoadLimits {
   std::uint64_t memory = std::uint64_t{1} << 31;
   /// Seconds without a byte after which a provider is given up.
   double patience = 30;
+  /// Bytes that a provider says there are; for pipes, which cannot be asked themselves.
+  std::optional<std::uint64_t> announced = {};
 };
 
 /// One scene at a time. All functions are for one thread; none of them waits for the file.

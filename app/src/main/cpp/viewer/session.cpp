@@ -129,13 +129,14 @@ void Session::surface_destroyed() {
   post_and_wait([this] { screen_->detach(); });
 }
 
-void Session::load(int descriptor, const std::string& name, const LoadLimits& limits,
-                   const std::optional<Place>& place) {
+std::uint64_t Session::load(int descriptor, const std::string& name, const LoadLimits& limits,
+                            const std::optional<Place>& place) {
   const std::lock_guard lock(mutex_);
   loading_.begin(descriptor, name, limits);
   place_wanted_ = place;
   load_began_ = Clock::now();
   state_.first_frame_ms = 0;
+  return ++loadings_;
 }
 
 void Session::cancel_loading() {
@@ -176,6 +177,10 @@ void Session::flip_up() {
 
 void Session::reset_view() {
   post([this] { viewer_.reset_view(); });
+}
+
+void Session::free_graphics() {
+  post([this] { viewer_.close(); });
 }
 
 void Session::lose_context() {
@@ -220,6 +225,7 @@ void Session::take_scene() {
     const std::lock_guard lock(mutex_);
     loaded = loading_.take();
     if (!loaded) return;
+    cloud_number_ = loadings_;
     place = std::exchange(place_wanted_, std::nullopt);
     state_.dropped = loaded->dropped;
     state_.error.clear();
@@ -259,7 +265,7 @@ Expected<void> Session::show_frame() {
   if (!std::exchange(drawn_, true)) {
     const std::lock_guard lock(mutex_);
     state_.first_frame_ms = milliseconds_since(load_began_);
-    ++state_.scenes;
+    state_.shown = cloud_number_;
   }
   return {};
 }
@@ -321,7 +327,7 @@ void Session::start_benchmark(const bench::SceneBenchmarkPlan& plan) {
 
 void Session::stop_benchmark(const std::string& why) {
   const std::lock_guard lock(mutex_);
-  if (benchmark_.running) benchmark_stop_ = why;
+  if (benchmark_.running && !benchmark_stop_) benchmark_stop_ = why;  // the first is the reason
 }
 
 bool Session::report_progress(int done, int all) {

@@ -24,9 +24,9 @@ namespace fluxgs::viewer {
 /// What the shell shows of a session.
 struct SessionState {
   LoadState loading;
-  bool has_scene = false;  ///< there is one to look at
-  bool drawn = false;      ///< and a picture of it was shown
-  int scenes = 0;          ///< how many were loaded and shown so far
+  bool has_scene = false;   ///< there is one to look at
+  bool drawn = false;       ///< and a picture of it was shown
+  std::uint64_t shown = 0;  ///< which loading it is of, by the number that load() gave; 0: none
   bool flipped = false;
   ViewerStats stats;
   std::string error;          ///< of drawing, one line; it is over until another scene is loaded
@@ -62,9 +62,9 @@ class Session {
   void surface_destroyed();
 
   /// Opens a scene from a descriptor, see SceneLoading, and looks at it from this place if given.
-  /// The scene before stays until then.
-  void load(int descriptor, const std::string& name, const LoadLimits& limits,
-            const std::optional<Place>& place = {});
+  /// The scene before stays until then. Returns a number, from 1 on, by which it is known.
+  std::uint64_t load(int descriptor, const std::string& name, const LoadLimits& limits,
+                     const std::optional<Place>& place = {});
   void cancel_loading();
 
   /// The display is about to show another frame; `seconds` on any clock that goes on.
@@ -76,6 +76,8 @@ class Session {
   void set_heat(const Heat& heat);
   void flip_up();
   void reset_view();
+  /// Gives back what is drawn with; the next frame makes it again.
+  void free_graphics();
 
   SessionState state() const;
   std::optional<Place> place() const;
@@ -115,6 +117,7 @@ class Session {
   int width_ = 0, height_ = 0;
   std::optional<double> last_frame_;
   std::shared_ptr<const SplatCloud> cloud_;
+  std::uint64_t cloud_number_ = 0;  // of its loading
   std::optional<StartView> start_;
   bool failed_ = false;  // to draw this scene
   bool drawn_ = false;   // a picture of it
@@ -128,6 +131,7 @@ class Session {
   std::optional<double> frame_wanted_;
   bool stops_ = false;
   SceneLoading loading_;
+  std::uint64_t loadings_ = 0;
   std::optional<Place> place_wanted_;
   std::chrono::steady_clock::time_point load_began_;
   SessionState state_;

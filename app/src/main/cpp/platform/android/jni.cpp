@@ -202,16 +202,17 @@ FLUXGS_JNI(void, surfaceDestroyed)(JNIEnv* env, jclass, jlong session) {
   guarded(env, [&] { sessions().find(session)->surface_destroyed(); });
 }
 
-FLUXGS_JNI(void, load)
-(JNIEnv* env, jclass, jlong session, jint descriptor, jstring name, jlong memory,
+FLUXGS_JNI(jlong, load)
+(JNIEnv* env, jclass, jlong session, jint descriptor, jstring name, jlong bytes, jlong memory,
  jdoubleArray place) {
-  guarded(env, [&] {
+  return guarded(env, [&] {
     try {
       viewer::LoadLimits limits;
       limits.memory = static_cast<std::uint64_t>(std::max<jlong>(memory, 0));
+      if (bytes >= 0) limits.announced = static_cast<std::uint64_t>(bytes);
       const auto found = sessions().find(session);
       const auto from = place_from(env, place);
-      found->load(descriptor, from_java(env, name), limits, from);
+      return static_cast<jlong>(found->load(descriptor, from_java(env, name), limits, from));
     } catch (...) {
       ::close(descriptor);  // it was passed on
       throw;
@@ -285,6 +286,10 @@ FLUXGS_JNI(void, flipUp)(JNIEnv* env, jclass, jlong session) {
 
 FLUXGS_JNI(void, resetView)(JNIEnv* env, jclass, jlong session) {
   guarded(env, [&] { sessions().find(session)->reset_view(); });
+}
+
+FLUXGS_JNI(void, freeGraphics)(JNIEnv* env, jclass, jlong session) {
+  guarded(env, [&] { sessions().find(session)->free_graphics(); });
 }
 
 FLUXGS_JNI(void, loseContext)(JNIEnv* env, jclass, jlong session) {

@@ -57,7 +57,7 @@ std::string to_json(const viewer::SessionState& s) {
       {{"loading", json_of(s.loading)},
        {"hasScene", s.has_scene},
        {"drawn", s.drawn},
-       {"scenes", s.scenes},
+       {"shown", s.shown},
        {"flipped", s.flipped},
        {"error", s.error},
        {"contexts", s.contexts},

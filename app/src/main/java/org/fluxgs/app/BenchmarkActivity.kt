@@ -24,8 +24,8 @@ import org.json.JSONObject
  *
  *     adb shell am start -S -W -n org.fluxgs.app/.BenchmarkActivity -e scene garden.glb -e json garden.json
  *
- * Both names are of files in the app's own folder on the device (Android/data/org.fluxgs.app/files);
- * without a scene it is the sample. The log (tag FluxGsBenchmark) says "done FILE" or "failed REASON".
+ * Both are names of files in the app's own folder on the device (Android/data/org.fluxgs.app/files);
+ * without a scene it is the sample. `-e name` is what the result calls it. The log (tag FluxGsBenchmark) says "done FILE" or "failed REASON".
  */
 class BenchmarkActivity : Activity() {
     private lateinit var session: Session
@@ -109,24 +109,25 @@ class BenchmarkActivity : Activity() {
         findViewById<View>(R.id.stop).visibility = View.VISIBLE
         bar.visibility = View.VISIBLE
         bar.isIndeterminate = true
+        status.accessibilityLiveRegion = View.ACCESSIBILITY_LIVE_REGION_NONE // it counts
         status.text = getString(R.string.opening)
         report = null
         before = thermals.now()
-        opening = SceneOpening(this, uri, { descriptor, found ->
-            name = found
-            load(descriptor)
+        opening = SceneOpening(this, uri, { descriptor, facts ->
+            name = intent.getStringExtra("name") ?: facts.name
+            load(descriptor, facts.bytes)
         }, { fail(it) })
         opening?.start()
     }
 
-    private fun load(descriptor: ParcelFileDescriptor) {
+    private fun load(descriptor: ParcelFileDescriptor, bytes: Long) {
         closeCopy()
         copy = try {
             descriptor.dup()
         } catch (_: IOException) {
             null
         }
-        session.load(descriptor.detachFd(), name, FreeMemory.forScene(this), null)
+        session.load(descriptor.detachFd(), name, bytes, FreeMemory.forScene(this), null)
         main.removeCallbacks(look)
         main.post(look)
     }
@@ -230,11 +231,9 @@ class BenchmarkActivity : Activity() {
         val found = report!!.result(
             outcome, state, name, state.loading.read, before, thermals.now(), selfTest,
         )
-        val history = BenchmarkHistory(this)
-        val earlier = history.last(found.sceneName, found.splats)
-        orTellTheLog { history.add(found) }
+        orTellTheLog { BenchmarkHistory(this).add(found) }
         intent.getStringExtra("json")?.let { orTellTheLog { writeFor(it, found) } }
-        show(found, earlier)
+        show(found)
         return false
     }
 
@@ -267,18 +266,25 @@ class BenchmarkActivity : Activity() {
         bar.visibility = View.GONE
         findViewById<View>(R.id.stop).visibility = View.GONE
         findViewById<View>(R.id.retry).visibility = View.VISIBLE
-        status.text = getString(R.string.benchmark_failed, message)
+        say(getString(R.string.benchmark_failed, message))
         return false
     }
 
-    private fun show(found: BenchmarkResult, earlier: BenchmarkResult? = null) {
+    private fun show(found: BenchmarkResult) {
         result = found
+        val earlier = BenchmarkHistory(this).before(found)
         bar.visibility = View.GONE
         findViewById<View>(R.id.stop).visibility = View.GONE
         findViewById<View>(R.id.results).visibility = View.VISIBLE
-        status.text = headline(found)
+        say(headline(found))
         findViewById<BenchmarkChart>(R.id.chart).show(found.rows, earlier?.rows ?: emptyList())
         findViewById<TextView>(R.id.facts).text = facts(found, earlier)
+    }
+
+    /** Read out, too. */
+    private fun say(text: String) {
+        status.accessibilityLiveRegion = View.ACCESSIBILITY_LIVE_REGION_POLITE
+        status.text = text
     }
 
     private fun headline(found: BenchmarkResult): String {
@@ -295,8 +301,8 @@ class BenchmarkActivity : Activity() {
             "${device.getString("manufacturer")} ${device.getString("model")}, " +
                 "Android ${device.getString("android")}",
             driver?.let { "${it.getString("renderer")}, ${it.getString("version")}" } ?: "",
-            getString(
-                R.string.thermal_line, thermal.getJSONObject("before").getInt("status"),
+            thermalLine(
+                thermal.getJSONObject("before").getInt("status"),
                 thermal.getJSONObject("after").getInt("status"),
             ),
         )
@@ -309,6 +315,10 @@ class BenchmarkActivity : Activity() {
         if (BuildFacts.isCheckBuild) lines += getString(R.string.check_build)
         return lines.filter { it.isNotEmpty() }.joinToString("\n")
     }
+
+    private fun thermalLine(before: Int, after: Int) =
+        if (before < 0 || after < 0) getString(R.string.thermal_unknown)
+        else getString(R.string.thermal_line, before, after)
 
     private fun share(kind: String) {
         val found = result ?: return
@@ -324,10 +334,16 @@ class BenchmarkActivity : Activity() {
         startActivity(SharedFiles.send(this, SharedFiles.uriOf(this, file), type))
     }
 
-    /** A call, another app: what is measured from now on would be of that. */
-    override fun onStop() {
+    /** A call, another app, also beside this one: what is measured from now on would be of that. */
+    override fun onPause() {
         stop(getString(R.string.stopped_by_leaving))
-        super.onStop()
+        super.onPause()
+    }
+
+    /** The same of what only lies over this one. */
+    override fun onWindowFocusChanged(has: Boolean) {
+        super.onWindowFocusChanged(has)
+        if (!has && report != null) stop(getString(R.string.stopped_by_covering))
     }
 
     override fun onSaveInstanceState(state: Bundle) {

@@ -39,19 +39,24 @@ internal class BenchmarkResult(val json: JSONObject) {
 
     fun text() = json.toString(1) + "\n"
 
+    /** A line for each row, or one without measurements; each says of what, and why it ended early. */
     fun csv(): String {
-        val lines = mutableListOf(COLUMNS.joinToString(","))
         val rows = json.getJSONArray("rows")
-        for (i in 0 until rows.length()) {
-            val row = rows.getJSONObject(i)
-            lines += COLUMNS.joinToString(",") { column ->
-                val path = column.split('.')
-                val holder = if (path.size > 1) row.getJSONObject(path[0]) else row
-                holder.get(path.last()).toString()
-            }
-        }
-        return lines.joinToString("\n", postfix = "\n")
+        val of = RUN.map { quoted(find(json, it)) }
+        val measured = (0 until rows.length()).map { i -> ROW.map { find(rows.getJSONObject(i), it) } }
+        val lines = measured.ifEmpty { listOf(ROW.map { "" }) }.map { (of + it).joinToString(",") }
+        return (listOf((RUN + ROW).joinToString(",")) + lines).joinToString("\n", postfix = "\n")
     }
+
+    /** The value at a path such as draw_ms.median. */
+    private fun find(from: JSONObject, path: String): String {
+        val names = path.split('.')
+        val holder = names.dropLast(1).fold(from) { inner, name -> inner.getJSONObject(name) }
+        return holder.get(names.last()).toString()
+    }
+
+    private fun quoted(text: String) =
+        if (text.any { it in ",\"\n\r" }) "\"" + text.replace("\"", "\"\"") + "\"" else text
 
     /** The same measurement in an earlier result: how many times as fast this one is. */
     fun ratioTo(earlier: BenchmarkResult, row: BenchmarkRow): Double? {
@@ -70,7 +75,11 @@ internal class BenchmarkResult(val json: JSONObject) {
 
     companion object {
         const val VERSION = 1
-        private val COLUMNS = listOf(
+        private val RUN = listOf(
+            "scene.name", "scene.splats", "device.manufacturer", "device.model", "started",
+            "thermal.before.status", "thermal.after.status", "stopped",
+        )
+        private val ROW = listOf(
             "width", "height", "views", "sorter", "draw_ms.median", "draw_ms.p95",
             "sort_to_photon_ms.median", "sort_to_photon_ms.p95", "pipelined_ms", "splats_drawn",
             "fragments", "bytes_per_frame", "gpu_memory_bytes",
@@ -113,9 +122,12 @@ internal class BenchmarkHistory(context: Context) {
     private val folder = File(context.filesDir, "benchmarks")
 
     /** The last whole one of the same scene: of as many splats, too, for names are given anew. */
-    fun last(scene: String, splats: Long): BenchmarkResult? = files()
+    fun before(result: BenchmarkResult): BenchmarkResult? = files()
         .mapNotNull { file -> read(file) }
-        .firstOrNull { it.sceneName == scene && it.splats == splats && it.stopped.isEmpty() }
+        .firstOrNull {
+            it.sceneName == result.sceneName && it.splats == result.splats && it.stopped.isEmpty() &&
+                it.started <= result.started && it.text() != result.text()
+        }
 
     @Throws(IOException::class)
     fun add(result: BenchmarkResult) {

@@ -24,10 +24,13 @@ internal object Native {
     /** Returns when the surface is no longer touched. */
     @JvmStatic external fun surfaceDestroyed(session: Long)
 
-    /** Takes over the descriptor. [place] has 12 numbers, see [place]. */
+    /**
+     * Takes over the descriptor, of which somebody says that it has so many [bytes] (-1: nobody does).
+     * [place] has 12 numbers, see [place]. Returns the loading's number, from 1 on.
+     */
     @JvmStatic external fun load(
-        session: Long, descriptor: Int, name: String, memory: Long, place: DoubleArray?,
-    )
+        session: Long, descriptor: Int, name: String, bytes: Long, memory: Long, place: DoubleArray?,
+    ): Long
 
     @JvmStatic external fun cancelLoading(session: Long)
 
@@ -53,6 +56,9 @@ internal object Native {
     @JvmStatic external fun flipUp(session: Long)
 
     @JvmStatic external fun resetView(session: Long)
+
+    /** What is drawn with goes; the next frame makes it again. */
+    @JvmStatic external fun freeGraphics(session: Long)
 
     @JvmStatic external fun loseContext(session: Long)
 

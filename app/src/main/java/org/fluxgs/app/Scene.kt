@@ -2,6 +2,7 @@ package org.fluxgs.app
 
 import android.content.ContentResolver
 import android.content.Context
+import android.database.Cursor
 import android.net.Uri
 import android.provider.OpenableColumns
 
@@ -11,19 +12,29 @@ internal object Scene {
 
     fun isSample(uri: Uri) = uri.scheme == "asset"
 
-    /** For people. May wait for the other app: not for the main thread. */
-    fun nameOf(context: Context, uri: Uri): String {
-        if (isSample(uri)) return context.getString(R.string.sample_scene)
-        if (uri.scheme == ContentResolver.SCHEME_CONTENT) {
-            try {
-                val columns = arrayOf(OpenableColumns.DISPLAY_NAME)
-                context.contentResolver.query(uri, columns, null, null, null)?.use {
-                    if (it.moveToFirst()) it.getString(0)?.let { name -> return name }
-                }
-            } catch (_: RuntimeException) {
-                // Other apps may throw anything across; the address has a name, too
-            }
+    /** A name for people, and how many bytes its keeper says there are; -1 for nobody knows. */
+    class Facts(val name: String, val bytes: Long = -1)
+
+    /** May wait for the other app: not for the main thread. */
+    fun factsOf(context: Context, uri: Uri): Facts {
+        if (isSample(uri)) return Facts(context.getString(R.string.sample_scene))
+        val address = Facts(uri.lastPathSegment?.substringAfterLast('/') ?: uri.toString())
+        if (uri.scheme != ContentResolver.SCHEME_CONTENT) return address
+        return try {
+            context.contentResolver.query(uri, null, null, null, null)?.use {
+                if (it.moveToFirst()) factsIn(it, address.name) else null
+            } ?: address
+        } catch (_: RuntimeException) {
+            address // other apps may throw anything across
         }
-        return uri.lastPathSegment?.substringAfterLast('/') ?: uri.toString()
+    }
+
+    private fun factsIn(row: Cursor, otherwise: String): Facts {
+        val name = row.getColumnIndex(OpenableColumns.DISPLAY_NAME)
+        val size = row.getColumnIndex(OpenableColumns.SIZE)
+        return Facts(
+            if (name >= 0) row.getString(name) ?: otherwise else otherwise,
+            if (size >= 0 && !row.isNull(size)) row.getLong(size).coerceAtLeast(-1) else -1,
+        )
     }
 }

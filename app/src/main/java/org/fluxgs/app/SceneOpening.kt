@@ -20,7 +20,7 @@ import kotlin.concurrent.thread
 internal class SceneOpening(
     context: Context,
     private val uri: Uri,
-    private val onOpened: (descriptor: ParcelFileDescriptor, name: String) -> Unit,
+    private val onOpened: (descriptor: ParcelFileDescriptor, facts: Scene.Facts) -> Unit,
     private val onFailed: (message: String) -> Unit,
     private val before: Future<*>? = null,
 ) {
@@ -44,10 +44,10 @@ internal class SceneOpening(
 
     private fun open() {
         try {
-            val name = Scene.nameOf(context, uri)
+            val facts = Scene.factsOf(context, uri)
             val descriptor = descriptorOf(uri)
             before?.get()
-            main.post { finish({ descriptor.close() }) { onOpened(descriptor, name) } }
+            main.post { finish({ descriptor.close() }) { onOpened(descriptor, facts) } }
         } catch (problem: Exception) {
             main.post { finish { onFailed(messageOf(problem)) } }
         }

@@ -31,7 +31,6 @@ class ScenesActivity : Activity() {
         super.onCreate(state)
         setContentView(R.layout.scenes)
         Insets.pad(findViewById(R.id.root))
-        getExternalFilesDir(null) // makes it, for who sends scenes there by adb
         recents = Recents(this)
         grid = findViewById(R.id.grid)
         grid.emptyView = null
@@ -59,9 +58,18 @@ class ScenesActivity : Activity() {
     private fun load() {
         Background.start {
             val entries = recents.all().map { Entry(it, recents.picture(it)) }
-            runOnUiThread { show(entries) }
+            val known = entries.map { it.recent.uri }
+            val sent = sentFiles().filter { it.uri !in known }.map { Entry(it, null) }
+            runOnUiThread { show(entries + sent) }
         }
     }
+
+    /** Scenes in the app's own folder, to which adb sends them, and that no file picker shows. */
+    private fun sentFiles(): List<Recent> =
+        (getExternalFilesDir(null)?.listFiles() ?: emptyArray())
+            .filter { it.isFile && it.extension.lowercase() in SCENE_ENDINGS }
+            .sortedBy { it.name }
+            .mapIndexed { i, file -> Recent(Uri.fromFile(file), file.name, file.length(), 0, null, -1L - i) }
 
     private fun show(entries: List<Entry>) {
         val (samples, others) = entries.partition { Scene.isSample(it.recent.uri) }
@@ -87,6 +95,7 @@ class ScenesActivity : Activity() {
     private fun askToForget(position: Int): Boolean {
         if (position == 0) return false
         val recent = shown[position - 1].recent
+        if (recent.id < 0) return false // a file that was sent is no entry that could be taken off
         AlertDialog.Builder(this)
             .setMessage(getString(R.string.forget_question, recent.name))
             .setPositiveButton(R.string.forget) { _, _ -> forget(recent) }
@@ -153,11 +162,7 @@ class ScenesActivity : Activity() {
             val entry = entryAt(position)
             val recent = entry?.recent
             val name = if (position == 0) getString(R.string.sample_scene) else recent!!.name
-            val detail = recent?.let {
-                getString(
-                    R.string.scene_detail, Texts.count(it.splats), Texts.megabytes(it.bytes),
-                )
-            } ?: getString(R.string.sample_detail)
+            val detail = recent?.let { detailOf(it) } ?: getString(R.string.sample_detail)
             view.findViewById<TextView>(R.id.name).text = name
             view.findViewById<TextView>(R.id.detail).text = detail
             val picture = view.findViewById<ImageView>(R.id.picture)
@@ -167,7 +172,14 @@ class ScenesActivity : Activity() {
         }
     }
 
+    private fun detailOf(recent: Recent) =
+        if (recent.splats == 0L) Texts.megabytes(recent.bytes)
+        else getString(
+            R.string.scene_detail, Texts.count(recent.splats), Texts.megabytes(recent.bytes),
+        )
+
     private companion object {
         const val PICK = 1
+        val SCENE_ENDINGS = setOf("glb", "ply", "spz", "splat", "sog")
     }
 }

@@ -37,7 +37,7 @@ data class SessionState(
     val loading: Loading,
     val hasScene: Boolean,
     val drawn: Boolean,
-    val scenes: Int,
+    val shown: Long, // the number of the loading whose scene it is, 0 for none
     val flipped: Boolean,
     val error: String,
     val contexts: Int,
@@ -57,7 +57,7 @@ data class SessionState(
                     loading.getString("error"), loading.getString("format"),
                     loading.getLong("splats"), loading.getLong("memory"),
                 ),
-                json.getBoolean("hasScene"), json.getBoolean("drawn"), json.getInt("scenes"),
+                json.getBoolean("hasScene"), json.getBoolean("drawn"), json.getLong("shown"),
                 json.getBoolean("flipped"),
                 json.getString("error"), json.getInt("contexts"), json.getLong("dropped"),
                 json.getDouble("firstFrameMs"), json.optJSONObject("driver"),
@@ -92,9 +92,9 @@ class Session : AutoCloseable {
 
     fun surfaceDestroyed() = call { Native.surfaceDestroyed(it) }
 
-    /** Takes over the descriptor. */
-    fun load(descriptor: Int, name: String, memory: Long, place: DoubleArray?) =
-        call { Native.load(it, descriptor, name, memory, place) }
+    /** Takes over the descriptor. Returns a number by which the scene is known once it is shown. */
+    fun load(descriptor: Int, name: String, bytes: Long, memory: Long, place: DoubleArray?): Long =
+        if (handle != 0L) Native.load(handle, descriptor, name, bytes, memory, place) else 0
 
     fun cancelLoading() = call { Native.cancelLoading(it) }
 
@@ -122,6 +122,8 @@ class Session : AutoCloseable {
     fun flipUp() = call { Native.flipUp(it) }
 
     fun resetView() = call { Native.resetView(it) }
+
+    fun freeGraphics() = call { Native.freeGraphics(it) }
 
     fun loseContext() = call { Native.loseContext(it) }
 

@@ -8,8 +8,8 @@ import org.json.JSONObject
 
 /** How warm the device is. */
 data class Heat(
-    /** PowerManager.THERMAL_STATUS_…, 0 to 6; 0 also where it is not known. */
-    val status: Int = 0,
+    /** PowerManager.THERMAL_STATUS_…, 0 to 6; -1 where it is not known. */
+    val status: Int = -1,
     /** 1 where severe throttling begins; NaN where it is not known. */
     val headroom: Float = Float.NaN,
 ) {
@@ -24,7 +24,7 @@ internal class Thermals(context: Context) {
     private var headroom = Float.NaN
 
     fun now(): Heat = Heat(
-        if (Build.VERSION.SDK_INT >= 29) status() else 0,
+        if (Build.VERSION.SDK_INT >= 29) status() else -1,
         if (Build.VERSION.SDK_INT >= 30) headroom() else Float.NaN,
     )
 

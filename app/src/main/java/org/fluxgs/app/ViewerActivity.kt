@@ -21,9 +21,9 @@ import java.io.IOException
 /** A scene in full screen: opened from the list, by "open with", or shared to the app. */
 class ViewerActivity : Activity() {
     /** A scene by the name that people know it by. */
-    private data class Shown(val uri: Uri, val name: String, val bytes: Long)
+    private data class Opened(val uri: Uri, val name: String, val bytes: Long, val number: Long)
 
-    private lateinit var uri: Uri // of the scene that is shown or being opened
+    private lateinit var uri: Uri // of the scene that is wanted
     private lateinit var session: Session
     private lateinit var gyroscope: Gyroscope
     private lateinit var recents: Recents
@@ -32,11 +32,11 @@ class ViewerActivity : Activity() {
     private lateinit var settings: Settings
     private lateinit var loadingView: LoadingView
     private var opening: SceneOpening? = null
-    private var name = ""
-    private var bytes = 0L
+    private var name = "" // of the scene that is being loaded
     private var heat = Heat()
-    private var scenesBefore = 0 // that the session had shown when this one was opened
-    private var shown: Shown? = null // what there is to go back to
+    private val opened = mutableMapOf<Long, Opened>() // by the numbers of their loadings
+    private var shown: Opened? = null // the scene on the screen
+    private var busy = false // until the scene that is wanted is shown, or no longer wanted
     private var memory = 0L
     private var memoryAskedAt = 0L
     private var appliedFrameSeconds = 0f
@@ -65,7 +65,7 @@ class ViewerActivity : Activity() {
         surface = findViewById(R.id.surface)
         surface.session = session
         surface.onTap = { toggleControls() }
-        loadingView = LoadingView(findViewById(R.id.loading), ::cancelLoading, ::retry, ::finish)
+        loadingView = LoadingView(findViewById(R.id.loading), ::cancelLoading, ::retry, ::leave)
         setUpControls()
         apply(settings)
         val wanted = state?.getString(SCENE)?.let { Uri.parse(it) } ?: uriOf(intent)
@@ -103,18 +103,20 @@ class ViewerActivity : Activity() {
         opening?.cancel()
         session.cancelLoading()
         name = ""
+        busy = true
         memory = FreeMemory.forGraphics(this).coerceAtLeast(memory)
         apply(settings)
-        scenesBefore = session.state()?.scenes ?: 0
         loadingView.opening()
         val wanted = uri
         val last = Background.start { recents.find(wanted)?.place }
-        opening = SceneOpening(this, uri, { descriptor, found ->
-            name = found
-            bytes = descriptor.statSize.coerceAtLeast(0)
-            session.load(
-                descriptor.detachFd(), found, FreeMemory.forScene(this), place ?: last.get(),
+        opening = SceneOpening(this, uri, { descriptor, facts ->
+            name = facts.name
+            val bytes = maxOf(descriptor.statSize, facts.bytes, 0)
+            val number = session.load(
+                descriptor.detachFd(), name, facts.bytes, FreeMemory.forScene(this),
+                place ?: last.get(),
             )
+            opened[number] = Opened(wanted, name, bytes, number)
         }, { message -> loadingView.failed(message) }, last)
         opening?.start()
     }
@@ -124,9 +126,13 @@ class ViewerActivity : Activity() {
         session.cancelLoading()
         val before = shown ?: return finish()
         uri = before.uri
-        name = before.name
-        bytes = before.bytes
+        busy = false
         loadingView.hide()
+    }
+
+    /** After something that cannot be shown. */
+    private fun leave() {
+        if (session.state()?.error.isNullOrEmpty()) cancelLoading() else finish()
     }
 
     private fun retry() {
@@ -139,6 +145,7 @@ class ViewerActivity : Activity() {
     private fun dropScene() {
         session.close()
         session = Session()
+        opened.clear() // the next one counts anew
         shown = null
         surface.session = session
         apply(settings)
@@ -153,15 +160,20 @@ class ViewerActivity : Activity() {
         session.setHeat(heat.status, heat.headroom)
         watchMemory()
         loadingView.show(state, name)
-        if (state.drawn && state.scenes > scenesBefore && shown?.uri != uri) {
-            if (state.loading.bytes > 0) bytes = state.loading.bytes
-            shown = Shown(uri, name, bytes)
-            remember()
-            tellOfDropped(state)
-        }
+        if (state.drawn && state.shown != shown?.number) opened[state.shown]?.let { appeared(it, state) }
         val hud = findViewById<TextView>(R.id.hud)
         hud.visibility = if (settings.hud && state.drawn) View.VISIBLE else View.GONE
         if (settings.hud) hud.text = Hud.text(resources, state.stats, heat)
+    }
+
+    /** Perhaps not the one that is wanted: another may have been asked for, or Cancel come too late. */
+    private fun appeared(scene: Opened, state: SessionState) {
+        shown = if (scene.bytes > 0) scene else scene.copy(bytes = state.loading.read)
+        opened.keys.removeAll { it < scene.number }
+        if (scene.uri == uri) busy = false
+        if (!busy) uri = scene.uri
+        remember()
+        tellOfDropped(state)
     }
 
     private fun tellOfDropped(state: SessionState) {
@@ -171,12 +183,12 @@ class ViewerActivity : Activity() {
     }
 
     private fun remember() {
-        val state = session.state() ?: return
         val scene = shown ?: return
-        if (!state.drawn || scene.uri != uri) return
-        val splats = state.stats.splats
         val place = session.place()
-        val picture = session.picture()
+        val picture = session.picture() ?: return
+        val state = session.state() ?: return
+        if (!state.drawn || state.shown != scene.number) return
+        val splats = state.stats.splats
         Background.start {
             recents.remember(scene.uri, scene.name, scene.bytes, splats, place, picture)
         }
@@ -232,11 +244,11 @@ class ViewerActivity : Activity() {
 
     private fun takeScreenshot() {
         val picture = session.picture()
-        if (picture == null) {
+        val scene = shown?.name
+        if (picture == null || scene == null) {
             Toast.makeText(this, R.string.screenshot_of_nothing, Toast.LENGTH_SHORT).show()
             return
         }
-        val scene = name
         Background.start {
             try {
                 val saved = Gallery.save(applicationContext, picture, scene)
@@ -306,18 +318,17 @@ class ViewerActivity : Activity() {
     override fun onSaveInstanceState(state: Bundle) {
         super.onSaveInstanceState(state)
         if (opening != null) state.putString(SCENE, uri.toString())
-        session.place()?.let { state.putDoubleArray(PLACE, it) }
+        if (shown?.uri == uri) session.place()?.let { state.putDoubleArray(PLACE, it) }
         state.putBoolean(BARE, findViewById<View>(R.id.controls).visibility != View.VISIBLE)
         state.putBoolean(GYROSCOPE, findViewById<View>(R.id.gyroscope).isActivated)
     }
 
-    /** The splats that add least go first. */
+    /** Nobody sees the scene: what it is drawn with is made again afterwards. */
     override fun onTrimMemory(level: Int) {
         super.onTrimMemory(level)
         @Suppress("DEPRECATION")
-        val critical = level == ComponentCallbacks2.TRIM_MEMORY_RUNNING_CRITICAL ||
-            level >= ComponentCallbacks2.TRIM_MEMORY_COMPLETE
-        if (critical) useLessMemory()
+        if (level >= ComponentCallbacks2.TRIM_MEMORY_BACKGROUND) session.freeGraphics()
+        else if (level == ComponentCallbacks2.TRIM_MEMORY_RUNNING_CRITICAL) useLessMemory()
     }
 
     /** From Android 14 on nobody tells: the app has to ask, now and then. */
@@ -330,7 +341,7 @@ class ViewerActivity : Activity() {
         memoryAskedAt += WAIT_FOR_MEMORY_MS
     }
 
-    /** Half of what the scene takes. Until another one is opened: it is not to change to and fro. */
+    /** Half of what the scene takes, without the splats that add least. Until another one is opened: it is not to change to and fro. */
     private fun useLessMemory() {
         val taken = session.state()?.stats?.memory ?: return
         if (taken == 0L) return
