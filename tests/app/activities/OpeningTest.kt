@@ -70,12 +70,14 @@ class OpeningTest : ViewerScreen() {
             val mode = ParcelFileDescriptor.MODE_READ_WRITE
             ParcelFileDescriptor.open(File(material, "pipe"), mode)
         }
+        Documents.sizes["garden.ply"] = File(material, "scene.ply").length()
         open(Documents.uri("garden.ply"))
         until("it is read") { session.state()!!.loading.phase == "reading" }
         val part = File(material, "scene.ply").inputStream().use { it.readNBytes(1_000_000) }
         java.io.FileOutputStream(File(material, "pipe")).use { it.write(part) }
         until("what it will take is said") { "28,842 splats" in activity.text(R.id.loading_detail) }
         assertTrue(activity.isShown(R.id.loading_cancel))
+        assertTrue("of how much is said, too", " of " in activity.text(R.id.loading_detail))
         keep(screenOf(activity, null), "loading")
         press(R.id.loading_cancel)
         assertTrue(activity.isFinishing)
