@@ -25,7 +25,8 @@ import org.json.JSONObject
  *     adb shell am start -S -W -n org.fluxgs.app/.BenchmarkActivity -e scene garden.glb -e json garden.json
  *
  * Both are names of files in the app's own folder on the device (Android/data/org.fluxgs.app/files);
- * without a scene it is the sample. `-e name` is what the result calls it. The log (tag FluxGsBenchmark) says "done FILE" or "failed REASON".
+ * without a scene it is the sample. `-e name` is what the result calls it. The log (tag FluxGsBenchmark)
+ * says "done FILE" or "failed REASON".
  */
 class BenchmarkActivity : Activity() {
     private lateinit var session: Session

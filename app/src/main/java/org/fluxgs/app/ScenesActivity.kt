@@ -31,6 +31,7 @@ class ScenesActivity : Activity() {
         super.onCreate(state)
         setContentView(R.layout.scenes)
         Insets.pad(findViewById(R.id.root))
+        getExternalFilesDir(null) // makes it, for who sends scenes there by adb
         recents = Recents(this)
         grid = findViewById(R.id.grid)
         grid.emptyView = null

@@ -341,7 +341,10 @@ class ViewerActivity : Activity() {
         memoryAskedAt += WAIT_FOR_MEMORY_MS
     }
 
-    /** Half of what the scene takes, without the splats that add least. Until another one is opened: it is not to change to and fro. */
+    /**
+     * Half of what the scene takes: the splats that add least go. Until another one is opened, for it
+     * is not to change to and fro.
+     */
     private fun useLessMemory() {
         val taken = session.state()?.stats?.memory ?: return
         if (taken == 0L) return
