@@ -2,6 +2,7 @@ package org.fluxgs.app
 
 import android.content.Intent
 import android.net.Uri
+import android.os.BadParcelableException
 import android.os.Bundle
 import android.os.ParcelFileDescriptor
 import android.os.PowerManager
@@ -60,10 +61,14 @@ class BenchmarkTest {
         controller = Robolectric.buildActivity(BenchmarkActivity::class.java, intent)
         if (state == null) controller!!.create() else controller!!.create(state)
         controller!!.start().resume().visible()
+        pump()
+        controller!!.windowFocusChanged(true)
     }
 
     private fun finished(): BenchmarkResult {
         until("the benchmark has ended", 200) { activity.result != null }
+        Background.start {}.get() // what was found is written and compared there
+        pump()
         return activity.result!!
     }
 
@@ -207,6 +212,8 @@ class BenchmarkTest {
         finished()
         for ((button, type) in listOf(R.id.share_json to "application/json", R.id.share_csv to "text/csv")) {
             activity.view(button).performClick()
+            Background.start {}.get()
+            pump()
             val chooser = shadowOf(activity).nextStartedActivity
             @Suppress("DEPRECATION")
             val send = chooser.getParcelableExtra<Intent>(Intent.EXTRA_INTENT)!!
@@ -232,6 +239,8 @@ class BenchmarkTest {
         controller!!.pause().stop().saveInstanceState(state).destroy()
         controller = null
         start(short(), state)
+        Background.start {}.get()
+        pump()
         assertEquals(before, activity.result!!.json.toString())
         assertEquals("with what it was compared with", facts, activity.text(R.id.facts))
     }
@@ -252,6 +261,8 @@ class BenchmarkTest {
             intent("sorter" to "both-of-them") to "sorter",
             intent("scene" to "nothing.glb") to "nothing.glb",
             intent("scene" to "../../../../etc/passwd") to "not inside",
+            intent("json" to "../../escaped.json") to "not inside",
+            intent("json" to "garden.glb") to "does not end in .json",
         )
         for ((wrong, said) in bad) {
             val message = problem(wrong)
@@ -268,10 +279,36 @@ class BenchmarkTest {
         assertTrue(message, message.contains("format"))
     }
 
+    /** Extras of a class that only another app has, which Android 8 to 12 cannot even look into. */
     @Test
-    fun noResultIsWrittenOutsideOfTheFolder() {
-        start(short("json" to "../../escaped.json"))
+    fun extrasOfAnotherAppsOwnMakingAreNoCrash() {
+        val rude = object : Intent(context, BenchmarkActivity::class.java) {
+            override fun getStringExtra(name: String): String = throw BadParcelableException("Theirs")
+        }
+        val message = problem(rude)
+        assertTrue(message, message.contains("Theirs"))
+    }
+
+    @Test
+    fun itWaitsForWhatLiesOverTheApp() {
+        start(short())
+        controller!!.windowFocusChanged(false)
+        val waits = context.getString(R.string.waiting_for_focus)
+        until("it waits", 100) { activity.text(R.id.status) == waits }
+        controller!!.windowFocusChanged(true)
+        assertEquals("", finished().stopped)
+    }
+
+    @Test
+    fun theScreenStaysOnWhileItMeasuresOnly() {
+        start(short())
+        val bar = activity.view(R.id.bar)
+        until("it runs", 100) { activity.text(R.id.status).contains("left") }
+        assertTrue(bar.keepScreenOn)
         finished()
-        assertTrue(ShadowLog.getLogsForTag(BenchmarkActivity.TAG).any { it.msg.contains("not inside") })
+        assertFalse(bar.keepScreenOn)
+        close()
+        problem(intent("scene" to "nothing.glb"))
+        assertFalse(activity.view(R.id.bar).keepScreenOn)
     }
 }

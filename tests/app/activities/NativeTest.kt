@@ -5,6 +5,7 @@ import android.view.Surface
 import java.io.File
 import org.json.JSONObject
 import org.junit.Assert.assertEquals
+import org.junit.Assert.assertNull
 import org.junit.Assert.assertThrows
 import org.junit.Assert.assertTrue
 import org.junit.Test
@@ -39,7 +40,7 @@ class NativeTest {
             assertThrows(IllegalStateException::class.java) { Native.state(session) }
             assertThrows(IllegalStateException::class.java) { Native.destroy(session) }
             assertThrows(IllegalStateException::class.java) { Native.frame(session, 0) }
-            assertThrows(IllegalStateException::class.java) { Native.picture(session) }
+            assertThrows(IllegalStateException::class.java) { Native.picture(session, 0, 0) }
             assertThrows(IllegalStateException::class.java) { Native.surfaceDestroyed(session) }
         }
     }
@@ -56,9 +57,9 @@ class NativeTest {
 
     @Test
     fun settingsOutOfTheirRange() = inSession { session ->
-        assertWrong { Native.set(session, 2f, 0, 3, 0, false, 0.016f, 0) }
-        assertWrong { Native.set(session, Float.NaN, 0, 3, 0, false, 0.016f, 0) }
-        assertWrong { Native.set(session, 1f, 3, 3, 0, false, 0.016f, 0) }
+        assertWrong { Native.set(session, 2f, 0, 3, 0, false, true, 0.016f, 0) }
+        assertWrong { Native.set(session, Float.NaN, 0, 3, 0, false, true, 0.016f, 0) }
+        assertWrong { Native.set(session, 1f, 3, 3, 0, false, true, 0.016f, 0) }
     }
 
     @Test
@@ -71,7 +72,10 @@ class NativeTest {
         Native.turn(session, nan, nan, nan, nan, 99, Long.MIN_VALUE)
         Native.setHeat(session, -7, nan)
         repeat(5) { Native.frame(session, it * 16_000_000L) }
+        until("nothing is there to be drawn") { !Native.frame(session, 99 * 16_000_000L) }
         JSONObject(Native.state(session))
+        assertNull(Native.picture(session, -3, 0))
+        assertEquals("", Native.driver(session))
     }
 
     @Test

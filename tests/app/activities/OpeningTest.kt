@@ -117,7 +117,24 @@ class OpeningTest : ViewerScreen() {
     }
 
     @Test
-    fun aProviderThatNeverAnswersIsGivenUp() {
+    fun aProviderThatDoesNotAnswerIsSaidToBeSlow() {
+        val gate = java.util.concurrent.CountDownLatch(1)
+        Documents.answers["stuck"] = {
+            gate.await()
+            ParcelFileDescriptor.open(
+                File(material, "scene.glb"), ParcelFileDescriptor.MODE_READ_ONLY,
+            )
+        }
+        open(Documents.uri("stuck"))
+        pump(SceneOpening.PATIENCE_MS + 1000)
+        assertEquals(context.getString(R.string.provider_slow), activity.text(R.id.loading_detail))
+        assertTrue("nobody has to wait", activity.isShown(R.id.loading_cancel))
+        gate.countDown()
+        until("it came all the same") { session.state()!!.drawn && !activity.isShown(R.id.loading) }
+    }
+
+    @Test
+    fun aProviderThatNeverAnswersIsLeftByCancel() {
         val gate = java.util.concurrent.CountDownLatch(1)
         Documents.answers["stuck"] = {
             gate.await()
@@ -125,11 +142,11 @@ class OpeningTest : ViewerScreen() {
         }
         open(Documents.uri("stuck"))
         pump(SceneOpening.PATIENCE_MS + 1000)
-        assertTrue(activity.isShown(R.id.loading_retry))
-        assertEquals(context.getString(R.string.provider_stalls), activity.text(R.id.loading_detail))
+        press(R.id.loading_cancel)
+        assertTrue(activity.isFinishing)
         gate.countDown()
         repeat(5) { pump() }
-        assertTrue("a late answer changes nothing", activity.isShown(R.id.loading_retry))
+        assertFalse("a late answer changes nothing", activity.isShown(R.id.loading_retry))
     }
 
     @Test

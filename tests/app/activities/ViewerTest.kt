@@ -2,9 +2,12 @@ package org.fluxgs.app
 
 import android.content.ComponentCallbacks2
 import android.content.Intent
+import android.hardware.Sensor
+import android.hardware.SensorManager
 import android.graphics.Bitmap
 import android.os.Bundle
 import android.os.ParcelFileDescriptor
+import android.os.SystemClock
 import android.view.MotionEvent
 import android.view.View
 import java.io.File
@@ -20,7 +23,9 @@ import org.robolectric.RuntimeEnvironment
 import org.robolectric.Shadows.shadowOf
 import org.robolectric.annotation.Config
 import org.robolectric.annotation.GraphicsMode
+import org.robolectric.shadows.SensorEventBuilder
 import org.robolectric.shadows.ShadowDialog
+import org.robolectric.shadows.ShadowSensor
 import org.robolectric.shadows.ShadowToast
 
 @RunWith(RobolectricTestRunner::class)
@@ -209,6 +214,140 @@ class ViewerTest : ViewerScreen() {
         assertTrue("from the same place", psnr(before, settled()) > 45)
     }
 
+    /** The buttons need their own room only. */
+    @Test
+    fun besideTheButtonsTheSceneIsTouched() {
+        openAndDraw()
+        val back = activity.view(R.id.back)
+        val beside = back.width + 60f to back.height / 2f + 8
+        val root = activity.view(R.id.root)
+        for ((at, hits) in listOf(beside to true, back.width / 2f to back.height / 2f + 8 to false)) {
+            val before = session.place()!!
+            val (x, y) = at
+            val time = SystemClock.uptimeMillis()
+            for ((i, action) in listOf(MotionEvent.ACTION_DOWN, MotionEvent.ACTION_MOVE).withIndex())
+                root.dispatchTouchEvent(MotionEvent.obtain(time, time + 50 * i, action, x + 40 * i, y, 0))
+            if (hits) until("the scene moves") { !before.contentEquals(session.place()!!) }
+            root.dispatchTouchEvent(
+                MotionEvent.obtain(time, time + 900, MotionEvent.ACTION_CANCEL, x + 40, y, 0),
+            )
+            settled()
+            assertEquals(hits, !before.contentEquals(session.place()!!))
+        }
+    }
+
+    // Looking around
+
+    private val sensors get() = context.getSystemService(SensorManager::class.java)
+
+    private var attitude = 0.0 // degrees
+
+    /** The device, held upright, is turned by 3 degrees. */
+    private fun turnDevice() {
+        attitude += 3
+        val half = Math.toRadians(attitude) / 2
+        val (sin, cos) = Math.sin(half) to Math.cos(half)
+        val values = listOf(cos, sin, sin, cos).map { (it * Math.sqrt(0.5)).toFloat() } // x, y, z, w
+        val event = SensorEventBuilder.newBuilder()
+            .setSensor(sensors.getDefaultSensor(Sensor.TYPE_GAME_ROTATION_VECTOR))
+            .setValues(values.toFloatArray())
+            .setTimestamp(SystemClock.elapsedRealtimeNanos())
+            .build()
+        shadowOf(sensors).sendSensorEventToListeners(event)
+        pump()
+    }
+
+    private fun isTurned(before: DoubleArray): Boolean {
+        val now = session.place()!!
+        return (3..6).any { Math.abs(now[it] - before[it]) > 0.1 } // the orientation
+    }
+
+    private fun turnsWithTheDevice(what: String) {
+        val before = session.place()!!
+        until("the view turns with the device $what") {
+            turnDevice()
+            isTurned(before)
+        }
+    }
+
+    private fun staysAsTheDeviceTurns() {
+        settled()
+        val before = session.place()!!
+        repeat(40) { turnDevice() }
+        settled()
+        assertFalse(isTurned(before))
+    }
+
+    @Test
+    fun theDeviceLooksAroundAlsoAfterTheBenchmarkAndInAnotherScene() {
+        shadowOf(sensors).addSensor(ShadowSensor.newInstance(Sensor.TYPE_GAME_ROTATION_VECTOR))
+        openAndDraw()
+        staysAsTheDeviceTurns()
+        press(R.id.gyroscope)
+        turnsWithTheDevice("once it is switched on")
+        pump(ViewerActivity.AWAKE_MS)
+        assertTrue("the screen stays on", activity.view(R.id.surface).keepScreenOn)
+        controller!!.pause().resume()
+        turnsWithTheDevice("after a pause")
+        press(R.id.measure)
+        controller!!.pause().stop().restart().start().resume()
+        until("the scene is there again") { session.state()!!.drawn && !activity.isShown(R.id.loading) }
+        turnsWithTheDevice("after the benchmark")
+        val other = Documents.offer(File(material, "scene.splat"))
+        controller!!.pause().newIntent(Intent(context, ViewerActivity::class.java).setData(other)).resume()
+        until("the other is drawn") {
+            session.state()!!.loading.format == "splat" && !activity.isShown(R.id.loading)
+        }
+        turnsWithTheDevice("in another scene")
+        press(R.id.gyroscope)
+        staysAsTheDeviceTurns()
+    }
+
+    // Rest
+
+    @Test
+    fun nothingIsDoneWhileNothingMoves() {
+        openAndDraw()
+        val surface = activity.view(R.id.surface) as SceneSurface
+        until("it rests") { !surface.isAwake }
+        var texts = 0
+        val hud = activity.findViewById<android.widget.TextView>(R.id.hud)
+        hud.addTextChangedListener(object : android.text.TextWatcher {
+            override fun afterTextChanged(text: android.text.Editable?) { texts += 1 }
+            override fun beforeTextChanged(text: CharSequence?, a: Int, b: Int, c: Int) = Unit
+            override fun onTextChanged(text: CharSequence?, a: Int, b: Int, c: Int) = Unit
+        })
+        repeat(100) { pump() }
+        assertFalse(surface.isAwake)
+        assertTrue("the numbers are still: $texts", texts <= 1)
+        val before = session.place()!!
+        drag(320f to 240f, 420f to 250f)
+        until("the scene moves") { !before.contentEquals(session.place()!!) }
+        until("it rests again") { !surface.isAwake }
+        press(R.id.flip)
+        assertTrue(surface.isAwake)
+    }
+
+    @Test
+    fun theScreenStaysOnForAWhileAfterATouch() {
+        openAndDraw()
+        val surface = activity.view(R.id.surface)
+        pump(300)
+        assertTrue(surface.keepScreenOn)
+        pump(ViewerActivity.AWAKE_MS)
+        assertFalse(surface.keepScreenOn)
+        activity.onUserInteraction()
+        pump(300)
+        assertTrue(surface.keepScreenOn)
+    }
+
+    @Test
+    fun aProblemDoesNotKeepTheScreenOn() {
+        openAndFail(Documents.uri("gone"))
+        pump(ViewerActivity.AWAKE_MS)
+        assertFalse(activity.view(R.id.surface).keepScreenOn)
+    }
+
     // Life
 
     @Test
@@ -218,7 +357,7 @@ class ViewerTest : ViewerScreen() {
         settled()
         val place = session.place()!!
         controller!!.pause()
-        Background.start {}.get()
+        Background.start {}.get() // where the picture is taken
         val recent = Recents(context).find(Scene.SAMPLE)!!
         assertEquals(28842L, recent.splats)
         assertNotNull(Recents(context).picture(recent))

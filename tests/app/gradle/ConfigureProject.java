@@ -105,6 +105,7 @@ public class ConfigureProject {
     facts.put("abis", new TreeSet<>(defaults.getNdk().getAbiFilters()));
     facts.put("ndk", android.getNdkVersion());
     facts.put("cmake", android.getExternalNativeBuild().getCmake().getPath());
+    facts.put("cmake-version", android.getExternalNativeBuild().getCmake().getVersion());
     facts.put("cmake-arguments", defaults.getExternalNativeBuild().getCmake().getArguments());
     facts.put("minify", release.isMinifyEnabled());
     facts.put("signing", release.getSigningConfig() == null ? "none" : release.getSigningConfig().getName());

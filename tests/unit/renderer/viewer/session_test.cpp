@@ -83,7 +83,17 @@ class SessionTest : public testing::TestWithParam<host::HostGl> {
     }
     const auto taken = session_->picture();
     EXPECT_TRUE(taken);
-    return taken.value_or(Image<std::uint8_t>(kWidth, kHeight, 3));
+    return taken.value_or(Image<std::uint8_t>(kWidth, kHeight, 4));
+  }
+
+  /// How many frames of the display are wanted after something.
+  int comes_to_rest_after(const std::function<void()>& something) {
+    something();
+    for (int frames = 0; frames < 600; ++frames) {
+      if (!session_->frame(time_ += 1.0 / 60)) return frames;
+      std::this_thread::sleep_for(5ms);
+    }
+    return 600;
   }
 
   std::unique_ptr<Session> session_;
@@ -93,13 +103,15 @@ class SessionTest : public testing::TestWithParam<host::HostGl> {
 
 /// dB between two pictures of 8 bits.
 double psnr(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b) {
-  if (a.pixels.size() != b.pixels.size()) return 0;
+  if (a.width != b.width || a.height != b.height) return 0;
   double sum = 0;
-  for (std::size_t i = 0; i < a.pixels.size(); ++i) {
-    const double d = (double(a.pixels[i]) - double(b.pixels[i])) / 255;
-    sum += d * d;
-  }
-  return -10 * std::log10(std::max(sum / static_cast<double>(a.pixels.size()), 1e-12));
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x)
+      for (int c = 0; c < 3; ++c) {
+        const double d = (double(a.at(x, y)[c]) - double(b.at(x, y)[c])) / 255;
+        sum += d * d;
+      }
+  return -10 * std::log10(std::max(sum / (3.0 * a.width * a.height), 1e-12));
 }
 
 Image<std::uint8_t> reference_picture() {
@@ -109,10 +121,12 @@ Image<std::uint8_t> reference_picture() {
   options.near_plane = n.units.near_plane;
   const ReferenceImage image =
       render_reference(file.cloud, camera::camera_of(n.view, kWidth, kHeight), options);
-  Image<std::uint8_t> result(kWidth, kHeight, 3);
-  for (std::size_t i = 0; i < result.pixels.size(); ++i)
-    result.pixels[i] =
-        static_cast<std::uint8_t>(std::lround(255 * std::clamp(image.color.pixels[i], 0.0, 1.0)));
+  Image<std::uint8_t> result(kWidth, kHeight, 4);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      for (int c = 0; c < 3; ++c)
+        result.at(x, y)[c] = static_cast<std::uint8_t>(
+            std::lround(255 * std::clamp(image.color.at(x, y)[c], 0.0, 1.0)));
   return result;
 }
 
@@ -125,7 +139,7 @@ TEST_P(SessionTest, ShowsASceneFromItsStart) {
   EXPECT_GT(state.first_frame_ms, 0);
   EXPECT_EQ(state.stats.splats, 400U);
   EXPECT_EQ(state.stats.width, kWidth);
-  EXPECT_TRUE(nlohmann::json::parse(state.driver).contains("renderer"));
+  EXPECT_TRUE(nlohmann::json::parse(session_->driver()).contains("renderer"));
   EXPECT_GT(psnr(picture(), reference_picture()), 50);
 }
 
@@ -133,6 +147,74 @@ TEST_P(SessionTest, StandsStillWhenNothingMoves) {
   ASSERT_TRUE(load(file_with_start()));
   picture();
   EXPECT_TRUE(run_until([](const SessionState& s) { return s.stats.frames_per_second == 0; }));
+}
+
+TEST_P(SessionTest, NoFrameIsWantedAtRest) {
+  EXPECT_LT(comes_to_rest_after([] {}), 60) << "without a scene";
+  ASSERT_TRUE(load(file_with_start()));
+  EXPECT_LT(comes_to_rest_after([] {}), 60);
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(session_->frame(time_ += 1.0 / 60));
+  EXPECT_GT(comes_to_rest_after([this] { session_->flip_up(); }), 1);
+  session_->surface_destroyed();
+  EXPECT_LT(comes_to_rest_after([] {}), 60) << "without a window";
+  const auto before = session_->state().stats.splats;
+  session_->surface_created(this);
+  session_->load(file_of(*encode_glb(test::random_cloud(100, 1, 3), "scene")), "other.glb", {});
+  ASSERT_TRUE(run_until([&](const SessionState& s) { return s.stats.splats != before; }));
+}
+
+// Whoever sorts, a drag is movement: it has a rate, and a scale that holds the display's.
+TEST_P(SessionTest, AFingerThatDragsIsMeasured) {
+  for (const SorterChoice sorter : {SorterChoice::gpu, SorterChoice::cpu}) {
+    settings_.sorter = sorter;
+    settings_.scale = 0;
+    settings_.frame_seconds = 1e-5;  // no frame fits: the scale must go down
+    session_->set(settings_);
+    ASSERT_TRUE(load(file_with_start()));
+    session_->touch(TouchPhase::down, 0, {{0, {50, 30}}}, time_);
+    float x = 50;
+    bool rated = false;
+    const bool lower = run_until([&](const SessionState& s) {
+      x = x < 90 ? x + 0.5F : 10;
+      session_->touch(TouchPhase::moved, 0, {{0, {x, 30}}}, time_);
+      rated = rated || s.stats.frames_per_second > 0;
+      return rated && s.stats.scale < 0.6;
+    });
+    EXPECT_TRUE(lower) << rated;
+    // Held still, there is time for every pixel
+    EXPECT_TRUE(run_until([](const SessionState& s) {
+      return s.stats.scale == 1 && s.stats.width == kWidth && s.stats.frames_per_second == 0;
+    }));
+    session_->touch(TouchPhase::up, 0, {{0, {x, 30}}}, time_ + 1);
+  }
+}
+
+TEST_P(SessionTest, PicturesAreSharpAndThumbnailsSmall) {
+  settings_.scale = 0;
+  session_->set(settings_);
+  session_->set_heat({.status = 2});
+  ASSERT_TRUE(load(file_with_start()));
+  const auto whole = session_->picture();
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(session_->state().stats.scale, 0.7) << "heat holds at rest, too";
+  const auto small = session_->picture(24);
+  ASSERT_TRUE(small);
+  EXPECT_EQ(small->width, 24);
+  EXPECT_EQ(small->height, 16);
+  // Each of its pixels is the mean of 4x4
+  Image<std::uint8_t> mean(24, 16, 4);
+  for (int y = 0; y < 16; ++y)
+    for (int x = 0; x < 24; ++x)
+      for (int c = 0; c < 3; ++c) {
+        int sum = 0;
+        for (int k = 0; k < 16; ++k) sum += whole->at(4 * x + k % 4, 4 * y + k / 4)[c];
+        mean.at(x, y)[c] = static_cast<std::uint8_t>((sum + 8) / 16);
+      }
+  EXPECT_GT(psnr(*small, mean), 40);
+  EXPECT_EQ(session_->picture(1000)->width, kWidth);
+  const std::uint64_t number = session_->state().shown;
+  EXPECT_TRUE(session_->picture(24, number));
+  EXPECT_FALSE(session_->picture(24, number + 1)) << "of another scene";
 }
 
 TEST_P(SessionTest, AFingerTurnsItAndResetLeadsBack) {

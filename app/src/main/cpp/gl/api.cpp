@@ -47,11 +47,21 @@ Expected<void> load_core(Api& api, const ProcLoader& loader) {
   return fail("OpenGL", "functions", "missing:" + missing + "; OpenGL ES 3.1 is needed");
 }
 
+/// The extension allows a clock without digits: its times are all 0.
+bool clock_counts(Api& api) {
+  if (!api.QueryCounter || !api.GetQueryObjectui64v || !api.GetQueryiv) return false;
+  GLint bits = 0;
+  api.GetQueryiv(GL_TIMESTAMP_EXT, GL_QUERY_COUNTER_BITS_EXT, &bits);
+  return bits > 0;
+}
+
 void load_extensions(Api& api, const ProcLoader& loader) {
-  const Capabilities& has = api.capabilities;
+  Capabilities& has = api.capabilities;
   if (has.timestamps) {
     load_extension(api.QueryCounter, loader, "glQueryCounter", "EXT", has.is_es);
     load_extension(api.GetQueryObjectui64v, loader, "glGetQueryObjectui64v", "EXT", has.is_es);
+    load_extension(api.GetQueryiv, loader, "glGetQueryiv", "EXT", has.is_es);
+    has.timestamps = clock_counts(api);
   }
   if (has.debug) {
     load_extension(api.DebugMessageCallback, loader, "glDebugMessageCallback", "KHR", has.is_es);

@@ -47,6 +47,7 @@ struct Api {
   // Extensions: null where the driver has none.
   PFNGLQUERYCOUNTEREXTPROC QueryCounter = nullptr;
   PFNGLGETQUERYOBJECTUI64VEXTPROC GetQueryObjectui64v = nullptr;
+  PFNGLGETQUERYIVEXTPROC GetQueryiv = nullptr;
   PFNGLDEBUGMESSAGECALLBACKKHRPROC DebugMessageCallback = nullptr;
   PFNGLGETGRAPHICSRESETSTATUSKHRPROC GetGraphicsResetStatus = nullptr;
 

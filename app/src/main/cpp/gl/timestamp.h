@@ -1,5 +1,7 @@
 // A point in the GPU's time. Timestamps are used instead of GL_TIME_ELAPSED, which reads 0 around
 // compute dispatches on llvmpipe.
+//
+// See https://registry.khronos.org/OpenGL/extensions/EXT/EXT_disjoint_timer_query.txt
 #pragma once
 
 #include <cstdint>
@@ -32,5 +34,14 @@ class Timestamp {
   static void destroy(Api& api, GLuint name) { api.DeleteQueries(1, &name); }
   Handle<destroy> handle_;
 };
+
+/// Whether something, such as another clock rate of the GPU, has made the times since the last call
+/// worthless. To be asked after they were read.
+inline bool times_are_disjoint(Api& api) {
+  if (!api.capabilities.is_es) return false;  // desktop GL knows no such thing
+  GLint disjoint = 0;
+  api.GetIntegerv(GL_GPU_DISJOINT_EXT, &disjoint);
+  return disjoint != 0;
+}
 
 }  // namespace fluxgs::gl

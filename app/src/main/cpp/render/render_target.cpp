@@ -145,4 +145,36 @@ Expected<Image<float>> read_pixels(gl::Api& api, const RenderTarget& target) {
   return image;
 }
 
+Expected<Image<std::uint8_t>> read_picture(gl::Api& api, const RenderTarget& target, int longest) {
+  struct Step {
+    gl::Texture texture;
+    gl::Framebuffer framebuffer;
+  } step;
+  const gl::Framebuffer* source = &target.framebuffer();
+  int width = target.width(), height = target.height();
+  while (longest > 0 && std::max(width, height) > longest) {
+    const double ratio =
+        std::max(0.5, static_cast<double>(longest) / static_cast<double>(std::max(width, height)));
+    const int w = scaled_size(width, ratio), h = scaled_size(height, ratio);
+    Step next;
+    auto made = attach(api, GL_RGBA8, w, h, next.texture, next.framebuffer);
+    if (!made) return std::unexpected(made.error());
+    source->bind(GL_READ_FRAMEBUFFER);
+    next.framebuffer.bind(GL_DRAW_FRAMEBUFFER);
+    api.BlitFramebuffer(0, 0, width, height, 0, 0, w, h, GL_COLOR_BUFFER_BIT, GL_LINEAR);
+    step.framebuffer = std::move(next.framebuffer);  // before the texture under it
+    step.texture = std::move(next.texture);
+    source = &step.framebuffer;
+    width = w;
+    height = h;
+  }
+  Image<std::uint8_t> image(width, height, 4);
+  source->bind();
+  api.PixelStorei(GL_PACK_ALIGNMENT, 4);
+  gl::clear_errors(api);
+  api.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, image.pixels.data());
+  if (auto ok = gl::check_errors(api, "glReadPixels"); !ok) return std::unexpected(ok.error());
+  return image;
+}
+
 }  // namespace fluxgs::render

@@ -1,6 +1,8 @@
 // Off-screen pictures that the renderer draws into.
 #pragma once
 
+#include <cstdint>
+
 #include "fluxgs/image.h"
 #include "gl/framebuffer.h"
 #include "gl/texture.h"
@@ -63,5 +65,10 @@ void copy_to_window(gl::Api& api, const RenderTarget& target, int width, int hei
 
 /// Waits for the GPU and copies the picture: RGBA, top row first, 0…1 for rgba8.
 Expected<Image<float>> read_pixels(gl::Api& api, const RenderTarget& target);
+
+/// The same in 8 bits, for people, of an rgba8 target; reduced by the GPU, in steps of a half,
+/// until its longer side is `longest` pixels or it was no longer than that. 0: as large as it is.
+Expected<Image<std::uint8_t>> read_picture(gl::Api& api, const RenderTarget& target,
+                                           int longest = 0);
 
 }  // namespace fluxgs::render

@@ -1,5 +1,8 @@
 #include "render/renderer.h"
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
 #include <span>
 #include <string>
 
@@ -160,14 +163,18 @@ Expected<FrameStats> Renderer::stats() const {
     if (!count) return std::unexpected(count.error());
     stats.drawn = count->front();
   }
-  if (settings_.timestamps) {
-    const auto span = [&](std::size_t stage) {
-      return 1e-6 *
-             static_cast<double>(stamps_[stage + 1].nanoseconds() - stamps_[stage].nanoseconds());
-    };
-    stats.stages = StageTimes{span(0), span(1), span(2), span(3)};
-  }
+  if (settings_.timestamps) stats.stages = read_stages();
   return stats;
+}
+
+std::optional<StageTimes> Renderer::read_stages() const {
+  std::array<double, 5> at{};
+  std::ranges::transform(stamps_, at.begin(), [first = stamps_[0].nanoseconds()](const auto& s) {
+    // Signed: a clock that was set back is no time of 500 years
+    return 1e-6 * static_cast<double>(static_cast<std::int64_t>(s.nanoseconds() - first));
+  });
+  if (gl::times_are_disjoint(api_) || !std::ranges::is_sorted(at)) return std::nullopt;
+  return StageTimes{at[1] - at[0], at[2] - at[1], at[3] - at[2], at[4] - at[3]};
 }
 
 }  // namespace fluxgs::render

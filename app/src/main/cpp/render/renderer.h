@@ -91,6 +91,7 @@ class Renderer {
   void draw_scene(const Camera& camera, const RenderOptions& options, const RenderTarget& target);
   void sort(const sort::SortView& view);
   void stamp(int stage) const;
+  std::optional<StageTimes> read_stages() const;
 
   gl::Api& api_;
   RendererSettings settings_;

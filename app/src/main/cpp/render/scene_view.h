@@ -60,6 +60,7 @@ class SceneView {
   std::size_t memory() const;
 
   Renderer& renderer() { return *renderer_; }
+  const Renderer& renderer() const { return *renderer_; }
   /// The picture: of the camera's size, or half as many pixels in each direction, or a quarter, …,
   /// where there is no room for it. The picture takes half of the memory at most.
   const RenderTarget& target() const { return target_; }

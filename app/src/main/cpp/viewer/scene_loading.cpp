@@ -223,6 +223,14 @@ LoadState SceneLoading::state() const {
   return job_->state;
 }
 
+bool SceneLoading::is_over() const {
+  if (!job_) return true;
+  const std::lock_guard lock(job_->mutex);
+  const LoadPhase phase = job_->state.phase;
+  return phase == LoadPhase::ready ? !job_->scene
+                                   : phase != LoadPhase::reading && phase != LoadPhase::decoding;
+}
+
 std::optional<SceneFile> SceneLoading::take() {
   if (!job_) return std::nullopt;
   const std::lock_guard lock(job_->mutex);

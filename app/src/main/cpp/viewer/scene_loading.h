@@ -49,6 +49,9 @@ class SceneLoading {
 
   LoadState state() const;
 
+  /// Whether nothing changes any more: there was none, it failed, or the scene was taken.
+  bool is_over() const;
+
   /// The scene, once, when the phase is ready.
   std::optional<SceneFile> take();
 

@@ -18,16 +18,6 @@ double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-Image<std::uint8_t> to_bytes(const Image<float>& picture) {
-  Image<std::uint8_t> result(picture.width, picture.height, 3);
-  for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x)
-      for (int c = 0; c < 3; ++c)
-        result.at(x, y)[c] = static_cast<std::uint8_t>(
-            std::lround(255 * std::clamp(picture.at(x, y)[c], 0.0F, 1.0F)));
-  return result;
-}
-
 }  // namespace
 
 Session::Session(std::unique_ptr<Screen> screen) : screen_(std::move(screen)) {
@@ -49,6 +39,7 @@ void Session::post(Task task) {
   {
     const std::lock_guard lock(mutex_);
     tasks_.push_back(std::move(task));
+    resting_ = false;
   }
   changed_.notify_all();
 }
@@ -136,6 +127,7 @@ std::uint64_t Session::load(int descriptor, const std::string& name, const LoadL
   place_wanted_ = place;
   load_began_ = Clock::now();
   state_.first_frame_ms = 0;
+  resting_ = false;
   return ++loadings_;
 }
 
@@ -144,18 +136,19 @@ void Session::cancel_loading() {
   loading_.cancel();
 }
 
-void Session::frame(double seconds) {
+bool Session::frame(double seconds) {
   {
     const std::lock_guard lock(mutex_);
+    if (resting_) return false;
     frame_wanted_ = seconds;
   }
   changed_.notify_all();
+  return true;
 }
 
 void Session::touch(TouchPhase phase, int changed, std::vector<Finger> fingers, double seconds) {
   post([this, phase, changed, seconds, fingers = std::move(fingers)] {
     viewer_.touch({phase, changed, fingers, seconds});
-    redraw_ = true;
   });
 }
 
@@ -207,14 +200,23 @@ BenchmarkState Session::benchmark() const {
   return benchmark_;
 }
 
-std::optional<Image<std::uint8_t>> Session::picture() {
+std::optional<Image<std::uint8_t>> Session::picture(int longest, std::uint64_t of) {
   std::optional<Image<std::uint8_t>> result;
   post_and_wait([&] {
-    if (!viewer_.is_open() || !drawn_) return;
-    const auto read = render::read_pixels(*screen_->api(), viewer_.target());
-    if (read) result = to_bytes(*read);
+    if (!viewer_.is_open() || !drawn_ || (of != 0 && of != cloud_number_)) return;
+    if (longest == 0) {
+      redraw_ = true;  // on the window, too
+      if (!viewer_.draw_sharp()) return;
+    }
+    auto read = render::read_picture(*screen_->api(), viewer_.target(), longest);
+    if (read) result = std::move(*read);
   });
   return result;
+}
+
+std::string Session::driver() const {
+  const std::lock_guard lock(mutex_);
+  return driver_;
 }
 
 /// A scene that has been loaded takes the place of the one before.
@@ -246,7 +248,7 @@ Expected<void> Session::make_ready() {
     if (!api) return std::unexpected(api.error());
     const std::string driver = bench::driver_json(**api);
     const std::lock_guard lock(mutex_);
-    state_.driver = driver;
+    driver_ = driver;
     ++state_.contexts;
   }
   if (viewer_.is_open()) return {};
@@ -303,10 +305,19 @@ void Session::give_up(const Error& error) {
   state_.error = error.message();
 }
 
+/// Whether the next frame of the display would change nothing.
+bool Session::rests() const {
+  if (!cloud_ || failed_ || !screen_->has_window() || width_ < 1 || height_ < 1) return true;
+  return !redraw_ && viewer_.at_rest();
+}
+
 void Session::publish() {
   const ViewerStats stats = viewer_.stats();
   const std::optional<Place> place = viewer_.place();
+  const bool rests = this->rests();
+  if (rests) last_frame_.reset();  // what moves next begins then
   const std::lock_guard lock(mutex_);
+  resting_ = rests && tasks_.empty() && !frame_wanted_ && loading_.is_over();
   state_.stats = stats;
   state_.has_scene = cloud_ != nullptr && !failed_;
   state_.drawn = drawn_;
@@ -346,7 +357,7 @@ Expected<bench::SceneBenchmark> Session::measure(const bench::SceneBenchmarkPlan
     const auto api = screen_->make_context();
     if (!api) return std::unexpected(api.error());
     const std::lock_guard lock(mutex_);
-    state_.driver = bench::driver_json(**api);
+    driver_ = bench::driver_json(**api);
     ++state_.contexts;
   }
   return bench::benchmark_scene(*screen_->api(), *cloud_, start_, plan,

@@ -31,7 +31,6 @@ struct SessionState {
   ViewerStats stats;
   std::string error;          ///< of drawing, one line; it is over until another scene is loaded
   int contexts = 0;           ///< how many were made: more than 1 means that some were lost
-  std::string driver;         ///< bench::driver_json(), once there is a context
   std::size_t dropped = 0;    ///< splats of the file that were left out for a NaN or infinity
   double first_frame_ms = 0;  ///< from begin of loading until the first picture was shown
 };
@@ -44,8 +43,8 @@ struct BenchmarkState {
   std::string error;
 };
 
-/// Every function may be called from one thread, the shell's main thread; only surface_destroyed()
-/// and picture() wait for the drawing thread.
+/// Every function may be called from one thread, the shell's main thread, and picture() from any;
+/// only picture() and surface_destroyed() wait for the drawing thread.
 class Session {
  public:
   /// `screen` is used on the session's thread only, and gone before the session is.
@@ -67,8 +66,10 @@ class Session {
                      const std::optional<Place>& place = {});
   void cancel_loading();
 
-  /// The display is about to show another frame; `seconds` on any clock that goes on.
-  void frame(double seconds);
+  /// The display is about to show another frame; `seconds` on any clock that goes on. Returns
+  /// whether others are wanted: not, once all is at rest, until one of the other functions is
+  /// called.
+  bool frame(double seconds);
 
   void touch(TouchPhase phase, int changed, std::vector<Finger> fingers, double seconds);
   void turn(const DevicePose& pose);
@@ -81,8 +82,12 @@ class Session {
 
   SessionState state() const;
   std::optional<Place> place() const;
-  /// The last picture, RGB; nothing where there is none.
-  std::optional<Image<std::uint8_t>> picture();
+  /// The picture of the present view, RGBA, as large as the window and as sharp as it is at rest.
+  /// Or the last one, reduced until its longer side is `longest` pixels. Nothing where there is
+  /// none, or where it is not `of` the scene with this number (0: any).
+  std::optional<Image<std::uint8_t>> picture(int longest = 0, std::uint64_t of = 0);
+  /// bench::driver_json(), once there is a context; else empty.
+  std::string driver() const;
 
   /// Instead of drawing to the screen; nothing without a scene.
   void start_benchmark(const bench::SceneBenchmarkPlan& plan);
@@ -109,6 +114,7 @@ class Session {
   bool report_progress(int done, int all);
   Expected<bench::SceneBenchmark> measure(const bench::SceneBenchmarkPlan& plan);
   void run_benchmark(const bench::SceneBenchmarkPlan& plan);
+  bool rests() const;
   void publish();
 
   // The drawing thread's own
@@ -129,6 +135,8 @@ class Session {
   std::condition_variable changed_;
   std::deque<Task> tasks_;
   std::optional<double> frame_wanted_;
+  bool resting_ = false;  // no frame is wanted
+  std::string driver_;
   bool stops_ = false;
   SceneLoading loading_;
   std::uint64_t loadings_ = 0;

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kSmoothing = 0.1;
 constexpr double kMeasureEvery = 0.4;  // seconds
+constexpr double kRest = 0.25;         // seconds without movement: less is a finger that hesitates
 constexpr double kLargest = 1e12;      // of a place's coordinates
 
 using Seconds = std::chrono::duration<double>;
@@ -82,7 +83,7 @@ render::SceneViewSettings Viewer::scene_settings(const gl::Api& api) const {
   s.renderer.sorter = on_cpu ? SorterKind::cpu_async : SorterKind::gpu_radix;
   s.memory = settings_.memory;
   if (settings_.most_splats > 0) s.most_splats = settings_.most_splats;
-  s.scale = settings_.scale > 0 ? settings_.scale : scale_control_.scale();
+  s.scale = wanted_scale();
   return s;
 }
 
@@ -92,6 +93,7 @@ Expected<void> Viewer::make(gl::Api& api) {
   if (!opened) scene_.reset();
   stale_ = true;
   remake_ = false;
+  scale_ = 0;
   return opened;
 }
 
@@ -127,6 +129,11 @@ void Viewer::set(const ViewerSettings& settings) {
   stale_ = true;
 }
 
+void Viewer::set_heat(const Heat& heat) {
+  heat_ = heat;
+  scale_control_.set_most(coolest_scale(heat));
+}
+
 void Viewer::resize(int width, int height, double density) {
   if (std::isfinite(density) && density > 0) gestures_.options.density = density;
   const glm::ivec2 size(std::max(width, 1), std::max(height, 1));
@@ -140,7 +147,10 @@ void Viewer::touch(const TouchEvent& event) {
   if (!navigated_) return;
   const camera::ViewState before = navigation_.view;
   const auto pixel = apply(event, glm::dvec2(size_), gestures_, navigation_);
-  if (!same(before, navigation_.view)) anchor_anew(gyroscope_);
+  if (!same(before, navigation_.view)) {
+    anchor_anew(gyroscope_);
+    stale_ = true;
+  }
   if (!pixel) return;
   const camera::Navigation& n = navigation_;
   const auto point =
@@ -200,19 +210,29 @@ bool Viewer::advance(double seconds) {
   const bool moved =
       camera::advance(navigation_, std::min(seconds, kLongestStep), glm::dvec2(size_));
   stale_ = stale_ || moved;
-  const bool draws = stale_ || !scene_->renderer().order_is_current();
-  if (!draws) {
-    presented_.reset();
-    scale_control_.pause();
-    frame_seconds_ = 0;
+  if (stale_ || !scene_->renderer().order_is_current()) {
+    still_ = 0;
+    return true;
   }
-  return draws;
+  presented_.reset();
+  still_ += std::min(seconds, kLongestStep);
+  if (!rests()) return false;
+  scale_control_.pause();
+  frame_seconds_ = 0;
+  return scale_ != wanted_scale();
 }
 
-double Viewer::wanted_scale() {
+bool Viewer::rests() const { return still_ >= kRest; }
+
+bool Viewer::at_rest() const {
+  return is_open() && rests() && !stale_ && scale_ == wanted_scale() &&
+         scene_->renderer().order_is_current();
+}
+
+/// There is time for all pixels when nothing moves.
+double Viewer::wanted_scale() const {
   if (settings_.scale > 0) return settings_.scale;
-  scale_control_.set_most(coolest_scale(heat_));
-  return scale_control_.scale();
+  return rests() ? coolest_scale(heat_) : scale_control_.scale();
 }
 
 Expected<void> Viewer::draw() {
@@ -220,13 +240,24 @@ Expected<void> Viewer::draw() {
     scene_.reset();
     if (auto made = make(*api_); !made) return made;
   }
-  scene_->set_scale(wanted_scale());
+  const double scale = wanted_scale();
+  scene_->set_scale(scale);
   const Camera camera = camera::camera_of(navigation_.view, size_.x, size_.y);
   RenderOptions options;
   options.sh_degree = settings_.sh_degree;
   options.near_plane = navigation_.units.near_plane;
   auto drawn = scene_->draw(camera, options);
-  if (drawn) stale_ = false;
+  if (!drawn) return drawn;
+  stale_ = false;
+  scale_ = scale;
+  measurable_ = true;
+  return {};
+}
+
+Expected<void> Viewer::draw_sharp() {
+  const double still = std::exchange(still_, kRest);
+  auto drawn = draw();
+  still_ = still;
   return drawn;
 }
 
@@ -240,27 +271,39 @@ void Viewer::presented() {
   presented_ = now;
 }
 
+/// The GPU is waited for, which costs a part of a frame: seldom while something moves, and for the
+/// last picture once it rests.
+void Viewer::measure() {
+  if (!measurable_ || !settings_.measures) return;
+  const auto now = Clock::now();
+  if (!rests() && measured_ && seconds_between(*measured_, now) < kMeasureEvery) return;
+  measured_ = now;
+  measurable_ = false;
+  const auto frame = scene_->renderer().stats();
+  stats_.drawn = frame ? frame->drawn : 0;
+  const bool has_clock = frame && frame->stages;
+  const auto& stages = has_clock ? *frame->stages : render::StageTimes{};
+  if (has_clock)
+    stats_.frame_ms = stages.project + stages.sort + stages.draw + stages.resolve;
+  else if (frame_seconds_ > 0)
+    stats_.frame_ms = 1e3 * frame_seconds_;
+  const bool on_gpu = scene_->renderer().settings().sorter == render::SorterKind::gpu_radix;
+  if (!on_gpu)
+    stats_.sort_ms = 1e3 * scene_->renderer().sort_latency();
+  else if (has_clock)
+    stats_.sort_ms = stages.sort;
+}
+
 ViewerStats Viewer::stats() {
   if (!is_open()) return {};
-  const auto now = Clock::now();
-  if (!measured_ || seconds_between(*measured_, now) > kMeasureEvery) {
-    measured_ = now;
-    const auto frame = scene_->renderer().stats();
-    stats_.drawn = frame ? frame->drawn : 0;
-    const bool has_clock = frame && frame->stages;
-    const auto& stages = has_clock ? *frame->stages : render::StageTimes{};
-    stats_.frame_ms = has_clock ? stages.project + stages.sort + stages.draw + stages.resolve
-                                : 1e3 * frame_seconds_;
-    const bool on_gpu = scene_->renderer().settings().sorter == render::SorterKind::gpu_radix;
-    stats_.sort_ms = on_gpu ? stages.sort : 1e3 * scene_->renderer().sort_latency();
-  }
+  measure();
   stats_.frames_per_second = frame_seconds_ > 0 ? 1 / frame_seconds_ : 0;
   stats_.shown = scene_->splats();
   stats_.splats = cloud_->size();
   stats_.memory = scene_->memory();
   stats_.width = scene_->target().blend_width();
   stats_.height = scene_->target().blend_height();
-  stats_.scale = settings_.scale > 0 ? settings_.scale : scale_control_.scale();
+  stats_.scale = scale_ > 0 ? scale_ : wanted_scale();
   return stats_;
 }
 

@@ -25,6 +25,7 @@ struct ViewerSettings {
   int sh_degree = 3;                       ///< 0…3
   std::size_t most_splats = 0;             ///< 0: all
   bool gyroscope = false;                  ///< look around by turning the device
+  bool measures = true;                    ///< times and counts for ViewerStats, from the GPU
   double frame_seconds = 1.0 / 60;         ///< of the display
   std::optional<std::size_t> memory = {};  ///< bytes of the GPU, see SceneViewSettings
   bool operator==(const ViewerSettings&) const = default;
@@ -38,8 +39,8 @@ struct ViewerStats {
   std::uint32_t drawn = 0;            ///< splats that were not culled
   std::size_t shown = 0, splats = 0;  ///< of the scene: for which there is room; all
   int width = 0, height = 0;          ///< of the picture that is blended
-  double scale = 1;
-  std::size_t memory = 0;  ///< bytes of graphics memory that are taken
+  double scale = 1;                   ///< of the last picture
+  std::size_t memory = 0;             ///< bytes of graphics memory that are taken
 };
 
 /// Where a view is, to be kept over the end of the process: target, orientation (w, x, y, z),
@@ -68,7 +69,7 @@ class Viewer {
   /// New settings, for the next frame. Those that need other GL objects make them then.
   void set(const ViewerSettings& settings);
   const ViewerSettings& settings() const { return settings_; }
-  void set_heat(const Heat& heat) { heat_ = heat; }
+  void set_heat(const Heat& heat);
 
   void resize(int width, int height, double density);
 
@@ -80,18 +81,22 @@ class Viewer {
   bool is_flipped() const { return flipped_; }
   std::optional<Place> place() const;
 
-  /// Lets time pass. Whether a frame is to be drawn: something moved, or the last one was not
-  /// final.
+  /// Lets time pass. Whether a frame is to be drawn: something moved, the last one was not final,
+  /// or all is at rest and it was of a lower scale than heat allows.
   bool advance(double seconds);
+  /// Whether nothing changes any more until somebody touches something.
+  bool at_rest() const;
 
   /// Enqueues a frame. Fails as SceneView::draw() does.
   Expected<void> draw();
+  /// The same at the scale of a view at rest.
+  Expected<void> draw_sharp();
   const render::RenderTarget& target() const { return scene_->target(); }
 
   /// After a frame was handed to the screen.
   void presented();
 
-  /// Waits for the GPU once in a while.
+  /// Waits for the GPU once in a while, if there are frames that it has not spoken of.
   ViewerStats stats();
 
   const camera::Navigation& navigation() const { return navigation_; }
@@ -101,7 +106,9 @@ class Viewer {
   using Clock = std::chrono::steady_clock;
   Expected<void> make(gl::Api& api);
   render::SceneViewSettings scene_settings(const gl::Api& api) const;
-  double wanted_scale();
+  double wanted_scale() const;
+  bool rests() const;
+  void measure();
   bool needs_remaking(const ViewerSettings& settings) const;
   void begin_navigation();
 
@@ -120,11 +127,14 @@ class Viewer {
   std::optional<render::SceneView> scene_;
   ScaleControl scale_control_;
   bool stale_ = true;    // the picture is not of the present view
+  double still_ = 0;     // seconds for which nothing has moved
+  double scale_ = 0;     // of the last picture; 0: there is none
   bool remake_ = false;  // settings changed that need other GL objects
 
   // Times
   std::optional<Clock::time_point> presented_, measured_;
   double frame_seconds_ = 0;  // smoothed
+  bool measurable_ = false;   // a frame was drawn since measured_
   ViewerStats stats_;
 };
 

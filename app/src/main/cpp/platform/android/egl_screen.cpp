@@ -7,6 +7,7 @@
 #include <dlfcn.h>
 // clang-format on
 
+#include <algorithm>
 #include <cstdio>
 #include <initializer_list>
 #include <string>
@@ -59,24 +60,21 @@ class EglScreen final : public viewer::Screen {
   Expected<void> attach(void* window) override {
     detach();
     window_ = static_cast<ANativeWindow*>(window);
+    size_ = {};
     if (context_ == EGL_NO_CONTEXT || window_ == nullptr) return {};
     if (auto surface = create_surface(); !surface) return surface;
     return make_current();
   }
 
   void detach() override {
-    if (window_surface_ != EGL_NO_SURFACE) {
-      // A surface that is current is only marked for deletion
-      eglMakeCurrent(display_, idle_surface_, idle_surface_, context_);
-      eglDestroySurface(display_, window_surface_);
-      window_surface_ = EGL_NO_SURFACE;
-    }
+    destroy_surface();
     if (window_ != nullptr) ANativeWindow_release(std::exchange(window_, nullptr));
   }
   bool has_window() const override { return window_ != nullptr; }
 
   Expected<void> present(const render::RenderTarget& target, int width, int height) override {
     if (window_surface_ == EGL_NO_SURFACE) return {};
+    if (auto fits = fit_surface({width, height}); !fits) return fits;
     render::copy_to_window(*api_, target, width, height);
     if (eglSwapBuffers(display_, window_surface_) == EGL_TRUE) return {};
     const EGLint error = eglGetError();
@@ -87,6 +85,21 @@ class EglScreen final : public viewer::Screen {
   }
 
  private:
+  struct Size {
+    int width = 0, height = 0;
+    bool operator==(const Size&) const = default;
+  };
+
+  /// Buffers that a driver has taken already keep the size that the window had before, and nobody
+  /// would draw a second frame of a view at rest.
+  Expected<void> fit_surface(const Size& size) {
+    const Size before = std::exchange(size_, size);
+    if (before == Size{} || before == size) return {};
+    destroy_surface();
+    if (auto surface = create_surface(); !surface) return surface;
+    return make_current();
+  }
+
   Expected<void> open_display() {
     if (config_ != nullptr) return {};  // else it failed before, or was never tried
     display_ = eglGetDisplay(EGL_DEFAULT_DISPLAY);
@@ -104,12 +117,28 @@ class EglScreen final : public viewer::Screen {
                              8,
                              EGL_NONE};
     EGLint count = 0;
-    EGLConfig config = nullptr;
-    if (eglChooseConfig(display_, wanted, &config, 1, &count) != EGL_TRUE)
+    if (eglChooseConfig(display_, wanted, nullptr, 0, &count) != EGL_TRUE)
+      return egl_failure("eglChooseConfig");
+    std::vector<EGLConfig> configs(static_cast<std::size_t>(std::max(count, 0)));
+    if (eglChooseConfig(display_, wanted, configs.data(), count, &count) != EGL_TRUE)
       return egl_failure("eglChooseConfig");
     if (count < 1) return fail("EGL", "config", "this device has no OpenGL ES 3.1");
-    config_ = config;
+    // Those with more bits come first, such as 10 a colour, of which the picture has no use
+    configs.resize(static_cast<std::size_t>(count));
+    config_ = *std::ranges::min_element(configs, {}, [this](EGLConfig c) { return bits_of(c); });
     return {};
+  }
+
+  /// Of a pixel, with everything that comes along.
+  int bits_of(EGLConfig config) const {
+    int bits = 0;
+    for (const EGLint part : {EGL_RED_SIZE, EGL_GREEN_SIZE, EGL_BLUE_SIZE, EGL_ALPHA_SIZE,
+                              EGL_DEPTH_SIZE, EGL_STENCIL_SIZE, EGL_SAMPLES}) {
+      EGLint value = 0;
+      eglGetConfigAttrib(display_, config, part, &value);
+      bits += value;
+    }
+    return bits;
   }
 
   /// With the promise to be told of a reset, where the driver gives it.
@@ -142,6 +171,14 @@ class EglScreen final : public viewer::Screen {
     return {};
   }
 
+  void destroy_surface() {
+    if (window_surface_ == EGL_NO_SURFACE) return;
+    // A surface that is current is only marked for deletion
+    eglMakeCurrent(display_, idle_surface_, idle_surface_, context_);
+    eglDestroySurface(display_, window_surface_);
+    window_surface_ = EGL_NO_SURFACE;
+  }
+
   Expected<void> make_current() {
     const EGLSurface surface = window_surface_ != EGL_NO_SURFACE ? window_surface_ : idle_surface_;
     if (eglMakeCurrent(display_, surface, surface, context_) == EGL_TRUE) return {};
@@ -168,6 +205,7 @@ class EglScreen final : public viewer::Screen {
   EGLSurface window_surface_ = EGL_NO_SURFACE;
   EGLSurface idle_surface_ = EGL_NO_SURFACE;  // of one pixel, while there is no window
   ANativeWindow* window_ = nullptr;
+  Size size_;  // of the window, when it was last presented to; {}: never
   std::unique_ptr<gl::Api> api_;
 };
 

@@ -224,9 +224,11 @@ FLUXGS_JNI(void, cancelLoading)(JNIEnv* env, jclass, jlong session) {
   guarded(env, [&] { sessions().find(session)->cancel_loading(); });
 }
 
-FLUXGS_JNI(void, frame)(JNIEnv* env, jclass, jlong session, jlong nanoseconds) {
-  guarded(env,
-          [&] { sessions().find(session)->frame(kNanosecond * static_cast<double>(nanoseconds)); });
+FLUXGS_JNI(jboolean, frame)(JNIEnv* env, jclass, jlong session, jlong nanoseconds) {
+  return guarded(env, [&] {
+    const double seconds = kNanosecond * static_cast<double>(nanoseconds);
+    return static_cast<jboolean>(sessions().find(session)->frame(seconds) ? JNI_TRUE : JNI_FALSE);
+  });
 }
 
 FLUXGS_JNI(void, touch)
@@ -259,7 +261,7 @@ FLUXGS_JNI(void, turn)
 
 FLUXGS_JNI(void, set)
 (JNIEnv* env, jclass, jlong session, jfloat scale, jint sorter, jint sh_degree, jint most_splats,
- jboolean gyroscope, jfloat frame_seconds, jlong memory) {
+ jboolean gyroscope, jboolean measures, jfloat frame_seconds, jlong memory) {
   guarded(env, [&] {
     expect(sorter >= 0 && sorter <= 2, "a sorter is 0 to 2");
     expect(scale == 0 || (scale >= 0.2F && scale <= 1), "a scale is 0 or 0.2 to 1");
@@ -269,6 +271,7 @@ FLUXGS_JNI(void, set)
     settings.sh_degree = std::clamp<int>(sh_degree, 0, 3);
     settings.most_splats = static_cast<std::size_t>(std::max<jint>(most_splats, 0));
     settings.gyroscope = gyroscope == JNI_TRUE;
+    settings.measures = measures == JNI_TRUE;
     settings.frame_seconds = static_cast<double>(frame_seconds);
     if (memory > 0) settings.memory = static_cast<std::size_t>(memory);
     sessions().find(session)->set(settings);
@@ -312,23 +315,31 @@ FLUXGS_JNI(jdoubleArray, place)(JNIEnv* env, jclass, jlong session) {
 }
 
 // Width, height, then a colour a pixel as Bitmap.setPixels() takes them.
-FLUXGS_JNI(jintArray, picture)(JNIEnv* env, jclass, jlong session) {
+FLUXGS_JNI(jintArray, picture)(JNIEnv* env, jclass, jlong session, jint longest, jlong of) {
   return guarded(env, [&]() -> jintArray {
-    const auto picture = sessions().find(session)->picture();
+    const auto picture = sessions().find(session)->picture(std::max<jint>(longest, 0),
+                                                           static_cast<std::uint64_t>(of));
     if (!picture) return nullptr;
-    std::vector<jint> values = {picture->width, picture->height};
-    values.reserve(2 + picture->pixels.size() / 3);
-    for (std::size_t i = 0; i < picture->pixels.size(); i += 3) {
-      const std::uint32_t colour = 0xFF000000U | std::uint32_t{picture->pixels[i]} << 16 |
-                                   std::uint32_t{picture->pixels[i + 1]} << 8 |
-                                   std::uint32_t{picture->pixels[i + 2]};
-      values.push_back(static_cast<jint>(colour));
+    const jint size[] = {picture->width, picture->height};
+    jintArray result = env->NewIntArray(2 + size[0] * size[1]);
+    if (result == nullptr) return nullptr;
+    env->SetIntArrayRegion(result, 0, 2, size);
+    std::vector<jint> row(static_cast<std::size_t>(size[0]));
+    for (int y = 0; y < size[1]; ++y) {
+      for (int x = 0; x < size[0]; ++x) {
+        const auto pixel = picture->at(x, y);
+        row[static_cast<std::size_t>(x)] =
+            static_cast<jint>(0xFF000000U | std::uint32_t{pixel[0]} << 16 |
+                              std::uint32_t{pixel[1]} << 8 | std::uint32_t{pixel[2]});
+      }
+      env->SetIntArrayRegion(result, 2 + y * size[0], size[0], row.data());
     }
-    const auto count = static_cast<jsize>(values.size());
-    jintArray result = env->NewIntArray(count);
-    if (result != nullptr) env->SetIntArrayRegion(result, 0, count, values.data());
     return result;
   });
+}
+
+FLUXGS_JNI(jstring, driver)(JNIEnv* env, jclass, jlong session) {
+  return guarded(env, [&] { return to_java(env, sessions().find(session)->driver()); });
 }
 
 FLUXGS_JNI(void, startBenchmark)

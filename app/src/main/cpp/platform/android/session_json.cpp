@@ -53,19 +53,16 @@ json json_of(const viewer::ViewerStats& s) {
 }  // namespace
 
 std::string to_json(const viewer::SessionState& s) {
-  return text_of(
-      {{"loading", json_of(s.loading)},
-       {"hasScene", s.has_scene},
-       {"drawn", s.drawn},
-       {"shown", s.shown},
-       {"flipped", s.flipped},
-       {"error", s.error},
-       {"contexts", s.contexts},
-       {"dropped", s.dropped},
-       {"firstFrameMs", s.first_frame_ms},
-       {"driver", json::parse(s.driver, nullptr, false).is_discarded() ? json(nullptr)
-                                                                       : json::parse(s.driver)},
-       {"stats", json_of(s.stats)}});
+  return text_of({{"loading", json_of(s.loading)},
+                  {"hasScene", s.has_scene},
+                  {"drawn", s.drawn},
+                  {"shown", s.shown},
+                  {"flipped", s.flipped},
+                  {"error", s.error},
+                  {"contexts", s.contexts},
+                  {"dropped", s.dropped},
+                  {"firstFrameMs", s.first_frame_ms},
+                  {"stats", json_of(s.stats)}});
 }
 
 std::string to_json(const viewer::BenchmarkState& s) {

@@ -3,13 +3,13 @@ package org.fluxgs.app
 import android.app.Activity
 import android.content.Intent
 import android.net.Uri
+import android.os.BadParcelableException
 import android.os.Bundle
 import android.os.Handler
 import android.os.Looper
 import android.os.ParcelFileDescriptor
 import android.util.Log
 import android.view.View
-import android.view.WindowManager
 import android.widget.Button
 import android.widget.ProgressBar
 import android.widget.TextView
@@ -24,14 +24,15 @@ import org.json.JSONObject
  *
  *     adb shell am start -S -W -n org.fluxgs.app/.BenchmarkActivity -e scene garden.glb -e json garden.json
  *
- * Both are names of files in the app's own folder on the device (Android/data/org.fluxgs.app/files);
- * without a scene it is the sample. `-e name` is what the result calls it. The log (tag FluxGsBenchmark)
- * says "done FILE" or "failed REASON".
+ * Both are names of files in the app's own folder on the device (Android/data/org.fluxgs.app/files), the
+ * result's one that ends in .json; without a scene it is the sample. `-e name` is what the result calls it.
+ * The log (tag FluxGsBenchmark) says "done FILE" or "failed REASON".
  */
 class BenchmarkActivity : Activity() {
     private lateinit var session: Session
     private lateinit var plan: BenchmarkPlan
     private lateinit var uri: Uri
+    private var wanted: File? = null // where the result is to be written, too
     private lateinit var thermals: Thermals
     private lateinit var status: TextView
     private lateinit var bar: ProgressBar
@@ -44,6 +45,7 @@ class BenchmarkActivity : Activity() {
     private var selfTest: JSONObject? = null
     private var copy: ParcelFileDescriptor? = null // for the self-test
     private var tested = false
+    private var inFront = false // nothing lies over this
     private var preparing = false // opening, loading, testing: nothing is measured yet
     internal var result: BenchmarkResult? = null
         private set
@@ -57,7 +59,6 @@ class BenchmarkActivity : Activity() {
     override fun onCreate(state: Bundle?) {
         super.onCreate(state)
         setContentView(R.layout.benchmark)
-        window.addFlags(WindowManager.LayoutParams.FLAG_KEEP_SCREEN_ON)
         Insets.pad(findViewById(R.id.root))
         status = findViewById(R.id.status)
         bar = findViewById(R.id.bar)
@@ -73,13 +74,21 @@ class BenchmarkActivity : Activity() {
         try {
             plan = BenchmarkPlan.of(intent)
             uri = sceneOf(intent)
+            wanted = intent.getStringExtra("json")?.let { resultNamed(it) }
         } catch (problem: IllegalArgumentException) {
-            fail(problem.message ?: problem.toString())
-            findViewById<View>(R.id.retry).visibility = View.GONE
-            return
+            return refuse(problem)
+        } catch (problem: BadParcelableException) { // extras of somebody else's own making
+            return refuse(problem)
         }
         val kept = state?.getString(RESULT)?.let { BenchmarkResult.of(it) }
-        if (kept != null) show(kept) else begin()
+        if (kept == null) return begin()
+        result = kept
+        Background.start { compare(kept) }
+    }
+
+    private fun refuse(problem: RuntimeException) {
+        fail(problem.message ?: problem.toString())
+        findViewById<View>(R.id.retry).visibility = View.GONE
     }
 
     /** A name is of a file in the app's folder; there is no way out of it. */
@@ -90,6 +99,12 @@ class BenchmarkActivity : Activity() {
             "'$name' is not inside of $folder"
         }
         return file
+    }
+
+    /** Whoever starts this activity must not write over anything else. */
+    private fun resultNamed(name: String): File {
+        require(name.endsWith(".json")) { "json '$name' does not end in .json" }
+        return ownFile(name)
     }
 
     private fun sceneOf(intent: Intent): Uri {
@@ -110,6 +125,7 @@ class BenchmarkActivity : Activity() {
         findViewById<View>(R.id.stop).visibility = View.VISIBLE
         bar.visibility = View.VISIBLE
         bar.isIndeterminate = true
+        bar.keepScreenOn = true
         status.accessibilityLiveRegion = View.ACCESSIBILITY_LIVE_REGION_NONE // it counts
         status.text = getString(R.string.opening)
         report = null
@@ -117,7 +133,7 @@ class BenchmarkActivity : Activity() {
         opening = SceneOpening(this, uri, { descriptor, facts ->
             name = intent.getStringExtra("name") ?: facts.name
             load(descriptor, facts.bytes)
-        }, { fail(it) })
+        }, { fail(it) }, { status.text = getString(R.string.provider_slow) })
         opening?.start()
     }
 
@@ -196,17 +212,25 @@ class BenchmarkActivity : Activity() {
         if (testing) return true // also one of a run that was stopped: it takes the processor
         if (!tested) test()
         if (testing) return true
-        if (report == null) {
-            preparing = false
-            report = BenchmarkReport(this, plan)
-            began = System.nanoTime()
-            session.startBenchmark(plan)
-        }
+        if (report == null && !start()) return true
         val outcome = session.benchmark() ?: return false
         if (outcome.getString("error").isNotEmpty()) return fail(outcome.getString("error"))
         if (!outcome.getBoolean("running")) return finishWith(outcome, state)
         watchHeat()
         showProgress(outcome)
+        return true
+    }
+
+    /** Once nothing lies over the app, which would take a part of the GPU. */
+    private fun start(): Boolean {
+        if (!inFront) {
+            status.text = getString(R.string.waiting_for_focus)
+            return false
+        }
+        preparing = false
+        report = BenchmarkReport(this, plan, isInMultiWindowMode)
+        began = System.nanoTime()
+        session.startBenchmark(plan)
         return true
     }
 
@@ -230,26 +254,33 @@ class BenchmarkActivity : Activity() {
 
     private fun finishWith(outcome: JSONObject, state: SessionState): Boolean {
         val found = report!!.result(
-            outcome, state, name, state.loading.read, before, thermals.now(), selfTest,
+            outcome, state, session.driver(), name, before, thermals.now(), selfTest,
         )
-        orTellTheLog { BenchmarkHistory(this).add(found) }
-        intent.getStringExtra("json")?.let { orTellTheLog { writeFor(it, found) } }
-        show(found)
+        result = found
+        bar.keepScreenOn = false
+        Background.start {
+            orTellTheLog { BenchmarkHistory(this).add(found) }
+            wanted?.let { orTellTheLog { writeTo(it, found) } }
+            compare(found)
+        }
         return false
+    }
+
+    /** In the background: reads the earlier results. */
+    private fun compare(found: BenchmarkResult) {
+        val earlier = BenchmarkHistory(this).before(found)
+        runOnUiThread { if (result === found) show(found, earlier) }
     }
 
     private inline fun orTellTheLog(work: () -> Unit) = try {
         work()
     } catch (problem: IOException) {
         Log.e(TAG, "failed ${problem.message}")
-    } catch (problem: IllegalArgumentException) {
-        Log.e(TAG, "failed ${problem.message}")
     }
 
     /** Who asked for garden.json finds garden.csv beside it. */
-    private fun writeFor(name: String, found: BenchmarkResult) {
-        val file = ownFile(name)
-        write(ownFile(name.removeSuffix(".json") + ".csv"), found.csv())
+    private fun writeTo(file: File, found: BenchmarkResult) {
+        write(File(file.path.removeSuffix(".json") + ".csv"), found.csv())
         write(file, found.text())
         Log.i(TAG, "done ${file.path}")
     }
@@ -265,15 +296,14 @@ class BenchmarkActivity : Activity() {
         preparing = false
         Log.e(TAG, "failed $message")
         bar.visibility = View.GONE
+        bar.keepScreenOn = false
         findViewById<View>(R.id.stop).visibility = View.GONE
         findViewById<View>(R.id.retry).visibility = View.VISIBLE
         say(getString(R.string.benchmark_failed, message))
         return false
     }
 
-    private fun show(found: BenchmarkResult) {
-        result = found
-        val earlier = BenchmarkHistory(this).before(found)
+    private fun show(found: BenchmarkResult, earlier: BenchmarkResult?) {
         bar.visibility = View.GONE
         findViewById<View>(R.id.stop).visibility = View.GONE
         findViewById<View>(R.id.results).visibility = View.VISIBLE
@@ -313,6 +343,7 @@ class BenchmarkActivity : Activity() {
                 R.string.compared, earlier.started.replace('T', ' ').take(16), ratios[ratios.size / 2],
             )
         }
+        if (found.json.optBoolean("multi_window")) lines += getString(R.string.beside_another)
         if (BuildFacts.isCheckBuild) lines += getString(R.string.check_build)
         return lines.filter { it.isNotEmpty() }.joinToString("\n")
     }
@@ -324,15 +355,17 @@ class BenchmarkActivity : Activity() {
     private fun share(kind: String) {
         val found = result ?: return
         val base = found.sceneName.substringBeforeLast('.').replace(Regex("[^A-Za-z0-9._-]+"), "-")
-        val file = SharedFiles.create(this, "benchmark-$base.$kind")
-        try {
-            file.writeText(if (kind == "csv") found.csv() else found.text())
-        } catch (problem: IOException) {
-            status.text = getString(R.string.benchmark_failed, problem.message)
-            return
-        }
         val type = if (kind == "csv") "text/csv" else "application/json"
-        startActivity(SharedFiles.send(this, SharedFiles.uriOf(this, file), type))
+        Background.start {
+            try {
+                val file = SharedFiles.create(this, "benchmark-$base.$kind")
+                file.writeText(if (kind == "csv") found.csv() else found.text())
+                val intent = SharedFiles.send(this, SharedFiles.uriOf(this, file), type)
+                runOnUiThread { if (!isDestroyed) startActivity(intent) }
+            } catch (problem: IOException) {
+                runOnUiThread { status.text = getString(R.string.benchmark_failed, problem.message) }
+            }
+        }
     }
 
     /** A call, another app, also beside this one: what is measured from now on would be of that. */
@@ -344,6 +377,7 @@ class BenchmarkActivity : Activity() {
     /** The same of what only lies over this one. */
     override fun onWindowFocusChanged(has: Boolean) {
         super.onWindowFocusChanged(has)
+        inFront = has
         if (!has && report != null) stop(getString(R.string.stopped_by_covering))
     }
 

@@ -153,26 +153,31 @@ internal class BenchmarkHistory(context: Context) {
 }
 
 /** Puts a result together. */
-internal class BenchmarkReport(private val context: Context, private val plan: BenchmarkPlan) {
+internal class BenchmarkReport(
+    private val context: Context,
+    private val plan: BenchmarkPlan,
+    private val besideAnother: Boolean, // in split screen
+) {
     private val started = BenchmarkResult.time()
     private val since = System.nanoTime()
 
     fun result(
-        outcome: JSONObject, state: SessionState, name: String, bytes: Long, before: Heat, after: Heat,
-        selfTest: JSONObject?,
+        outcome: JSONObject, state: SessionState, driver: JSONObject?, name: String, before: Heat,
+        after: Heat, selfTest: JSONObject?,
     ) = BenchmarkResult(
         JSONObject()
             .put("version", BenchmarkResult.VERSION)
             .put("app", BuildFacts.native.put("name", BuildFacts.version(context)))
             .put("device", BenchmarkResult.deviceFacts(context))
-            .put("driver", state.driver ?: JSONObject.NULL)
+            .put("driver", driver ?: JSONObject.NULL)
             .put(
                 "scene",
-                JSONObject().put("name", name).put("bytes", bytes)
+                JSONObject().put("name", name).put("bytes", state.loading.read)
                     .put("format", state.loading.format).put("splats", state.loading.splats),
             )
             .put("protocol", JSONObject().put("warmup", plan.warmup).put("frames", plan.frames))
             .put("thermal", JSONObject().put("before", before.toJson()).put("after", after.toJson()))
+            .put("multi_window", besideAnother)
             .put("started", started)
             .put("seconds", (System.nanoTime() - since) / 1e9)
             .put("self_test", selfTest ?: JSONObject.NULL)

@@ -1,11 +1,18 @@
 package org.fluxgs.app
 
 import android.content.res.Resources
+import android.widget.TextView
 import java.util.Locale
 
 /** The line of numbers over a scene. */
 internal object Hud {
-    fun text(resources: Resources, stats: Stats, heat: Heat): String {
+    /** Every text that is set is drawn anew. */
+    fun show(view: TextView, stats: Stats, heat: Heat) {
+        val text = text(view.resources, stats, heat)
+        if (view.text.toString() != text) view.text = text
+    }
+
+    private fun text(resources: Resources, stats: Stats, heat: Heat): String {
         val parts = mutableListOf<String>()
         parts += if (stats.fps > 0) resources.getString(R.string.hud_fps, stats.fps)
         else resources.getString(R.string.hud_still)

@@ -36,6 +36,14 @@ internal class LoadingView(
         tell(message)
     }
 
+    /** Whether something is waited for. */
+    val isBusy get() = root.visibility == View.VISIBLE && cancel.visibility == View.VISIBLE
+
+    /** The app that keeps the scene takes its time: perhaps it fetches it from far away. */
+    fun slow() = progress(
+        root.context.getString(R.string.opening), root.context.getString(R.string.provider_slow), -1,
+    )
+
     fun hide() {
         problem = null
         root.visibility = View.GONE

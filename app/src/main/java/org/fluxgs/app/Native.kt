@@ -34,7 +34,8 @@ internal object Native {
 
     @JvmStatic external fun cancelLoading(session: Long)
 
-    @JvmStatic external fun frame(session: Long, nanoseconds: Long)
+    /** Whether others are wanted: no longer once all is at rest, until something else is called. */
+    @JvmStatic external fun frame(session: Long, nanoseconds: Long): Boolean
 
     /** [positions]: x and y of each finger. [phase]: 0 down, 1 moved, 2 up, 3 cancelled. */
     @JvmStatic external fun touch(
@@ -48,7 +49,7 @@ internal object Native {
 
     @JvmStatic external fun set(
         session: Long, scale: Float, sorter: Int, shDegree: Int, mostSplats: Int,
-        gyroscope: Boolean, frameSeconds: Float, memory: Long,
+        gyroscope: Boolean, measures: Boolean, frameSeconds: Float, memory: Long,
     )
 
     @JvmStatic external fun setHeat(session: Long, status: Int, headroom: Float)
@@ -67,8 +68,14 @@ internal object Native {
 
     @JvmStatic external fun place(session: Long): DoubleArray?
 
-    /** Width, height, then the colours of the pixels. */
-    @JvmStatic external fun picture(session: Long): IntArray?
+    /**
+     * Width, height, then the colours of the pixels: as large as the window, or the longer side of so
+     * many pixels. Of the scene with this number (0: any), or null. From any thread.
+     */
+    @JvmStatic external fun picture(session: Long, longest: Int, of: Long): IntArray?
+
+    /** JSON, of what the driver says of itself; empty before there is a context. */
+    @JvmStatic external fun driver(session: Long): String
 
     @JvmStatic external fun startBenchmark(
         session: Long, sizes: IntArray, warmup: Int, frames: Int, gpuSort: Boolean,

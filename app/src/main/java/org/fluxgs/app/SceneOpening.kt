@@ -2,6 +2,7 @@ package org.fluxgs.app
 
 import android.content.Context
 import android.net.Uri
+import android.os.CancellationSignal
 import android.os.Handler
 import android.os.Looper
 import android.os.ParcelFileDescriptor
@@ -14,33 +15,34 @@ import kotlin.concurrent.thread
 
 /**
  * Asks whoever keeps a scene for it, on a thread of its own: other apps may take as long as they like,
- * and throw what they like. Exactly one of the callbacks is called, on the main thread, unless it is
- * cancelled; onOpened not [before] something else is done.
+ * and throw what they like. onOpened or onFailed is called, on the main thread, unless it is cancelled,
+ * onOpened not [before] something else is done; onSlow, where neither was called for half a minute.
  */
 internal class SceneOpening(
     context: Context,
     private val uri: Uri,
     private val onOpened: (descriptor: ParcelFileDescriptor, facts: Scene.Facts) -> Unit,
     private val onFailed: (message: String) -> Unit,
+    private val onSlow: () -> Unit,
     private val before: Future<*>? = null,
 ) {
     private val context = context.applicationContext
     private val main = Handler(Looper.getMainLooper())
     private val over = AtomicBoolean(false)
+    private val signal = CancellationSignal() // to the other app
 
     fun start() {
         thread(name = "scene-opening", isDaemon = true) { open() }
-        main.postDelayed(stalls, PATIENCE_MS)
+        main.postDelayed(slow, PATIENCE_MS)
     }
 
     fun cancel() {
         over.set(true)
-        main.removeCallbacks(stalls) // which would keep the activity
+        main.removeCallbacks(slow) // which would keep the activity
+        thread(name = "scene-cancelling", isDaemon = true) { signal.cancel() } // the other app is told
     }
 
-    private val stalls = Runnable {
-        finish { onFailed(context.getString(R.string.provider_stalls)) }
-    }
+    private val slow = Runnable { if (!over.get()) onSlow() }
 
     private fun open() {
         try {
@@ -54,7 +56,7 @@ internal class SceneOpening(
     }
 
     private fun finish(otherwise: () -> Unit = {}, callback: () -> Unit) {
-        main.removeCallbacks(stalls)
+        main.removeCallbacks(slow)
         if (over.getAndSet(true)) otherwise() else callback()
     }
 
@@ -64,7 +66,7 @@ internal class SceneOpening(
             val path = uri.path ?: throw FileNotFoundException(uri.toString())
             ParcelFileDescriptor.open(File(path), ParcelFileDescriptor.MODE_READ_ONLY)
         }
-        else -> context.contentResolver.openFileDescriptor(uri, "r")
+        else -> context.contentResolver.openFileDescriptor(uri, "r", signal)
             ?: throw FileNotFoundException(uri.toString())
     }
 

@@ -11,8 +11,8 @@ import android.view.SurfaceHolder
 import android.view.SurfaceView
 
 /**
- * What the session draws on. While it is [running], every frame of the display is handed on; touches
- * always are. The size is that of the surface, in pixels.
+ * What the session draws on. While it is [running], every frame of the display is handed on, as long as
+ * the session wants frames; touches always are. The size is that of the surface, in pixels.
  */
 class SceneSurface(context: Context, attributes: AttributeSet?) :
     SurfaceView(context, attributes), SurfaceHolder.Callback, Choreographer.FrameCallback {
@@ -20,10 +20,14 @@ class SceneSurface(context: Context, attributes: AttributeSet?) :
     /** May be another one at any time: it gets the surface that is there. */
     var session: Session? = null
         set(value) {
+            val surface = drawnOn
+            if (field !== value && surface != null) field?.surfaceDestroyed()
+            field?.onChange = {}
             field = value
-            val surface = drawnOn ?: return
-            value?.surfaceCreated(surface)
-            tellSize()
+            value?.onChange = ::wake
+            if (surface != null) value?.surfaceCreated(surface)
+            if (surface != null) tellSize()
+            wake()
         }
 
     /** A tap that is not the first of two. */
@@ -33,9 +37,20 @@ class SceneSurface(context: Context, attributes: AttributeSet?) :
         set(value) {
             if (value == field) return
             field = value
-            if (value) Choreographer.getInstance().postFrameCallback(this)
-            else Choreographer.getInstance().removeFrameCallback(this)
+            if (value) return wake()
+            Choreographer.getInstance().removeFrameCallback(this)
+            isAwake = false
         }
+
+    /** Whether a frame of the display is waited for. */
+    internal var isAwake = false
+        private set
+
+    private fun wake() {
+        if (!running || isAwake) return
+        isAwake = true
+        Choreographer.getInstance().postFrameCallback(this)
+    }
 
     private var drawnOn: Surface? = null // while there is one
     private var size = Size(0, 0) // of the surface
@@ -72,9 +87,8 @@ class SceneSurface(context: Context, attributes: AttributeSet?) :
     }
 
     override fun doFrame(nanoseconds: Long) {
-        if (!running) return
-        session?.frame(nanoseconds)
-        Choreographer.getInstance().postFrameCallback(this)
+        isAwake = false
+        if (session?.frame(nanoseconds) == true) wake()
     }
 
     override fun performClick(): Boolean {

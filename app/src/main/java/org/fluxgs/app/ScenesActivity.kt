@@ -41,6 +41,9 @@ class ScenesActivity : Activity() {
         findViewById<View>(R.id.open).setOnClickListener { pick() }
         findViewById<View>(R.id.benchmark).setOnClickListener { benchmark() }
         findViewById<TextView>(R.id.version).text = versionText()
+        if (state == null) Background.start {
+            UriPermissions.releaseAllBut(applicationContext, recents.all().map { it.uri }.toSet())
+        }
         if (!hasOpenGl()) findViewById<View>(R.id.problem).visibility = View.VISIBLE
     }
 
@@ -107,13 +110,7 @@ class ScenesActivity : Activity() {
 
     private fun forget(recent: Recent) {
         Background.start { recents.forget(recent.uri) }
-        try {
-            contentResolver.releasePersistableUriPermission(
-                recent.uri, Intent.FLAG_GRANT_READ_URI_PERMISSION,
-            )
-        } catch (_: SecurityException) {
-            // There was none: it came from "open with"
-        }
+        UriPermissions.release(this, recent.uri)
         load()
     }
 
@@ -134,13 +131,7 @@ class ScenesActivity : Activity() {
     override fun onActivityResult(request: Int, result: Int, data: Intent?) {
         val uri = data?.data
         if (request != PICK || result != RESULT_OK || uri == null) return
-        try {
-            contentResolver.takePersistableUriPermission(
-                uri, Intent.FLAG_GRANT_READ_URI_PERMISSION,
-            )
-        } catch (_: SecurityException) {
-            // Not every provider lets it be kept; it can be read now
-        }
+        UriPermissions.keep(this, uri)
         open(uri)
     }
 

@@ -43,7 +43,6 @@ data class SessionState(
     val contexts: Int,
     val dropped: Long,
     val firstFrameMs: Double,
-    val driver: JSONObject?,
     val stats: Stats,
 ) {
     companion object {
@@ -60,7 +59,7 @@ data class SessionState(
                 json.getBoolean("hasScene"), json.getBoolean("drawn"), json.getLong("shown"),
                 json.getBoolean("flipped"),
                 json.getString("error"), json.getInt("contexts"), json.getLong("dropped"),
-                json.getDouble("firstFrameMs"), json.optJSONObject("driver"),
+                json.getDouble("firstFrameMs"),
                 Stats(
                     stats.getDouble("fps"), stats.getDouble("frameMs"), stats.getDouble("sortMs"),
                     stats.getLong("drawn"), stats.getLong("shown"), stats.getLong("splats"),
@@ -72,12 +71,22 @@ data class SessionState(
     }
 }
 
-/** Owns a native session. For the main thread; does nothing once it is closed. */
+/** Owns a native session. For the main thread, but for [picture]; does nothing once it is closed. */
 class Session : AutoCloseable {
+    @Volatile
     private var handle = Native.create()
+
+    /** Called when there may be frames to draw again, after [frame] has said that none are wanted. */
+    var onChange: () -> Unit = {}
 
     private inline fun call(work: (Long) -> Unit) {
         if (handle != 0L) work(handle)
+    }
+
+    /** What may change the picture. */
+    private inline fun change(work: (Long) -> Unit) = call {
+        work(it)
+        onChange()
     }
 
     override fun close() {
@@ -85,59 +94,76 @@ class Session : AutoCloseable {
         handle = 0
     }
 
-    fun surfaceCreated(surface: Surface) = call { Native.surfaceCreated(it, surface) }
+    fun surfaceCreated(surface: Surface) = change { Native.surfaceCreated(it, surface) }
 
     fun surfaceChanged(width: Int, height: Int, density: Float) =
-        call { Native.surfaceChanged(it, width, height, density) }
+        change { Native.surfaceChanged(it, width, height, density) }
 
     fun surfaceDestroyed() = call { Native.surfaceDestroyed(it) }
 
     /** Takes over the descriptor. Returns a number by which the scene is known once it is shown. */
-    fun load(descriptor: Int, name: String, bytes: Long, memory: Long, place: DoubleArray?): Long =
-        if (handle != 0L) Native.load(handle, descriptor, name, bytes, memory, place) else 0
+    fun load(descriptor: Int, name: String, bytes: Long, memory: Long, place: DoubleArray?): Long {
+        var number = 0L
+        change { number = Native.load(it, descriptor, name, bytes, memory, place) }
+        return number
+    }
 
     fun cancelLoading() = call { Native.cancelLoading(it) }
 
-    fun frame(nanoseconds: Long) = call { Native.frame(it, nanoseconds) }
+    /** Whether others are wanted. */
+    fun frame(nanoseconds: Long) = handle != 0L && Native.frame(handle, nanoseconds)
 
     fun touch(phase: Int, changed: Int, ids: IntArray, positions: FloatArray, milliseconds: Long) =
-        call { Native.touch(it, phase, changed, ids, positions, milliseconds) }
+        change { Native.touch(it, phase, changed, ids, positions, milliseconds) }
 
     /** A quaternion: device to world, as the rotation sensor gives it. */
-    fun turn(rotation: FloatArray, screenTurns: Int, nanoseconds: Long) = call {
+    fun turn(rotation: FloatArray, screenTurns: Int, nanoseconds: Long) = change {
         Native.turn(
             it, rotation[0], rotation[1], rotation[2], rotation[3], screenTurns, nanoseconds,
         )
     }
 
-    fun set(settings: Settings, gyroscope: Boolean, frameSeconds: Float, memory: Long) = call {
+    fun set(settings: Settings, gyroscope: Boolean, frameSeconds: Float, memory: Long) = change {
         Native.set(
             it, settings.scale, settings.sorter, settings.shDegree, settings.mostSplats,
-            gyroscope, frameSeconds, memory,
+            gyroscope, settings.hud, frameSeconds, memory,
         )
     }
 
     fun setHeat(status: Int, headroom: Float) = call { Native.setHeat(it, status, headroom) }
 
-    fun flipUp() = call { Native.flipUp(it) }
+    fun flipUp() = change { Native.flipUp(it) }
 
-    fun resetView() = call { Native.resetView(it) }
+    fun resetView() = change { Native.resetView(it) }
 
-    fun freeGraphics() = call { Native.freeGraphics(it) }
+    fun freeGraphics() = change { Native.freeGraphics(it) }
 
-    fun loseContext() = call { Native.loseContext(it) }
+    fun loseContext() = change { Native.loseContext(it) }
 
     fun state(): SessionState? = if (handle != 0L) SessionState.of(Native.state(handle)) else null
 
     fun place(): DoubleArray? = if (handle != 0L) Native.place(handle) else null
 
-    /** Waits for the drawing thread: not in every frame. */
-    fun picture(): Bitmap? {
-        if (handle == 0L) return null
-        val values = Native.picture(handle) ?: return null
+    /**
+     * Waits for the drawing thread: not for the main one. [longest]: of its sides, 0 for all of it; null
+     * where it is not [of] the scene with this number (0: any).
+     */
+    fun picture(longest: Int = 0, of: Long = 0): Bitmap? {
+        val session = handle
+        if (session == 0L) return null
+        val values = try {
+            Native.picture(session, longest, of)
+        } catch (_: IllegalStateException) {
+            null // closed meanwhile
+        } ?: return null
         return Bitmap.createBitmap(
             values, 2, values[0], values[0], values[1], Bitmap.Config.ARGB_8888,
         )
+    }
+
+    fun driver(): JSONObject? {
+        val text = if (handle != 0L) Native.driver(handle) else ""
+        return if (text.isEmpty()) null else JSONObject(text)
     }
 
     fun startBenchmark(plan: BenchmarkPlan) = call {

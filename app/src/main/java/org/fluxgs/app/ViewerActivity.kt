@@ -12,7 +12,6 @@ import android.os.Looper
 import android.os.Parcelable
 import android.os.SystemClock
 import android.view.View
-import android.view.WindowManager
 import android.widget.ImageButton
 import android.widget.TextView
 import android.widget.Toast
@@ -41,6 +40,8 @@ class ViewerActivity : Activity() {
     private var memoryAskedAt = 0L
     private var appliedFrameSeconds = 0f
     private var measuring = false // the benchmark has the device for itself
+    private var looksAround = false // by the gyroscope
+    private var touchedAt = 0L
     private val main = Handler(Looper.getMainLooper())
 
     private val look = object : Runnable {
@@ -53,7 +54,6 @@ class ViewerActivity : Activity() {
     override fun onCreate(state: Bundle?) {
         super.onCreate(state)
         setContentView(R.layout.viewer)
-        window.addFlags(WindowManager.LayoutParams.FLAG_KEEP_SCREEN_ON)
         Insets.immersive(window)
         Insets.pad(findViewById(R.id.controls))
         recents = Recents(this)
@@ -70,11 +70,12 @@ class ViewerActivity : Activity() {
         apply(settings)
         val wanted = state?.getString(SCENE)?.let { Uri.parse(it) } ?: uriOf(intent)
         uri = wanted ?: Scene.SAMPLE
+        if (state == null) UriPermissions.keep(this, uri)
         if (wanted == null && intent.action == Intent.ACTION_SEND)
             loadingView.failed(getString(R.string.nothing_shared))
         else begin(state?.getDoubleArray(PLACE))
         if (state?.getBoolean(BARE) == true) toggleControls()
-        if (state?.getBoolean(GYROSCOPE) == true) toggleGyroscope()
+        if (state?.getBoolean(GYROSCOPE) == true) lookAround(true)
     }
 
     /** Another scene is opened while one is looked at. */
@@ -83,6 +84,7 @@ class ViewerActivity : Activity() {
         val other = uriOf(intent) ?: return
         remember()
         setIntent(intent)
+        UriPermissions.keep(this, other)
         uri = other
         begin(null)
     }
@@ -117,7 +119,7 @@ class ViewerActivity : Activity() {
                 place ?: last.get(),
             )
             opened[number] = Opened(wanted, name, bytes, number)
-        }, { message -> loadingView.failed(message) }, last)
+        }, { message -> loadingView.failed(message) }, { loadingView.slow() }, last)
         opening?.start()
     }
 
@@ -163,7 +165,19 @@ class ViewerActivity : Activity() {
         if (state.drawn && state.shown != shown?.number) opened[state.shown]?.let { appeared(it, state) }
         val hud = findViewById<TextView>(R.id.hud)
         hud.visibility = if (settings.hud && state.drawn) View.VISIBLE else View.GONE
-        if (settings.hud) hud.text = Hud.text(resources, state.stats, heat)
+        if (settings.hud) Hud.show(hud, state.stats, heat)
+        stayAwake()
+    }
+
+    /** The screen stays on for who looks at something, and not all night for who has gone to bed. */
+    private fun stayAwake() {
+        val touched = SystemClock.elapsedRealtime() - touchedAt < AWAKE_MS
+        surface.keepScreenOn = looksAround || loadingView.isBusy || touched
+    }
+
+    override fun onUserInteraction() {
+        super.onUserInteraction()
+        touchedAt = SystemClock.elapsedRealtime()
     }
 
     /** Perhaps not the one that is wanted: another may have been asked for, or Cancel come too late. */
@@ -178,19 +192,18 @@ class ViewerActivity : Activity() {
 
     private fun tellOfDropped(state: SessionState) {
         if (state.dropped == 0L) return
-        val text = getString(R.string.dropped, Texts.count(state.dropped))
-        Toast.makeText(this, text, Toast.LENGTH_LONG).show()
+        say(getString(R.string.dropped, Texts.count(state.dropped)))
     }
 
     private fun remember() {
         val scene = shown ?: return
+        val session = session
         val place = session.place()
-        val picture = session.picture() ?: return
         val state = session.state() ?: return
         if (!state.drawn || state.shown != scene.number) return
-        val splats = state.stats.splats
         Background.start {
-            recents.remember(scene.uri, scene.name, scene.bytes, splats, place, picture)
+            val picture = session.picture(Recents.THUMBNAIL, scene.number)
+            recents.remember(scene.uri, scene.name, scene.bytes, state.stats.splats, place, picture)
         }
     }
 
@@ -203,7 +216,7 @@ class ViewerActivity : Activity() {
         button(R.id.screenshot) { takeScreenshot() }
         button(R.id.options) { showSettings() }
         button(R.id.measure) { measure() }
-        button(R.id.gyroscope) { toggleGyroscope() }
+        button(R.id.gyroscope) { lookAround(!looksAround) }
         if (!gyroscope.isThere) findViewById<View>(R.id.gyroscope).visibility = View.GONE
     }
 
@@ -218,11 +231,12 @@ class ViewerActivity : Activity() {
         controls.visibility = if (controls.visibility == View.VISIBLE) View.GONE else View.VISIBLE
     }
 
-    private fun toggleGyroscope() {
-        gyroscope.on = !gyroscope.on
+    private fun lookAround(on: Boolean) {
+        looksAround = on
+        gyroscope.on = on
         val button = findViewById<View>(R.id.gyroscope)
-        button.isActivated = gyroscope.on
-        button.isSelected = gyroscope.on // which is read out
+        button.isActivated = on
+        button.isSelected = on // which is read out
         apply(settings)
     }
 
@@ -233,7 +247,7 @@ class ViewerActivity : Activity() {
     private fun apply(changed: Settings) {
         settings = changed
         appliedFrameSeconds = frameSeconds()
-        session.set(changed, gyroscope.on, appliedFrameSeconds, memory)
+        session.set(changed, looksAround, appliedFrameSeconds, memory)
     }
 
     private fun frameSeconds(): Float {
@@ -243,33 +257,32 @@ class ViewerActivity : Activity() {
     }
 
     private fun takeScreenshot() {
-        val picture = session.picture()
-        val scene = shown?.name
-        if (picture == null || scene == null) {
-            Toast.makeText(this, R.string.screenshot_of_nothing, Toast.LENGTH_SHORT).show()
-            return
-        }
+        val session = session
+        val scene = shown?.name ?: return say(getString(R.string.screenshot_of_nothing))
         Background.start {
             try {
-                val saved = Gallery.save(applicationContext, picture, scene)
-                runOnUiThread { tellOfSaved(saved) }
+                val saved = session.picture()?.let { Gallery.save(applicationContext, it, scene) }
+                runOnUiThread {
+                    if (saved != null) tellOfSaved(saved)
+                    else say(getString(R.string.screenshot_of_nothing))
+                }
             } catch (problem: IOException) {
-                val text = getString(R.string.screenshot_failed, problem.message)
-                runOnUiThread { Toast.makeText(this, text, Toast.LENGTH_LONG).show() }
+                runOnUiThread { say(getString(R.string.screenshot_failed, problem.message)) }
             }
         }
     }
 
+    private fun say(text: String) = Toast.makeText(this, text, Toast.LENGTH_LONG).show()
+
     private fun tellOfSaved(picture: Uri) {
         if (Build.VERSION.SDK_INT >= 29)
-            Toast.makeText(this, R.string.screenshot_saved, Toast.LENGTH_SHORT).show()
+            say(getString(R.string.screenshot_saved))
         else if (!isDestroyed) startActivity(SharedFiles.send(this, picture, "image/png"))
     }
 
     private fun measure() {
         if (shown?.uri != uri) {
-            Toast.makeText(this, R.string.nothing_to_measure, Toast.LENGTH_SHORT).show()
-            return
+            return say(getString(R.string.nothing_to_measure))
         }
         val intent = Intent(this, BenchmarkActivity::class.java)
             .setData(uri)
@@ -278,7 +291,7 @@ class ViewerActivity : Activity() {
             startActivity(intent)
             measuring = true
         } catch (_: SecurityException) { // the permission has ended since the scene was opened
-            Toast.makeText(this, R.string.scene_forbidden, Toast.LENGTH_LONG).show()
+            say(getString(R.string.scene_forbidden))
         }
     }
 
@@ -290,6 +303,7 @@ class ViewerActivity : Activity() {
         if (measuring) begin(null)
         measuring = false
         surface.running = true
+        touchedAt = SystemClock.elapsedRealtime()
         look.run()
     }
 
@@ -306,7 +320,7 @@ class ViewerActivity : Activity() {
     override fun onResume() {
         super.onResume()
         Insets.immersive(window)
-        if (findViewById<View>(R.id.gyroscope).isActivated) gyroscope.on = true
+        gyroscope.on = looksAround
     }
 
     override fun onPause() {
@@ -320,7 +334,7 @@ class ViewerActivity : Activity() {
         if (opening != null) state.putString(SCENE, uri.toString())
         if (shown?.uri == uri) session.place()?.let { state.putDoubleArray(PLACE, it) }
         state.putBoolean(BARE, findViewById<View>(R.id.controls).visibility != View.VISIBLE)
-        state.putBoolean(GYROSCOPE, findViewById<View>(R.id.gyroscope).isActivated)
+        state.putBoolean(GYROSCOPE, looksAround)
     }
 
     /** Nobody sees the scene: what it is drawn with is made again afterwards. */
@@ -365,6 +379,7 @@ class ViewerActivity : Activity() {
         private const val PLACE = "place"
         private const val BARE = "bare"
         private const val GYROSCOPE = "gyroscope"
+        const val AWAKE_MS = 5 * 60_000L
         private const val ASK_MEMORY_EVERY_MS = 5_000L
         private const val WAIT_FOR_MEMORY_MS = 25_000L // what was let go of has an effect by then
     }

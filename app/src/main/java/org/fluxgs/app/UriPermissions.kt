@@ -1,0 +1,34 @@
+package org.fluxgs.app
+
+import android.content.ContentResolver
+import android.content.Context
+import android.content.Intent
+import android.net.Uri
+
+/** Scenes of other apps can be opened again later where those apps allow it. */
+internal object UriPermissions {
+    private const val READ = Intent.FLAG_GRANT_READ_URI_PERMISSION
+
+    /** Where it is offered: by the file picker always, by "open with" and "share" seldom. */
+    fun keep(context: Context, uri: Uri) {
+        if (uri.scheme != ContentResolver.SCHEME_CONTENT) return
+        try {
+            context.contentResolver.takePersistableUriPermission(uri, READ)
+        } catch (_: SecurityException) {
+            // Not every provider lets it be kept; it can be read now
+        }
+    }
+
+    fun release(context: Context, uri: Uri) {
+        try {
+            context.contentResolver.releasePersistableUriPermission(uri, READ)
+        } catch (_: SecurityException) {
+            // There was none
+        }
+    }
+
+    /** An app may keep a few hundred only: those of scenes that are in no list are let go of. */
+    fun releaseAllBut(context: Context, wanted: Set<Uri>) =
+        context.contentResolver.persistedUriPermissions.map { it.uri }.filter { it !in wanted }
+            .forEach { release(context, it) }
+}
