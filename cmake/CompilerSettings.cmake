@@ -1,6 +1,7 @@
 # Warnings, sanitizers, clang-tidy and ccache, the same for every target of the project.
 option(FLUXGS_SANITIZE "Build with AddressSanitizer and UndefinedBehaviorSanitizer" OFF)
 option(FLUXGS_FUZZ "Build the fuzz targets (clang), with the sanitizers" OFF)
+option(FLUXGS_WARNINGS_AS_ERRORS "Off for compilers that we have not tried" ON)
 option(FLUXGS_TIDY "Run clang-tidy on every file while compiling" OFF)
 
 find_program(CCACHE_PROGRAM ccache)
@@ -16,7 +17,8 @@ endif()
 # compiled with our warnings.
 add_library(fluxgs_settings INTERFACE)
 target_compile_options(fluxgs_settings INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wcast-qual -Werror
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wcast-qual
+  $<$<BOOL:${FLUXGS_WARNINGS_AS_ERRORS}>:-Werror>
   -ffp-contract=off)  # The same results from every compiler: products are fused only where written
 
 if(FLUXGS_SANITIZE)

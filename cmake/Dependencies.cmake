@@ -1,5 +1,7 @@
 # Every third-party library: the installed package where there is one (tools/setup installs them),
-# otherwise the pinned source release.
+# otherwise the pinned source release. Those that a phone gets are the releases of Debian 12, with
+# which the tests run (tools/android/sources); libwebp and libzip are newer, as Debian mends the old
+# ones itself.
 include(FetchContent)
 
 # What is installed is of this machine: phones get what is fetched, and so do libraries that look for
@@ -54,18 +56,18 @@ if(FLUXGS_PHONE)
 endif()
 
 set(_github https://github.com)
-fluxgs_dependency(glm ${_github}/g-truc/glm 1.0.1)
-fluxgs_dependency(fmt ${_github}/fmtlib/fmt 10.2.1)
-fluxgs_dependency(nlohmann_json ${_github}/nlohmann/json v3.11.3)
-fluxgs_dependency(TinyGLTF ${_github}/syoyo/tinygltf v2.9.3)
+fluxgs_dependency(glm ${_github}/g-truc/glm 0.9.9.8)
+fluxgs_dependency(fmt ${_github}/fmtlib/fmt 9.1.0)
+fluxgs_dependency(nlohmann_json ${_github}/nlohmann/json v3.11.2)
+fluxgs_dependency(TinyGLTF ${_github}/syoyo/tinygltf v2.7.0)
 fluxgs_dependency(Eigen3 https://gitlab.com/libeigen/eigen 3.4.0)
 # zstd keeps its CMake project in a sub-folder
 fluxgs_package_choice()
-FetchContent_Declare(zstd GIT_REPOSITORY ${_github}/facebook/zstd GIT_TAG v1.5.6 GIT_SHALLOW ON SYSTEM
+FetchContent_Declare(zstd GIT_REPOSITORY ${_github}/facebook/zstd GIT_TAG v1.5.4 GIT_SHALLOW ON SYSTEM
                      SOURCE_SUBDIR build/cmake ${_choice})
 FetchContent_MakeAvailable(zstd)
-fluxgs_dependency(draco ${_github}/google/draco 1.5.7)
-fluxgs_dependency(WebP ${_github}/webmproject/libwebp v1.4.0)
+fluxgs_dependency(draco ${_github}/google/draco 1.5.5)
+fluxgs_dependency(WebP ${_github}/webmproject/libwebp v1.5.0)
 fluxgs_dependency(libzip ${_github}/nih-at/libzip v1.10.1)
 # Every system has it, phones too; fetched, its target would clash with the copy inside a fetched
 # OpenCV

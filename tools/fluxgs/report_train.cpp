@@ -72,28 +72,36 @@ Expected<void> write_text(const fs::path& path, const std::string& text) {
   return write_file_atomic(path, std::as_bytes(std::span(text)));
 }
 
-/// Pictures of each group that has a number to show.
-Expected<void> write_pictures(const TrainReport& s, const SweepTable& table) {
+/// Pictures of each group that has a number to show. Returns their names.
+Expected<std::vector<std::string>> write_pictures(const TrainReport& s, const SweepTable& table) {
+  std::vector<std::string> names;
   if (!find_program("gnuplot")) {
     spdlog::warn("warning: no pictures: gnuplot is not installed (tools/setup has it)");
-    return {};
+    return names;
   }
   const auto draw = [&](const std::string& name, const Plot& plot) -> Expected<void> {
     if (plot.series.empty()) return {};
-    return write_plot((fs::path(s.out) / (name + ".png")).string(), plot);
+    names.push_back(name + ".png");
+    return write_plot((fs::path(s.out) / names.back()).string(), plot);
   };
   for (const SweepGroup& group : sweep_groups()) {
-    if (auto drawn = draw(group.name, sweep_plot(table, group)); !drawn) return drawn;
-    if (auto drawn = draw(group.name + "-curves", sweep_curves(table, group)); !drawn) return drawn;
+    if (auto drawn = draw(group.name, sweep_plot(table, group)); !drawn)
+      return std::unexpected(drawn.error());
+    if (auto drawn = draw(group.name + "-curves", sweep_curves(table, group)); !drawn)
+      return std::unexpected(drawn.error());
   }
-  return {};
+  return names;
 }
 
 Expected<void> write_results(const TrainReport& s, const SweepTable& table) {
   const fs::path out = s.out;
-  if (auto ok = write_text(out / "report.md", sweep_markdown(table)); !ok) return ok;
+  // Pictures that cannot be drawn do not cost the numbers
+  const auto pictures = write_pictures(s, table);
+  const std::vector<std::string> shown = pictures.value_or(std::vector<std::string>{});
+  if (auto ok = write_text(out / "report.md", sweep_markdown(table, shown)); !ok) return ok;
   if (auto ok = write_json((out / "report.json").string(), sweep_json(table)); !ok) return ok;
-  return write_pictures(s, table);
+  if (!pictures) return std::unexpected(pictures.error());
+  return {};
 }
 
 /// The first failure stands for all where nothing succeeded.

@@ -130,7 +130,8 @@ std::string group_table(const SweepTable& t, const SweepGroup& group, const Stat
   return text + "\n";
 }
 
-std::string group_section(const SweepTable& t, const SweepGroup& group) {
+std::string group_section(const SweepTable& t, const SweepGroup& group,
+                          std::span<const std::string> pictures) {
   std::string text = fmt::format("## {}\n\n", group.title);
   const bool several = t.scenes.size() > 1;
   if (several) {
@@ -145,7 +146,15 @@ std::string group_section(const SweepTable& t, const SweepGroup& group) {
         t, group, [&](std::size_t row, const char* key) { return over_seeds(t, scene, row, key); },
         scene, scene + 1);
   }
-  return text;
+  bool shows = false;
+  for (const std::string& picture : pictures) {
+    if (picture != fmt::format("{}.png", group.name) &&
+        picture != fmt::format("{}-curves.png", group.name))
+      continue;
+    text += fmt::format("{}![{}]({})", shows ? " " : "", group.title, picture);
+    shows = true;
+  }
+  return shows ? text + "\n\n" : text;
 }
 
 /// Failures and what is missing, the same of several runs in one line.
@@ -205,7 +214,7 @@ json sweep_json(const SweepTable& t) {
           {"notes", notes_of(t)}};
 }
 
-std::string sweep_markdown(const SweepTable& t) {
+std::string sweep_markdown(const SweepTable& t, std::span<const std::string> pictures) {
   std::string text = fmt::format(
       "# Ablation\n\nMean ± standard deviation over {} seeds, on photos that the training did not "
       "see. \"compact\" is the scene as its compact .glb stores it; 1 MB = 10⁶ bytes; time is that "
@@ -216,7 +225,7 @@ std::string sweep_markdown(const SweepTable& t) {
                         &s == &t.scenes.back() ? ".\n\n" : ",");
   for (const SweepGroup& group : sweep_groups())
     if (std::ranges::any_of(t.rows, [&](const SweepRow& r) { return r.group == group.name; }))
-      text += group_section(t, group);
+      text += group_section(t, group, pictures);
   const std::vector<std::string> notes = notes_of(t);
   if (!notes.empty()) text += "## Notes\n\n";
   for (const std::string& note : notes) text += fmt::format("- {}\n", cell(note));

@@ -37,6 +37,7 @@ using test::quoted;
 using test::text_of;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 
 /// A tiny capture in a folder of its own, kept for the whole program.
 const fs::path& capture_folder() {
@@ -138,6 +139,14 @@ TEST(SweepTable, SaysOfHowManyRunsANumberIs) {
   outcomes[1].values["stored_flip"] = 0.05;
   EXPECT_THAT(sweep_markdown(table_of(outcomes)),
               HasSubstr("| flux | 31.00 ± 1.41 | 0.0500 (1) | 1000 ± 0 | 2 |\n"));
+}
+
+TEST(SweepTable, MarkdownShowsThePicturesOfItsGroups) {
+  const std::string pictures[] = {"presets.png", "presets-curves.png", "parts.png"};
+  const std::string text = sweep_markdown(table_of({finished(30), finished(32)}), pictures);
+  EXPECT_THAT(text, HasSubstr("](presets.png) !["));
+  EXPECT_THAT(text, HasSubstr("](presets-curves.png)\n"));
+  EXPECT_THAT(text, Not(HasSubstr("parts.png"))) << "of a group that is not there";
 }
 
 TEST(SweepTable, PicturesHaveAPointARowAndBars) {
