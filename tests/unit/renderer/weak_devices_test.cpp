@@ -5,6 +5,7 @@
 #include <cstring>
 #include <map>
 #include <string>
+#include <utility>
 
 #include "picture_fixture.h"
 #include "render/vertex_source.h"
@@ -154,6 +155,49 @@ TEST_P(WeakDevicesTest, WithHalfFloatTargetsOnlyLayersAreBlendedInThose) {
     const Difference d = compare(must(renderer().read(target)), reference, bytes);
     print(bytes ? "half-float targets only, RGBA8" : "half-float targets only, RGBA16F", d);
     EXPECT_GE(d.psnr, bytes ? 45 : 50);
+  }
+}
+
+void GL_APIENTRY disjoint_clock(GLenum name, GLint* value) {
+  if (name == GL_GPU_DISJOINT_EXT)
+    *value = GL_TRUE;
+  else
+    driver_get_integer(name, value);
+}
+
+TEST_P(WeakDevicesTest, TimesOfAClockThatWasSetAnewAreLeftOut) {
+  if (!api().capabilities.is_es || !api().capabilities.timestamps) GTEST_SKIP();
+  const auto timed = must(render::Renderer::create(api(), {.timestamps = true}));
+  must(timed->upload(random_cloud(10, 0, 43)));
+  const RenderTarget target = must(RenderTarget::create(api(), 8, 8, TargetFormat::rgba8));
+  must(timed->draw(front_camera(8, 8, 2), {}, target));
+  EXPECT_TRUE(must(timed->stats()).stages);
+  driver_get_integer = std::exchange(api().GetIntegerv, disjoint_clock);
+  const auto stats = timed->stats();
+  api().GetIntegerv = driver_get_integer;
+  EXPECT_EQ(must(stats).drawn, 10U);
+  EXPECT_FALSE(must(stats).stages);
+}
+
+GLint claimed_bits = 0;
+void GL_APIENTRY claimed_query(GLenum, GLenum name, GLint* value) {
+  if (name == GL_QUERY_COUNTER_BITS_EXT) *value = claimed_bits;
+}
+
+TEST_P(WeakDevicesTest, AClockWithoutDigitsIsNone) {
+  if (!api().capabilities.timestamps) GTEST_SKIP();
+  auto all = functions();
+  for (const char* suffix : {"", "EXT"}) {
+    all[std::string("glQueryCounter") + suffix] = reinterpret_cast<void*>(api().QueryCounter);
+    all[std::string("glGetQueryObjectui64v") + suffix] =
+        reinterpret_cast<void*>(api().GetQueryObjectui64v);
+    all[std::string("glGetQueryiv") + suffix] = reinterpret_cast<void*>(claimed_query);
+  }
+  for (const GLint bits : {0, 36}) {
+    claimed_bits = bits;
+    const auto loaded = gl::load_api([&](const char* name) { return all[name]; });
+    ASSERT_TRUE(loaded);
+    EXPECT_EQ((*loaded)->capabilities.timestamps, bits > 0);
   }
 }
 
