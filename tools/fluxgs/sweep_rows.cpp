@@ -144,8 +144,8 @@ std::vector<SweepRow> all_sweep_rows() {
   add_scores(rows);
   add_values(rows, "cameras", "--cameras", {2, 4, 6, 8, 10, 12});
   add_values(rows, "quantile-plus", "--quantile-plus", {0.4, 0.5, 0.6, 0.7, 0.8, 0.9});
-  // Of the prunings that look at it. The one in between takes splats too faint to be in any picture,
-  // which therefore have no score: only the late one makes a difference
+  // Of the prunings that look at it. The one in between takes splats too faint to be in any
+  // picture, which therefore have no score: only the late one makes a difference
   add_values(rows, "quantile-minus", "--quantile-minus", {0.01, 0.1, 0.3, 0.5, 0.7, 0.9},
              {"--prune", "multiview", "--late-prune", "opacity"});
   add_values(rows, "size", "--densify-gradient", {1e-4, 2e-4, 3e-4, 4.5e-4, 6e-4, 9e-4});
