@@ -146,15 +146,13 @@ std::string group_section(const SweepTable& t, const SweepGroup& group,
         t, group, [&](std::size_t row, const char* key) { return over_seeds(t, scene, row, key); },
         scene, scene + 1);
   }
-  bool shows = false;
-  for (const std::string& picture : pictures) {
-    if (picture != fmt::format("{}.png", group.name) &&
-        picture != fmt::format("{}-curves.png", group.name))
-      continue;
-    text += fmt::format("{}![{}]({})", shows ? " " : "", group.title, picture);
-    shows = true;
+  std::vector<std::string> shown;
+  for (const char* kind : {"", "-curves"}) {
+    const std::string picture = fmt::format("{}{}.png", group.name, kind);
+    if (std::ranges::find(pictures, picture) != pictures.end())
+      shown.push_back(fmt::format("![{}]({})", group.title, picture));
   }
-  return shows ? text + "\n\n" : text;
+  return shown.empty() ? text : text + fmt::format("{}\n\n", fmt::join(shown, " "));
 }
 
 /// Failures and what is missing, the same of several runs in one line.

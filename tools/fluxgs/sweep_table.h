@@ -65,8 +65,8 @@ Statistic over_scenes(const SweepTable& table, std::size_t row, const char* key)
 nlohmann::json sweep_json(const SweepTable& table);
 
 /// A table for every group and scene, one for the mean of several scenes, and notes on what is
-/// missing or failed. `pictures` are shown with their groups: files GROUP.png or GROUP-….png beside
-/// the text.
+/// missing or failed. `pictures` are shown with their groups: files GROUP.png and GROUP-curves.png
+/// beside the text.
 std::string sweep_markdown(const SweepTable& table, std::span<const std::string> pictures = {});
 
 }  // namespace fluxgs::cli

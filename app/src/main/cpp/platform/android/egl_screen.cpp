@@ -23,8 +23,13 @@ std::string hexadecimal(EGLint error) {
   return text;
 }
 
-std::unexpected<Error> egl_failure(const char* what) {
-  return fail("EGL", what, "failed with error " + hexadecimal(eglGetError()));
+std::unexpected<Error> egl_failure(const char* what, EGLint error = eglGetError()) {
+  return fail("EGL", what, "failed with error " + hexadecimal(error));
+}
+
+/// surface_destroyed() is on its way.
+bool window_is_going(EGLint error) {
+  return error == EGL_BAD_SURFACE || error == EGL_BAD_NATIVE_WINDOW;
 }
 
 /// Drivers need not return functions of the core API from eglGetProcAddress() before EGL 1.5.
@@ -34,6 +39,8 @@ void* function(const char* name) {
     if (void* found = dlsym(library, name)) return found;
   return reinterpret_cast<void*>(eglGetProcAddress(name));
 }
+
+constexpr const char* kCreateSurface = "eglCreateWindowSurface";
 
 class EglScreen final : public viewer::Screen {
  public:
@@ -47,8 +54,7 @@ class EglScreen final : public viewer::Screen {
     drop_context();
     if (auto opened = open_display(); !opened) return std::unexpected(opened.error());
     if (auto made = create_context(); !made) return std::unexpected(made.error());
-    if (window_ != nullptr)
-      if (auto surface = create_surface(); !surface) return std::unexpected(surface.error());
+    if (window_ != nullptr && !create_surface()) return egl_failure(kCreateSurface);
     if (auto current = make_current(); !current) return std::unexpected(current.error());
     auto api = gl::load_api(function);
     if (!api) return std::unexpected(api.error());
@@ -62,7 +68,7 @@ class EglScreen final : public viewer::Screen {
     window_ = static_cast<ANativeWindow*>(window);
     size_ = {};
     if (context_ == EGL_NO_CONTEXT || window_ == nullptr) return {};
-    if (auto surface = create_surface(); !surface) return surface;
+    if (!create_surface()) return egl_failure(kCreateSurface);
     return make_current();
   }
 
@@ -75,13 +81,13 @@ class EglScreen final : public viewer::Screen {
   Expected<void> present(const render::RenderTarget& target, int width, int height) override {
     if (window_surface_ == EGL_NO_SURFACE) return {};
     if (auto fits = fit_surface({width, height}); !fits) return fits;
+    if (window_surface_ == EGL_NO_SURFACE) return {};  // any more
     render::copy_to_window(*api_, target, width, height);
     if (eglSwapBuffers(display_, window_surface_) == EGL_TRUE) return {};
     const EGLint error = eglGetError();
     if (error == EGL_CONTEXT_LOST) api_->lost = true;
-    // The window is about to go: surface_destroyed() is on its way
-    if (error == EGL_BAD_SURFACE || error == EGL_BAD_NATIVE_WINDOW) return {};
-    return fail("EGL", "eglSwapBuffers", "failed with error " + hexadecimal(error));
+    if (window_is_going(error)) return {};
+    return egl_failure("eglSwapBuffers", error);
   }
 
  private:
@@ -96,8 +102,9 @@ class EglScreen final : public viewer::Screen {
     const Size before = std::exchange(size_, size);
     if (before == Size{} || before == size) return {};
     destroy_surface();
-    if (auto surface = create_surface(); !surface) return surface;
-    return make_current();
+    if (create_surface()) return make_current();
+    const EGLint error = eglGetError();
+    return window_is_going(error) ? Expected<void>{} : egl_failure(kCreateSurface, error);
   }
 
   Expected<void> open_display() {
@@ -162,13 +169,12 @@ class EglScreen final : public viewer::Screen {
     return {};
   }
 
-  Expected<void> create_surface() {
+  bool create_surface() {
     EGLint format = 0;
     eglGetConfigAttrib(display_, config_, EGL_NATIVE_VISUAL_ID, &format);
     ANativeWindow_setBuffersGeometry(window_, 0, 0, format);
     window_surface_ = eglCreateWindowSurface(display_, config_, window_, nullptr);
-    if (window_surface_ == EGL_NO_SURFACE) return egl_failure("eglCreateWindowSurface");
-    return {};
+    return window_surface_ != EGL_NO_SURFACE;
   }
 
   void destroy_surface() {
@@ -184,7 +190,7 @@ class EglScreen final : public viewer::Screen {
     if (eglMakeCurrent(display_, surface, surface, context_) == EGL_TRUE) return {};
     const EGLint error = eglGetError();
     if (error == EGL_CONTEXT_LOST && api_) api_->lost = true;
-    return fail("EGL", "eglMakeCurrent", "failed with error " + hexadecimal(error));
+    return egl_failure("eglMakeCurrent", error);
   }
 
   void drop_context() {

@@ -37,8 +37,8 @@ internal class SceneOpening(
     }
 
     fun cancel() {
-        over.set(true)
         main.removeCallbacks(slow) // which would keep the activity
+        if (over.getAndSet(true)) return // answered, or cancelled already
         thread(name = "scene-cancelling", isDaemon = true) { signal.cancel() } // the other app is told
     }
 
