@@ -293,6 +293,19 @@ TEST_P(SessionTest, GraphicsThatWereFreedAreMadeAgain) {
   EXPECT_EQ(session_->state().contexts, 1);
 }
 
+// The last frame of the display may be waiting still when the app is told to give back memory.
+TEST_P(SessionTest, FramesOfBeforeDoNotMakeFreedGraphicsAgain) {
+  ASSERT_TRUE(load(file_with_start()));
+  for (int i = 0; i < 20; ++i) {
+    session_->reset_view();
+    session_->frame(time_ += 1.0 / 60);
+    session_->free_graphics();
+    EXPECT_FALSE(session_->picture());
+    EXPECT_FALSE(session_->picture()) << "nor in the round after";
+  }
+  picture();  // there is one
+}
+
 // A shell that asked for several, and cancelled some, knows by the number which it sees.
 TEST_P(SessionTest, TheSceneThatIsShownIsKnownByItsNumber) {
   EXPECT_EQ(session_->state().shown, 0U);

@@ -76,18 +76,21 @@ void Session::run_tasks() {
   }
 }
 
+std::optional<double> Session::take_frame() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(frame_wanted_, std::nullopt);
+}
+
 void Session::run() {
   for (;;) {
-    std::optional<double> frame;
     {
       std::unique_lock lock(mutex_);
       changed_.wait(lock, [&] { return stops_ || !tasks_.empty() || frame_wanted_; });
       if (stops_ && tasks_.empty()) break;
-      frame = std::exchange(frame_wanted_, std::nullopt);
     }
     try {
       run_tasks();
-      if (frame) draw_frame(*frame);
+      if (const auto frame = take_frame()) draw_frame(*frame);
     } catch (const std::exception& problem) {  // of memory
       give_up({"viewer", "memory", problem.what()});
     }
@@ -173,6 +176,10 @@ void Session::reset_view() {
 }
 
 void Session::free_graphics() {
+  {
+    const std::lock_guard lock(mutex_);
+    frame_wanted_.reset();  // else one that was asked for before would make it all again
+  }
   post([this] { viewer_.close(); });
 }
 

@@ -105,6 +105,7 @@ class Session {
   void run();
   // On the drawing thread:
   void run_tasks();
+  std::optional<double> take_frame();
   void take_scene();
   Expected<void> make_ready();
   Expected<void> show_frame();
