@@ -13,7 +13,7 @@ import org.robolectric.annotation.GraphicsMode
 
 /** From nothing to the sample on the screen. In a Java machine of its own, that has loaded nothing yet. */
 @RunWith(RobolectricTestRunner::class)
-@Config(sdk = [35], qualifiers = "w640dp-h480dp-land-mdpi", shadows = [RealDescriptors::class])
+@Config(qualifiers = "w640dp-h480dp-land-mdpi", shadows = [RealDescriptors::class])
 @GraphicsMode(GraphicsMode.Mode.NATIVE)
 class FirstFrameTest {
     @Test

@@ -16,7 +16,7 @@ import org.robolectric.annotation.GraphicsMode
 
 /** The native functions turn away what is wrong with exceptions of Java. */
 @RunWith(RobolectricTestRunner::class)
-@Config(sdk = [35], shadows = [RealDescriptors::class])
+@Config(shadows = [RealDescriptors::class])
 @GraphicsMode(GraphicsMode.Mode.NATIVE)
 class NativeTest {
     private fun inSession(work: (Long) -> Unit) {

@@ -17,7 +17,7 @@ import org.robolectric.annotation.Config
 import org.robolectric.annotation.GraphicsMode
 
 @RunWith(RobolectricTestRunner::class)
-@Config(sdk = [35], qualifiers = "w640dp-h480dp-land-mdpi", shadows = [RealDescriptors::class])
+@Config(qualifiers = "w640dp-h480dp-land-mdpi", shadows = [RealDescriptors::class])
 @GraphicsMode(GraphicsMode.Mode.NATIVE)
 class OpeningTest : ViewerScreen() {
     @Test

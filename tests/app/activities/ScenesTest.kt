@@ -28,7 +28,7 @@ import org.robolectric.shadows.ShadowAlertDialog
 import org.robolectric.shadows.ShadowToast
 
 @RunWith(RobolectricTestRunner::class)
-@Config(sdk = [35], qualifiers = "w411dp-h731dp-port-hdpi", shadows = [RealDescriptors::class])
+@Config(qualifiers = "w411dp-h731dp-port-hdpi", shadows = [RealDescriptors::class])
 @GraphicsMode(GraphicsMode.Mode.NATIVE)
 class ScenesTest {
     private val context = RuntimeEnvironment.getApplication()
@@ -138,6 +138,7 @@ class ScenesTest {
         grid.onItemLongClickListener!!.onItemLongClick(grid, grid.getChildAt(1), 1, 1)
         pump()
         ShadowAlertDialog.getLatestAlertDialog().getButton(-1).performClick()
+        pump() // the dialog answers by a message
         listRead()
         assertEquals(1, grid.adapter.count)
         assertNull(Recents(context).find(uri))

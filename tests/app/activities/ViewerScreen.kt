@@ -59,17 +59,11 @@ abstract class ViewerScreen {
         return activity.text(R.id.loading_detail)
     }
 
-    /** When the picture does not change any more. */
+    /** Once no other frame is wanted. */
     protected fun settled(): Bitmap {
-        var last = session.picture()!!
-        until("the picture is still") {
-            repeat(5) { pump() }
-            val now = session.picture()!!
-            val still = now.sameAs(last)
-            last = now
-            still
-        }
-        return last
+        val surface = activity.view(R.id.surface) as SceneSurface
+        until("the picture is still") { !surface.isAwake }
+        return session.picture()!!
     }
 
     protected var touched = 0L
