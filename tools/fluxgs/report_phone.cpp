@@ -183,7 +183,8 @@ void add_report_phone(CLI::App& app, Action& action) {
   command->footer(
       "RESULT is what the app saves or shares as JSON. tools/phone-benchmark makes one of a\n"
       "device at hand. draw: one frame, already sorted; sort to photon: from a new view to its\n"
-      "finished picture; pipelined: frames one after the other. All are medians.\n"
+      "finished picture; pipelined: frames one after the other, their mean; the others are\n"
+      "medians.\n"
       "Example: fluxgs report phone garden.json --before last-week.json --scene garden.glb");
   command->add_option("result", s->result, "the app's result")->required();
   command->add_option("--before", s->before, "an earlier result of the same scene");

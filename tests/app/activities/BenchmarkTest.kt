@@ -170,6 +170,14 @@ class BenchmarkTest {
         assertNull("no whole run to compare with", BenchmarkHistory(context).before(finished()))
     }
 
+    @Test
+    fun whoLeavesItWhileItRunsIsToldAbout() {
+        start(intent("sizes" to "640x480", "frames" to "50"))
+        until("it runs", 100) { activity.text(R.id.status).contains("left") }
+        close()
+        assertTrue("failed" in ShadowLog.getLogsForTag(BenchmarkActivity.TAG).last().msg)
+    }
+
     /** A window of another app, or the system's, over this one or beside it. */
     @Test
     fun whatComesInFrontIsMarked() {

@@ -206,7 +206,7 @@ class OpeningTest : ViewerScreen() {
         press(R.id.loading_cancel)
         assertFalse(activity.isFinishing)
         activity.view(R.id.measure).performClick()
-        assertEquals(Scene.SAMPLE, shadowOf(activity).nextStartedActivity.data)
+        assertEquals(Scene.SAMPLE, started().data)
     }
 
     @Test

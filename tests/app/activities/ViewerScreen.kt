@@ -106,6 +106,16 @@ abstract class ViewerScreen {
         pump()
     }
 
+    /** The next activity that the one under test starts. */
+    protected fun started(): Intent {
+        var intent: Intent? = null
+        until("something is started") {
+            intent = shadowOf(activity).nextStartedActivity
+            intent != null
+        }
+        return intent!!
+    }
+
     protected fun memory(bytes: Long) {
         val info = android.app.ActivityManager.MemoryInfo().apply {
             availMem = bytes

@@ -203,10 +203,8 @@ class ViewerTest : ViewerScreen() {
 
     /** Android before 10 would ask for a permission. */
     private fun isShared(picture: Bitmap) {
-        var chooser: Intent? = null
-        until("it is offered") { shadowOf(activity).nextStartedActivity?.also { chooser = it } != null }
         @Suppress("DEPRECATION")
-        val send = chooser!!.getParcelableExtra<Intent>(Intent.EXTRA_INTENT)!!
+        val send = started().getParcelableExtra<Intent>(Intent.EXTRA_INTENT)!!
         assertEquals("image/png", send.type)
         @Suppress("DEPRECATION")
         val uri = send.getParcelableExtra<Uri>(Intent.EXTRA_STREAM)!!
@@ -221,14 +219,15 @@ class ViewerTest : ViewerScreen() {
         drag(320f to 240f, 400f to 260f)
         val before = settled()
         press(R.id.measure)
-        val next = shadowOf(activity).nextStartedActivity
+        val next = started()
         assertEquals(BenchmarkActivity::class.java.name, next.component!!.className)
         assertEquals(uri, next.data)
-        controller!!.pause().stop()
-        assertFalse(session.state()!!.hasScene)
-        controller!!.restart().start().resume()
+        assertFalse("before the benchmark asks how much is free", session.state()!!.hasScene)
+        controller!!.pause().stop().restart().start().resume()
         until("the scene is there again") { session.state()!!.drawn && !activity.isShown(R.id.loading) }
         assertTrue("from the same place", psnr(before, settled()) > 45)
+        controller!!.pause().stop()
+        assertTrue("it was looked at only", session.state()!!.hasScene)
     }
 
     /** The buttons need their own room only. */
@@ -307,6 +306,7 @@ class ViewerTest : ViewerScreen() {
         controller!!.pause().resume()
         turnsWithTheDevice("after a pause")
         press(R.id.measure)
+        started()
         controller!!.pause().stop().restart().start().resume()
         until("the scene is there again") { session.state()!!.drawn && !activity.isShown(R.id.loading) }
         turnsWithTheDevice("after the benchmark")

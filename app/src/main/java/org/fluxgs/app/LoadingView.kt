@@ -19,6 +19,7 @@ internal class LoadingView(
     private val retry = root.findViewById<Button>(R.id.loading_retry)
     private val leave = root.findViewById<Button>(R.id.loading_leave)
     private var problem: String? = null // of opening, which the session does not know of
+    private var asks = false // whoever keeps the scene; what the session says is of the one before
 
     init {
         cancel.setOnClickListener { onCancel() }
@@ -28,7 +29,13 @@ internal class LoadingView(
 
     fun opening() {
         problem = null
+        asks = true
         progress(root.context.getString(R.string.opening), "", -1)
+    }
+
+    /** The session has it. */
+    fun loads() {
+        asks = false
     }
 
     fun failed(message: String) {
@@ -46,6 +53,7 @@ internal class LoadingView(
 
     fun hide() {
         problem = null
+        asks = false
         root.visibility = View.GONE
     }
 
@@ -53,6 +61,7 @@ internal class LoadingView(
         val loading = state.loading
         when {
             problem != null -> tell(problem!!)
+            asks -> return
             loading.failed -> tell(loading.error)
             loading.phase == "reading" -> showReading(loading, name)
             loading.phase == "decoding" -> progress(

@@ -130,7 +130,7 @@ class Session : AutoCloseable {
         )
     }
 
-    fun setHeat(status: Int, headroom: Float) = call { Native.setHeat(it, status, headroom) }
+    fun setHeat(status: Int, headroom: Float) = change { Native.setHeat(it, status, headroom) }
 
     fun flipUp() = change { Native.flipUp(it) }
 

@@ -118,6 +118,7 @@ class ViewerActivity : Activity() {
                 descriptor.detachFd(), name, facts.bytes, FreeMemory.forScene(this),
                 place ?: last.get(),
             )
+            loadingView.loads()
             opened[number] = Opened(wanted, name, bytes, number)
         }, { message -> loadingView.failed(message) }, { loadingView.slow() }, last)
         opening?.start()
@@ -145,8 +146,10 @@ class ViewerActivity : Activity() {
 
     /** Gives back what the scene takes, on the GPU, too. */
     private fun dropScene() {
+        surface.session = null // has let go of the window when the next one takes it
         session.close()
         session = Session()
+        heat = Heat() // what it knows of
         opened.clear() // the next one counts anew
         shown = null
         surface.session = session
@@ -158,8 +161,7 @@ class ViewerActivity : Activity() {
     private fun update() {
         val state = session.state() ?: return
         if (frameSeconds() != appliedFrameSeconds) apply(settings)
-        heat = thermals.now()
-        session.setHeat(heat.status, heat.headroom)
+        tellHeat()
         watchMemory()
         loadingView.show(state, name)
         if (state.drawn && state.shown != shown?.number) opened[state.shown]?.let { appeared(it, state) }
@@ -167,6 +169,13 @@ class ViewerActivity : Activity() {
         hud.visibility = if (settings.hud && state.drawn) View.VISIBLE else View.GONE
         if (settings.hud) Hud.show(hud, state.stats, heat)
         stayAwake()
+    }
+
+    private fun tellHeat() {
+        val now = thermals.now()
+        if (now == heat) return
+        heat = now
+        session.setHeat(now.status, now.headroom)
     }
 
     /** The screen stays on for who looks at something, and not all night for who has gone to bed. */
@@ -281,15 +290,22 @@ class ViewerActivity : Activity() {
     }
 
     private fun measure() {
-        if (shown?.uri != uri) {
-            return say(getString(R.string.nothing_to_measure))
-        }
+        if (shown?.uri != uri) return say(getString(R.string.nothing_to_measure))
+        remember()
+        Background.start { runOnUiThread { startMeasuring() } } // once its picture has been kept
+    }
+
+    /** The scene's memory is free before the benchmark asks how much there is. */
+    private fun startMeasuring() {
+        if (isFinishing || shown?.uri != uri) return
         val intent = Intent(this, BenchmarkActivity::class.java)
             .setData(uri)
             .addFlags(Intent.FLAG_GRANT_READ_URI_PERMISSION)
         try {
             startActivity(intent)
             measuring = true
+            opening?.cancel()
+            dropScene()
         } catch (_: SecurityException) { // the permission has ended since the scene was opened
             say(getString(R.string.scene_forbidden))
         }
@@ -300,8 +316,6 @@ class ViewerActivity : Activity() {
     /** Seen, though perhaps beside another app that has the focus: a split screen before Android 10. */
     override fun onStart() {
         super.onStart()
-        if (measuring) begin(null)
-        measuring = false
         surface.running = true
         touchedAt = SystemClock.elapsedRealtime()
         look.run()
@@ -310,15 +324,13 @@ class ViewerActivity : Activity() {
     override fun onStop() {
         main.removeCallbacks(look)
         surface.running = false
-        if (measuring) {
-            opening?.cancel()
-            dropScene()
-        }
         super.onStop()
     }
 
     override fun onResume() {
         super.onResume()
+        if (measuring) begin(null)
+        measuring = false
         Insets.immersive(window)
         gyroscope.on = looksAround
     }
