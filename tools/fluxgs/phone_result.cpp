@@ -103,6 +103,9 @@ Expected<PhoneResult> phone_result(const json& value, const std::string& file) {
   r.scene = f.text("scene/name");
   r.splats = f.count("scene/splats");
   r.bytes = f.count("scene/bytes");
+  r.warmup = f.count("protocol/warmup");
+  r.frames = f.count("protocol/frames");
+  r.beside_another = f.at("multi_window") == true;
   r.heat_before = static_cast<int>(f.number("thermal/before/status", -1, kHottest));
   r.heat_after = static_cast<int>(f.number("thermal/after/status", -1, kHottest));
   r.stopped = f.text("stopped");

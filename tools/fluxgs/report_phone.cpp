@@ -129,6 +129,13 @@ std::vector<std::string> differences(const PhoneResult& now, const PhoneResult& 
   look("scene", now.scene, before.scene);
   look("splats", now.splats, before.splats);
   look("bytes", now.bytes, before.bytes);
+  look("warm-up frames", now.warmup, before.warmup);
+  look("measured frames", now.frames, before.frames);
+  look("thermal status", now.heat_before, before.heat_before);
+  const auto place = [](const PhoneResult& r) {
+    return r.beside_another ? "split screen" : "full";
+  };
+  look("screen", std::string_view(place(now)), std::string_view(place(before)));
   if (!before.stopped.empty()) found.push_back("the earlier run was stopped: " + before.stopped);
   return found;
 }
