@@ -5,39 +5,15 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
-#include <new>
 
+#include "allocations.h"
 #include "render/scene_view.h"
 #include "unit/renderer/gl_faults.h"
 #include "unit/renderer/gl_fixture.h"
 #include "unit/renderer/scenes.h"
-
-namespace {
-
-// What is asked of operator new, outside of calls of the driver, by all threads; if a thread of a
-// driver did, it would count.
-std::atomic<long> news = 0;
-}  // namespace
-
-#if !defined(__SANITIZE_ADDRESS__)  // which has its own, and insists on them
-static void* allocate(std::size_t bytes) {
-  if (!fluxgs::test::inside_driver) ++news;
-  if (void* memory = std::malloc(bytes > 0 ? bytes : 1)) return memory;
-  throw std::bad_alloc();
-}
-
-void* operator new(std::size_t bytes) { return allocate(bytes); }
-void* operator new[](std::size_t bytes) { return allocate(bytes); }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
-#endif
 
 namespace fluxgs::test {
 namespace {
@@ -71,7 +47,7 @@ class FramesTest : public GlTest {
     const auto heap = [] { return static_cast<long>(::mallinfo2().uordblks); };
     const auto resident = [] { return static_cast<long>(resident_bytes()); };
     Growth before{0, faults.allocations, heap(), resident(), static_cast<long>(faults.used)};
-    before.news = news;  // Reading the others takes some
+    before.news = allocations.count;  // Reading the others takes some
     for (int i = 0; i < frames; ++i) {
       draw(view, i);
       if (i % kInFlight == 0) api().Finish();
@@ -80,7 +56,7 @@ class FramesTest : public GlTest {
       }
     }
     api().Finish();
-    const long made = news - before.news;
+    const long made = allocations.count - before.news;
     return {made, faults.allocations - before.gl_allocations, heap() - before.heap,
             resident() - before.resident, static_cast<long>(faults.used) - before.gl};
   }

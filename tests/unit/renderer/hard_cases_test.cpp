@@ -10,7 +10,8 @@
 #include <random>
 
 #include "picture_fixture.h"
-#include "render/scene_buffers.h"
+#include "packed.h"
+#include "render/scene_packing.h"
 
 namespace fluxgs::test {
 namespace {
@@ -143,8 +144,8 @@ TEST_P(HardCasesTest, MixedDegreesOfHarmonics) {
     if (c == glm::vec3(0)) c = glm::vec3(1e-30F);
   EXPECT_EQ(count_degrees(full), (DegreeCounts{0, 0, 0, 3000}));
   EXPECT_EQ(picture_of(mixed), picture_of(full));
-  EXPECT_EQ(render::pack_scene(full).harmonics.size(), 3000U * 12);
-  EXPECT_EQ(render::pack_scene(mixed).harmonics.size(), 750U * (3 + 6 + 12));
+  EXPECT_EQ(packed(full).harmonics.size(), 3000U * 12);
+  EXPECT_EQ(packed(mixed).harmonics.size(), 750U * (3 + 6 + 12));
   // Bucket by bucket, as files have them: the same but for which of two equal depths is in front
   std::vector<std::uint32_t> by_degree(mixed.size());
   std::iota(by_degree.begin(), by_degree.end(), 0U);
@@ -242,7 +243,7 @@ TEST_P(HardCasesTest, NanAndInfinityInAnyAttribute) {
     cloud.sh_dc[i++].b = value;
     cloud.sh_rest[3 * i++ + 1].g = value;
   }
-  EXPECT_EQ(render::pack_scene(cloud).undrawable, i);
+  EXPECT_EQ(render::ScenePacker(cloud).undrawable(), i);
   SplatCloud without = cloud;
   EXPECT_EQ(drop_non_finite(without), i);
   expect_like_reference("non-finite", without, camera, kRose);

@@ -64,7 +64,7 @@ class ProjectionTest : public GlTest {
     must(renderer().draw(camera, options, target));
     must(renderer().set_shortcuts({}));
     const std::uint32_t nearest =
-        render::choose_keys(camera, options, render::pack_scene(cloud).constants, 32).low;
+        render::choose_keys(camera, options, render::ScenePacker(cloud).constants(), 32).low;
     const auto keys = must(renderer().projection().keys().read_all<std::uint32_t>(cloud.size()));
     const auto records = must(renderer().projection().records().read_all<Record>(cloud.size()));
 

@@ -14,7 +14,7 @@
 #include "fluxgs/io/scene.h"
 #include "fluxgs/math/projection.h"
 #include "render/frame_uniforms.h"
-#include "render/scene_buffers.h"
+#include "render/scene_packing.h"
 #include "sort/sort_thread.h"
 
 namespace fluxgs::bench {
@@ -83,16 +83,24 @@ std::vector<Camera> views_of(const SplatCloud& cloud) {
   return views;
 }
 
+std::vector<glm::vec3> positions_of(render::ScenePacker& packer) {
+  render::PackedSplats splats;
+  packer.next(packer.constants().count, splats);
+  std::vector<glm::vec3> positions;
+  render::add_positions(splats, positions);
+  return positions;
+}
+
 std::uint64_t sorted_hash(const SplatCloud& cloud, const std::vector<Camera>& views) {
-  const render::PackedScene packed = render::pack_scene(cloud);
-  sort::SortThread thread(render::positions_of(packed));
+  render::ScenePacker packer(cloud);
+  const render::SceneConstants& scene = packer.constants();
+  sort::SortThread thread(positions_of(packer));
   Hash hash;
   for (const Camera& view : views) {
-    const sort::SortView wanted{
-        .centre = view.center() - packed.constants.origin,
-        .forward = view.forward(),
-        .near_plane = 0.01,
-        .keys = render::choose_keys(view, {}, packed.constants, sort::kMostKeyBits)};
+    const sort::SortView wanted{.centre = view.center() - scene.origin,
+                                .forward = view.forward(),
+                                .near_plane = 0.01,
+                                .keys = render::choose_keys(view, {}, scene, sort::kMostKeyBits)};
     const sort::SharedIndices order = thread.wait(thread.request(wanted));
     hash.add_value(order->count);
     hash.add(std::as_bytes(std::span(order->indices).first(order->count)));

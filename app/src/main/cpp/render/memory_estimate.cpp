@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "render/frame_uniforms.h"
-#include "render/scene_buffers.h"
+#include "render/scene_packing.h"
 #include "render/vertex_source.h"
 
 namespace fluxgs::render {

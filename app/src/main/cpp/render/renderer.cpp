@@ -68,29 +68,32 @@ Expected<void> Renderer::set_shortcuts(const Shortcuts& shortcuts) {
   return {};
 }
 
-Expected<void> Renderer::make_room(const PackedScene& packed) {
-  const std::uint32_t count = packed.constants.count;
+Expected<void> Renderer::make_room(std::uint32_t count, std::vector<glm::vec3> positions) {
   // The order is filled up to whole batches, and its buffer to whole rows of a texture
   const std::size_t entries = count + static_cast<std::size_t>(settings_.batch);
   const std::size_t order_bytes = texture_padded(sizeof(std::uint32_t) * entries);
   const auto spare = static_cast<std::uint32_t>(order_bytes / sizeof(std::uint32_t) - count);
-  auto positions = sorter_->needs_positions() ? positions_of(packed) : std::vector<glm::vec3>();
   return gl::in_turn(
       [&] { return projection_.reserve(api_, count); },
       [&] { return sorter_->set_scene(count, spare, std::move(positions)); },
       [&] { return draw_.reserve(api_, projection_.records().size(), order_bytes); });
 }
 
-Expected<void> Renderer::upload(const SplatCloud& cloud) {
-  if (auto ok = check_scene(api_.capabilities, cloud); !ok) return ok;
-  const PackedScene packed = pack_scene(cloud);
+Expected<void> Renderer::upload(const SplatCloud& cloud,
+                                std::optional<std::span<const std::uint32_t>> splats) {
+  if (auto ok = check_cloud(cloud); !ok) return ok;
+  ScenePacker packer(cloud, splats);
+  if (auto ok = check_size(api_.capabilities, packer.degrees()); !ok) return ok;
   scene_ = {};  // There may not be room for both
-  undrawable_ = packed.undrawable;
+  undrawable_ = packer.undrawable();
   sorted_.reset();
   drawn_ = false;
-  auto scene = SceneBuffers::create(api_, packed);
+  std::vector<glm::vec3> positions;
+  auto scene =
+      SceneBuffers::create(api_, packer, sorter_->needs_positions() ? &positions : nullptr);
   if (!scene) return std::unexpected(scene.error());
-  if (auto room = make_room(packed); !room) return room;
+  const std::uint32_t count = scene->constants.count;
+  if (auto room = make_room(count, std::move(positions)); !room) return room;
   scene_ = std::move(*scene);
   return {};
 }

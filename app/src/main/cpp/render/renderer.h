@@ -2,8 +2,11 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "gl/timestamp.h"
 #include "render/draw_pass.h"
@@ -37,10 +40,12 @@ class Renderer {
   static Expected<std::unique_ptr<Renderer>> create(gl::Api& api,
                                                     const RendererSettings& settings = {});
 
-  /// Replaces the scene. A cloud that is refused (see SceneBuffers) leaves the one before; when
-  /// memory runs out the scene is empty. Splats with attributes that are not finite, or beyond
-  /// 1e15, are kept out of every picture.
-  Expected<void> upload(const SplatCloud& cloud);
+  /// Replaces the scene by these splats of the cloud, ascending indices; by all where none are
+  /// given. A cloud that is refused (see SceneBuffers) leaves the one before; when memory runs out
+  /// the scene is empty. Splats with attributes that are not finite, or beyond 1e15, are kept out
+  /// of every picture. No copy of the scene is made on the way.
+  Expected<void> upload(const SplatCloud& cloud,
+                        std::optional<std::span<const std::uint32_t>> splats = {});
 
   /// Enqueues a frame. Fails on a camera or options that make no picture, and where the camera's
   /// size is not the target's. Before the first upload() the scene is empty.
@@ -87,7 +92,7 @@ class Renderer {
   Renderer(gl::Api& api, const RendererSettings& settings) : api_(api), settings_(settings) {}
   Expected<void> create_passes();
   Expected<void> create_sorter();
-  Expected<void> make_room(const PackedScene& packed);
+  Expected<void> make_room(std::uint32_t count, std::vector<glm::vec3> positions);
   void draw_scene(const Camera& camera, const RenderOptions& options, const RenderTarget& target);
   void sort(const sort::SortView& view);
   void stamp(int stage) const;

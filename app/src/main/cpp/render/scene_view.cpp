@@ -99,7 +99,7 @@ Expected<void> SceneView::upload(std::size_t splats) {
   shown_ = 0;
   auto uploaded = splats == cloud_->size()
                       ? renderer_->upload(*cloud_)
-                      : renderer_->upload(in_order(*cloud_, most_contributing(*cloud_, splats)));
+                      : renderer_->upload(*cloud_, most_contributing(*cloud_, splats));
   if (uploaded) shown_ = splats;
   return uploaded;
 }

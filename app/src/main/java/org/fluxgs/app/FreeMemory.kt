@@ -11,7 +11,10 @@ internal object FreeMemory {
     /** With which there is still a picture. */
     private const val LEAST_GRAPHICS = 32L shl 20
 
-    /** Bytes for a file and what it decodes to. The GPU gets as much again for drawing it. */
+    /**
+     * Bytes for a file and what it decodes to. Decoding holds as much again for a while, and then the
+     * GPU may have as much for drawing it; no second copy of the scene is made for that.
+     */
     fun forScene(context: Context): Long {
         val info = ActivityManager.MemoryInfo()
         context.getSystemService(ActivityManager::class.java).getMemoryInfo(info)

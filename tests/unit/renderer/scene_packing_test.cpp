@@ -1,10 +1,13 @@
 // How a cloud is laid out for the GPU; no GL is needed for that.
-#include "render/scene_buffers.h"
+#include "render/scene_packing.h"
 
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <cstring>
+#include <vector>
 
+#include "packed.h"
 #include "scenes.h"
 
 namespace fluxgs::test {
@@ -26,7 +29,7 @@ TEST(PackScene, PutsEveryAttributeInItsPlace) {
               .opacity = 0.75F,
               .color = {0.25F, 0.5F, 1}});
   cloud.sh_rest = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}};
-  const render::PackedScene scene = render::pack_scene(cloud);
+  const Packed scene = packed(cloud);
   ASSERT_EQ(scene.geometry.size(), 4U);
   EXPECT_EQ(scene.constants.origin, glm::dvec3(1, 2, 3));
   const auto near = [&](std::size_t row, std::array<float, 4> wanted) {
@@ -43,7 +46,7 @@ TEST(PackScene, PutsEveryAttributeInItsPlace) {
 TEST(PackScene, EachSplatHasTheCoefficientsOfItsDegree) {
   SplatCloud cloud = mixed_cloud(5, 1);  // of degrees 3, 0, 2, 1, 3
   cloud.positions[2].x = std::nanf("");
-  const render::PackedScene scene = render::pack_scene(cloud);
+  const Packed scene = packed(cloud);
   const auto word = [&](std::size_t i) {
     return std::bit_cast<std::uint32_t>(scene.geometry[4 * i + 3][3]);
   };
@@ -64,7 +67,7 @@ TEST(PackScene, OriginIgnoresStraysAndKeepsBits) {
   SplatCloud cloud;
   for (const float x : {1e5F, 1e5F + 1, 1e5F + 2, 1e30F, std::nanf("")})
     add(cloud, {.position = {x, 0, 0}});
-  const render::PackedScene scene = render::pack_scene(cloud);
+  const Packed scene = packed(cloud);
   EXPECT_EQ(scene.constants.origin.x, 1e5 + 1);
   EXPECT_EQ(scene.geometry[0][0], -1.0F);
   EXPECT_EQ(scene.geometry[8][0], 1.0F);
@@ -75,8 +78,41 @@ TEST(PackScene, OriginIgnoresStraysAndKeepsBits) {
   EXPECT_EQ(scene.constants.highest.x, 1.0);
 }
 
+TEST(PackScene, PartsMakeTheWhole) {
+  SplatCloud cloud = mixed_cloud(100, 2);
+  cloud.positions[41].x = std::nanf("");
+  const std::vector<std::uint32_t> some = {3, 4, 17, 40, 41, 42, 60, 61, 62, 63, 98};
+  const Packed whole = packed(in_order(cloud, some));
+  render::ScenePacker packer(cloud, some);
+  EXPECT_EQ(packer.constants().count, some.size());
+  EXPECT_EQ(packer.constants().origin, whole.constants.origin);
+  EXPECT_EQ(packer.constants().lowest, whole.constants.lowest);
+  EXPECT_EQ(packer.constants().highest, whole.constants.highest);
+  EXPECT_EQ(packer.degrees(), count_degrees(in_order(cloud, some)));
+  EXPECT_EQ(packer.undrawable(), 1U);
+  render::PackedSplats part, all;
+  std::vector<glm::vec3> positions;
+  for (const std::size_t wanted : {4U, 4U, 3U, 0U}) {
+    packer.next(4, part);
+    EXPECT_EQ(part.geometry.size(), 4 * wanted);
+    all.geometry.insert(all.geometry.end(), part.geometry.begin(), part.geometry.end());
+    all.harmonics.insert(all.harmonics.end(), part.harmonics.begin(), part.harmonics.end());
+    render::add_positions(part, positions);
+  }
+  const auto bits = [](const auto& values) {  // some words are no numbers
+    std::vector<std::uint32_t> words(4 * values.size());
+    std::memcpy(words.data(), values.data(), 4 * words.size());
+    return words;
+  };
+  EXPECT_EQ(bits(all.geometry), bits(whole.geometry));
+  EXPECT_EQ(bits(all.harmonics), bits(whole.harmonics));
+  ASSERT_EQ(positions.size(), some.size());
+  EXPECT_TRUE(std::isnan(positions[4].x));
+  EXPECT_EQ(positions[5].y, whole.geometry[20][1]);
+}
+
 TEST(PackScene, AnEmptyCloudIsEmpty) {
-  const render::PackedScene scene = render::pack_scene({});
+  const Packed scene = packed({});
   EXPECT_TRUE(scene.geometry.empty());
   EXPECT_TRUE(scene.harmonics.empty());
 }

@@ -1,0 +1,77 @@
+// How a splat cloud is laid out in the GPU's memory. No GL is needed for that.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "fluxgs/splat_cloud.h"
+#include "fluxgs/splat_degree.h"
+#include "render/scene_constants.h"
+
+namespace fluxgs::render {
+
+/// vec4s of a splat that hold the coefficients of degrees 1…degree: groups of four, three vec4s
+/// each.
+constexpr std::uint32_t harmonics_stride(int degree) {
+  return 3U * static_cast<std::uint32_t>((sh_rest_count(degree) + 3) / 4);
+}
+
+/// Bytes of the coefficients of a scene: each splat takes those of its own degree.
+std::uint64_t harmonics_bytes(const DegreeCounts& splats);
+
+/// So many splats of a scene (all, if it has fewer), those of high degrees first: whichever they
+/// are, they take no more memory than these.
+DegreeCounts largest_of(const DegreeCounts& scene, std::uint64_t count);
+
+/// Splats as the projection pass reads them (shaders/project.comp), all in float32.
+struct PackedSplats {
+  std::vector<std::array<float, 4>> geometry;   ///< 4 per splat; the last float is a uint
+  std::vector<std::array<float, 4>> harmonics;  ///< harmonics_stride(its degree) per splat
+};
+
+/// Packs a scene part by part: there is not always room for the whole of it a second time. The
+/// cloud must be sound (check_cloud()) and, like the indices, outlive the packer.
+class ScenePacker {
+ public:
+  /// Those splats of the cloud, in that order; all of them where none are given. Relative to the
+  /// median position the coordinates of a scene that lies far from the world's origin keep their
+  /// bits.
+  explicit ScenePacker(const SplatCloud& cloud,
+                       std::optional<std::span<const std::uint32_t>> splats = {});
+
+  const SceneConstants& constants() const { return constants_; }
+  const DegreeCounts& degrees() const { return degrees_; }
+  /// Splats with an attribute that is not finite or is beyond 1e15. They keep their index and get
+  /// no opacity.
+  std::size_t undrawable() const { return undrawable_; }
+
+  /// The next splats, `most` at most; nothing after the last one.
+  void next(std::size_t most, PackedSplats& part);
+
+ private:
+  std::size_t splat(std::size_t k) const { return splats_ ? (*splats_)[k] : k; }
+  glm::vec3 position(std::size_t i) const {
+    return glm::vec3(glm::dvec3(cloud_.positions[i]) - constants_.origin);
+  }
+  void find_median();
+  void find_box();
+  void pack_geometry(std::size_t i, std::array<float, 4>* out) const;
+  void pack_harmonics(std::size_t i, int degree, std::array<float, 4>* out) const;
+
+  const SplatCloud& cloud_;
+  std::optional<std::span<const std::uint32_t>> splats_;
+  std::vector<bool> drawable_;  // by place, not by index in the cloud
+  SceneConstants constants_;
+  DegreeCounts degrees_{};
+  std::size_t undrawable_ = 0;
+  std::size_t packed_ = 0;     // splats so far
+  std::size_t harmonics_ = 0;  // vec4s so far
+};
+
+/// Where each of these splats lies, relative to the scene's origin; NaN for undrawable ones.
+void add_positions(const PackedSplats& part, std::vector<glm::vec3>& positions);
+
+}  // namespace fluxgs::render

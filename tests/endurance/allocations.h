@@ -1,0 +1,17 @@
+// What this process asks operator new for, outside of calls of the driver, by all threads; if a
+// thread of a driver did, it would count.
+#pragma once
+
+#include <atomic>
+
+namespace fluxgs::test {
+
+struct Allocations {
+  std::atomic<long> count = 0;       ///< so far
+  std::atomic<long> bytes = 0;       ///< that are held now, by drivers, too
+  std::atomic<long> most_bytes = 0;  ///< that were held at once; set it to begin anew
+};
+
+inline Allocations allocations;
+
+}  // namespace fluxgs::test

@@ -1,0 +1,65 @@
+// Opening a scene does not take another one's memory for a while: where a scene just fits, the
+// system would end the app.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "allocations.h"
+#include "fluxgs/io/compact_glb.h"
+#include "fluxgs/io/scene.h"
+#include "fluxgs/io/scene_estimate.h"
+#include "render/scene_view.h"
+#include "unit/renderer/gl_fixture.h"
+#include "unit/renderer/scenes.h"
+
+namespace fluxgs::test {
+namespace {
+
+TEST(SceneMemoryTest, DecodingTakesNoMoreThanAsMuchAgain) {
+  if (kSanitized) GTEST_SKIP() << "its own allocations are not seen";
+  const SplatCloud cloud = random_cloud(100'000, 3, 5);
+  const auto expect_it = [&](std::string_view format, const std::vector<std::byte>& bytes) {
+    const auto estimate = must(estimate_scene(bytes, "scene"));
+    const long before = allocations.bytes;
+    allocations.most_bytes = before;
+    const auto scene = must(read_scene(bytes, "scene"));
+    const auto most = static_cast<double>(allocations.most_bytes - before);
+    const auto estimated = static_cast<double>(estimate.decoded);
+    std::printf("%s: %.1f MB, decoded %.1f MB: %.1f MB at most\n", std::string(format).c_str(),
+                1e-6 * static_cast<double>(bytes.size()), 1e-6 * estimated, 1e-6 * most);
+    EXPECT_LT(most, 2 * estimated) << format;  // what FreeMemory.kt counts on
+    EXPECT_GE(most, 0.99 * estimated) << format << ": less than the scene was counted";
+  };
+  for (const SceneFormat& format : scene_formats())
+    if (format.encode != nullptr) expect_it(format.name, must(format.encode(cloud, "scene")));
+  expect_it("compact", must(encode_compact_glb(cloud, {}, "scene")));
+}
+
+class UploadMemoryTest : public GlTest {};
+
+TEST_P(UploadMemoryTest, NoCopyOfTheSceneIsMade) {
+  if (kSanitized) GTEST_SKIP() << "its own allocations are not seen";
+  constexpr std::size_t kSplats = 200'000;
+  const auto cloud = std::make_shared<const SplatCloud>(random_cloud(kSplats, 3, 5));
+  constexpr long kSceneBytes = 256L * kSplats;  // on the GPU
+  for (const std::size_t shown : {kSplats, kSplats / 2}) {
+    render::SceneView view(cloud, {.most_splats = shown});
+    const long before = allocations.bytes;
+    allocations.most_bytes = before;
+    must(view.open(api(), 64, 48));
+    EXPECT_EQ(view.splats(), shown);
+    const long most = allocations.most_bytes - before, after = allocations.bytes - before;
+    std::printf("%zu of %zu splats, %ld bytes on the GPU: %ld bytes at most, %ld afterwards\n",
+                shown, kSplats, kSceneBytes, most, after);
+    // 12 bytes a splat are ranked, and a part of 4 MB at a time is packed
+    EXPECT_LT(most, kSceneBytes / 5);
+    EXPECT_GT(most, 4'000'000) << "nothing was counted";
+  }
+}
+
+FLUXGS_GL_TEST_SUITE(UploadMemoryTest);
+
+}  // namespace
+}  // namespace fluxgs::test
