@@ -251,6 +251,45 @@ TEST(ScaleControl, HoldsTheDisplaysRate) {
   EXPECT_EQ(scale, 0.7) << "14.7 ms fit";
 }
 
+// Bound by the sort, by the projection, or by a display that is slower than it says.
+TEST(ScaleControl, FewerPixelsThatGainNothingAreTakenBack) {
+  for (const double display : {1.0 / 60, 1.0 / 120}) {
+    ScaleControl control(display);
+    int low = 0;
+    constexpr int kFrames = 60 * 60;
+    for (int i = 0; i < kFrames; ++i) {
+      const double noise = 0.01 * std::sin(1.7 * i);
+      low += control.frame(0.0245 * (1 + noise)) < 1;
+    }
+    EXPECT_EQ(control.scale(), 1) << display;
+    EXPECT_LT(low, kFrames / 20) << display;
+  }
+}
+
+TEST(ScaleControl, StopsWhereTheRestIsNotOfPixels) {
+  // 12 ms at full size are for pixels, 25 for other things
+  ScaleControl control(1.0 / 60);
+  double scale = 1;
+  int lower = 0;
+  for (int i = 0; i < 60 * 60; ++i) {
+    scale = control.frame(0.025 + 0.012 * scale * scale);
+    lower += scale < 0.5;
+  }
+  EXPECT_LE(scale, 0.85);
+  EXPECT_GE(scale, 0.5);
+  EXPECT_LT(lower, 60 * 6);
+}
+
+TEST(ScaleControl, APictureThatWasGivenUpOnIsTriedAgain) {
+  ScaleControl control(1.0 / 60);
+  for (int i = 0; i < 400; ++i) control.frame(0.025);
+  double scale = control.scale();
+  EXPECT_EQ(scale, 1);
+  // Another view, of many pixels
+  for (int i = 0; i < 60 * 20; ++i) scale = control.frame(0.030 * scale * scale);
+  EXPECT_EQ(scale, 0.7);
+}
+
 TEST(ScaleControl, TriesMoreAndMoreSeldom) {
   ScaleControl control(1.0 / 60);
   double scale = 1;
@@ -265,7 +304,8 @@ TEST(ScaleControl, TriesMoreAndMoreSeldom) {
 
 TEST(ScaleControl, GoesUpAgainWhenThereIsRoom) {
   ScaleControl control(1.0 / 60);
-  for (int i = 0; i < 300; ++i) control.frame(0.05);
+  double scale = 1;
+  for (int i = 0; i < 300; ++i) scale = control.frame(0.15 * scale * scale);
   EXPECT_EQ(control.scale(), 0.4);
   for (int i = 0; i < 60 * 120; ++i) control.frame(1.0 / 60);
   EXPECT_EQ(control.scale(), 1);

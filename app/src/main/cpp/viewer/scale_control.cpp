@@ -11,6 +11,11 @@ constexpr double kSmoothing = 0.15;
 constexpr int kFramesToJudge = 12;                   // after a change
 constexpr double kLongestPatience = 60, kProof = 2;  // seconds
 constexpr double kLongestFrame = 0.5;                // beyond, something else was going on
+constexpr int kFramesOfChange = 3;                   // in which new pictures are made
+// Where the display waits for whole frames, a single step may show nothing: from 1.9 to 1.4 of them
+constexpr std::size_t kStepsOfTrial = 2;
+constexpr double kGain = 0.95;  // of a frame's time, at most, after a step that was worth it
+constexpr double kShortestResignation = 8, kLongestResignation = 60;  // seconds
 
 }  // namespace
 
@@ -31,36 +36,64 @@ double ScaleControl::scale() const { return std::min(kScales.at(step_), most_); 
 
 double ScaleControl::frame(double seconds) {
   if (!(seconds > 0) || seconds > kLongestFrame) return scale();
-  mean_ = counted_ == 0 ? seconds : std::lerp(mean_, seconds, kSmoothing);
+  resigned_ = std::max(resigned_ - seconds, 0.0);
+  mean_ = counted_ <= 0 ? seconds : std::lerp(mean_, seconds, kSmoothing);
   if (++counted_ < kFramesToJudge) return scale();
   if (mean_ > kTooLong * frame_seconds_) {
-    step_down();
-  } else if (mean_ <= kFits * frame_seconds_) {
-    fitting_ += seconds;
-    if (fitting_ >= kProof) trying_ = false;
-    if (fitting_ >= patience_) step_up();
-  } else {
     fitting_ = 0;
+    judge_long();
+    return scale();
   }
+  trial_.reset();
+  if (mean_ > kFits * frame_seconds_) {
+    fitting_ = 0;
+    return scale();
+  }
+  fitting_ += seconds;
+  if (fitting_ >= kProof) trying_ = false;
+  if (fitting_ >= patience_) step_up();
   return scale();
 }
 
-void ScaleControl::step_down() {
-  if (trying_) patience_ = std::min(2 * patience_, kLongestPatience);
-  // Steps above what is allowed change nothing
-  while (step_ + 1 < kScales.size() && kScales.at(step_ + 1) >= most_) ++step_;
-  if (step_ + 1 < kScales.size()) ++step_;
+void ScaleControl::judge_long() {
+  if (trying_) {  // a step up that was too much
+    patience_ = std::min(2 * patience_, kLongestPatience);
+    return change_to(next_down());
+  }
+  const bool gained =
+      trial_ && mean_ <= trial_->mean * std::pow(kGain, static_cast<double>(step_ - trial_->step));
+  if (gained) resignation_ = 0;
+  if (gained || !trial_) {
+    if (resigned_ > 0 || next_down() == step_) return;
+    trial_ = {step_, mean_};
+    return change_to(next_down());
+  }
+  if (step_ < trial_->step + kStepsOfTrial && next_down() != step_) return change_to(next_down());
+  resignation_ = std::clamp(2 * resignation_, kShortestResignation, kLongestResignation);
+  resigned_ = resignation_;
+  change_to(trial_->step);
+  trial_.reset();
+}
+
+/// The next step that can be seen, if there is one: those above what is allowed change nothing.
+std::size_t ScaleControl::next_down() const {
+  std::size_t step = step_;
+  while (step + 1 < kScales.size() && kScales.at(step + 1) >= most_) ++step;
+  return std::min(step + 1, kScales.size() - 1);
+}
+
+void ScaleControl::change_to(std::size_t step) {
+  step_ = step;
   trying_ = false;
-  counted_ = 0;
+  counted_ = -kFramesOfChange;
   fitting_ = 0;
 }
 
 void ScaleControl::step_up() {
   fitting_ = 0;
   if (step_ == 0 || kScales.at(step_) >= most_) return;
-  --step_;
+  change_to(step_ - 1);
   trying_ = true;
-  counted_ = 0;
 }
 
 }  // namespace fluxgs::viewer

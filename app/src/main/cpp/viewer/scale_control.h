@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 
 namespace fluxgs::viewer {
 
@@ -24,6 +25,8 @@ double coolest_scale(const Heat& heat);
 
 /// One step down when frames take longer than the display's, which is seen soon; one step up when
 /// they have fitted for long enough, and again down, and a longer wait, when that was too much.
+/// What does not make frames shorter is taken back: where they wait for the sort or for the
+/// display's own rate, fewer pixels are only a worse picture.
 class ScaleControl {
  public:
   /// `frame_seconds`: of the display; what is drawn should take no longer.
@@ -43,17 +46,26 @@ class ScaleControl {
   double scale() const;
 
  private:
-  void step_down();
+  struct Trial {
+    std::size_t step = 0;  // it began at
+    double mean = 0;       // of the frames there
+  };
+  void judge_long();
+  void change_to(std::size_t step);
+  std::size_t next_down() const;
   void step_up();
 
   double frame_seconds_;
   double most_ = 1;
-  std::size_t step_ = 0;  // into kScales
-  double mean_ = 0;       // of the frames' times, smoothed
-  int counted_ = 0;       // frames since the last change or pause
-  double fitting_ = 0;    // seconds for which frames have fitted
-  double patience_ = 2;   // seconds to wait before a step up
-  bool trying_ = false;   // the last change was a step up
+  std::size_t step_ = 0;        // into kScales
+  double mean_ = 0;             // of the frames' times, smoothed
+  int counted_ = 0;             // frames since the last change or pause
+  double fitting_ = 0;          // seconds for which frames have fitted
+  double patience_ = 2;         // seconds to wait before a step up
+  bool trying_ = false;         // the last change was a step up
+  std::optional<Trial> trial_;  // of steps down whose gain is not known yet
+  double resigned_ = 0;         // seconds yet without a step down, as the last ones gained nothing
+  double resignation_ = 0;      // how long the last such time was
 };
 
 }  // namespace fluxgs::viewer
