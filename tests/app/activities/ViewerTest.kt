@@ -453,17 +453,61 @@ class ViewerTest : ViewerScreen() {
         assertTrue(psnr(before, settled()) > 45)
     }
 
-    @Test
-    fun littleMemoryLeavesOutSplatsAndNotTheApp() {
-        memory(500L shl 20)
+    /** As large as a phone's screen, whose picture takes more than the scene. */
+    private fun openOnAPhone(): Stats {
+        memory(2L shl 30)
         openAndDraw()
-        val before = session.state()!!.stats
-        assertTrue(before.memory > 0)
-        controller!!.get().onTrimMemory(ComponentCallbacks2.TRIM_MEMORY_RUNNING_CRITICAL)
-        repeat(10) { pump() }
-        assertTrue(session.state()!!.hasScene)
+        giveSurface(activity.view(R.id.surface) as SceneSurface, 1080, 2340)
+        until("the picture has its size") { session.state()!!.stats.width == 1080 }
+        return session.state()!!.stats
+    }
+
+    private fun expectLess(before: Stats) {
+        until("there is less") { session.state()!!.stats.reduced }
+        val less = session.state()!!.stats
+        assertTrue("$less", less.memory <= before.memory * 3 / 4)
+        assertEquals("pixels go last", 1080, less.width)
+        assertEquals("splats are little here", before.splats, less.shown)
         assertTrue(spread(settled()) > 100)
-        assertEquals("it is small", before.splats, session.state()!!.stats.shown)
+        assertEquals(context.getString(R.string.memory_short), ShadowToast.getTextOfLatestToast())
+        assertTrue(context.getString(R.string.hud_memory) in activity.text(R.id.hud))
+    }
+
+    private fun expectAllAgain(before: Stats) {
+        until("all of it is there again") { pump(5_000); session.state()!!.stats.memory == before.memory }
+        assertFalse(session.state()!!.stats.reduced)
+    }
+
+    @Test
+    fun whenTheSystemWantsMemoryThePictureGetsLessUntilThereIsRoom() {
+        val before = openOnAPhone()
+        assertFalse(before.reduced)
+        @Suppress("DEPRECATION")
+        controller!!.get().onTrimMemory(ComponentCallbacks2.TRIM_MEMORY_RUNNING_CRITICAL)
+        expectLess(before)
+        memory(100L shl 20)
+        pump(GraphicsBudget.FIRST_PATIENCE_MS + GraphicsBudget.ASK_EVERY_MS)
+        assertTrue("there is no room yet", session.state()!!.stats.reduced)
+        memory(2L shl 30)
+        expectAllAgain(before)
+    }
+
+    /** Android 14 and later tell nobody. */
+    @Test
+    fun memoryThatBecomesShortIsNoticed() {
+        val before = openOnAPhone()
+        pump(GraphicsBudget.ASK_EVERY_MS)
+        assertFalse(session.state()!!.stats.reduced)
+        memory(50L shl 20, low = true)
+        pump(GraphicsBudget.ASK_EVERY_MS)
+        expectLess(before)
+        val less = session.state()!!.stats.memory
+        pump(GraphicsBudget.EFFECT_MS / 2)
+        assertEquals("it waits for the effect", less, session.state()!!.stats.memory)
+        pump(GraphicsBudget.EFFECT_MS)
+        until("there is less again") { session.state()!!.stats.memory < less }
+        memory(2L shl 30)
+        expectAllAgain(before)
     }
 
     @Test
@@ -501,11 +545,28 @@ class ViewerTest : ViewerScreen() {
     }
 
     @Test
-    fun littleMemoryIsHalfOfWhatIsTaken() {
-        val megabyte = 1L shl 20
-        assertEquals(100 * megabyte, FreeMemory.less(4096 * megabyte, 200 * megabyte))
-        assertEquals(50 * megabyte, FreeMemory.less(100 * megabyte, 200 * megabyte))
-        assertEquals(32 * megabyte, FreeMemory.less(100 * megabyte, megabyte))
+    fun theBudgetOfGraphicsShrinksAndWaitsLongerEachTime() {
+        memory(2L shl 30)
+        val budget = GraphicsBudget(context)
+        val whole = budget.bytes
+        val taken = 200L shl 20
+        assertFalse("there is no scene", budget.shrink(0))
+        assertTrue(budget.shrink(taken))
+        assertEquals(150L shl 20, budget.bytes)
+        assertFalse("its effect is not known yet", budget.shrink(150L shl 20))
+        for (patience in listOf(1, 2, 4)) {
+            pump(patience * GraphicsBudget.FIRST_PATIENCE_MS - 1000)
+            assertFalse(budget.look(150L shl 20))
+            pump(GraphicsBudget.ASK_EVERY_MS)
+            assertTrue(budget.look(150L shl 20))
+            assertEquals(whole, budget.bytes)
+            assertTrue(budget.shrink(taken))
+        }
+        repeat(20) {
+            pump(GraphicsBudget.EFFECT_MS)
+            budget.shrink(budget.bytes)
+        }
+        assertEquals(GraphicsBudget.LEAST, budget.bytes)
     }
 
     @Test

@@ -282,6 +282,40 @@ TEST_P(SceneViewTest, APictureThatDoesNotFitIsMadeSmaller) {
             shown.pixels);
 }
 
+// Half floats cost a rounding that few see, half of the pixels what everybody does.
+TEST_P(SceneViewTest, APictureIsBlendedInHalfFloatsBeforeItIsMadeSmaller) {
+  if (!api().capabilities.float_targets) GTEST_SKIP() << "has none that could be given up";
+  const GlFaults between(api());
+  const Camera camera = orbit_camera(4 * kWidth, 4 * kHeight, {}, 2, 1, 4);
+  const std::size_t pixels = std::size_t{16} * kWidth * kHeight;
+  struct Opened {
+    int width = 0;
+    std::size_t memory = 0;
+  };
+  const auto opened = [&](const SceneViewSettings& settings) {
+    SceneView view(shared_cloud(10), settings);
+    must(view.open(api(), camera.width, camera.height));
+    must(picture(view, camera));
+    EXPECT_EQ(faults.used, view.memory());
+    EXPECT_EQ(view.is_reduced(), settings.memory.has_value());
+    EXPECT_TRUE(view.shows_all());
+    return Opened{view.target().width(), view.memory()};
+  };
+  const Opened whole = opened({});
+  const Opened half = opened({.memory = whole.memory - 1});
+  const Opened small = opened({.memory = half.memory - 1});
+  EXPECT_EQ(whole.width, camera.width);
+  EXPECT_EQ(half.width, camera.width);
+  EXPECT_EQ(small.width, camera.width / 2);
+  EXPECT_EQ(whole.memory - half.memory, 8 * pixels);
+  EXPECT_EQ(half.memory - small.memory, 12 * pixels - 20 * pixels / 4);
+  EXPECT_EQ(opened({.memory = small.memory - 1}).width, camera.width / 2) << "in half floats";
+  // What is asked for is given
+  EXPECT_EQ(opened({.accumulation = render::Accumulation::single_float, .memory = whole.memory - 1})
+                .width,
+            camera.width / 2);
+}
+
 TEST_P(SceneViewTest, AMemoryThatHoldsNothingIsRefused) {
   SceneView view(shared_cloud(10), {.memory = 1000});
   const auto opened = view.open(api(), kWidth, kHeight);

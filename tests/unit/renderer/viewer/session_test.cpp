@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <functional>
@@ -338,20 +339,89 @@ class ForgetfulScreen final : public Screen {
   explicit ForgetfulScreen(std::unique_ptr<Screen> real) : real_(std::move(real)) {}
   Expected<gl::Api*> make_context() override { return real_->make_context(); }
   gl::Api* api() override { return real_->api(); }
-  Expected<void> attach(void* window) override {
-    if (auto attached = real_->attach(window); !attached || api() == nullptr) return attached;
-    api()->lost = true;
-    return fail("EGL", "eglMakeCurrent", "failed");
+  void attach(void* window) override {
+    real_->attach(window);
+    if (api() != nullptr) api()->lost = true;
   }
   void detach() override { real_->detach(); }
   bool has_window() const override { return real_->has_window(); }
-  Expected<void> present(const render::RenderTarget& target, int width, int height) override {
+  Expected<bool> present(const render::RenderTarget& target, int width, int height) override {
     return real_->present(target, width, height);
   }
 
  private:
   std::unique_ptr<Screen> real_;
 };
+
+/// What a window does to pictures, and how many were to be shown in it.
+struct WindowFaults {
+  std::atomic<int> going = 0;       ///< so many of them are not shown: it is about to go
+  std::atomic<bool> fails = false;  ///< all the time
+  std::atomic<int> presented = 0;
+};
+
+/// A screen whose windows have faults.
+class FaultyScreen final : public Screen {
+ public:
+  FaultyScreen(std::unique_ptr<Screen> real, WindowFaults& faults)
+      : real_(std::move(real)), faults_(faults) {}
+  Expected<gl::Api*> make_context() override { return real_->make_context(); }
+  gl::Api* api() override { return real_->api(); }
+  void attach(void* window) override { real_->attach(window); }
+  void detach() override { real_->detach(); }
+  bool has_window() const override { return real_->has_window(); }
+  Expected<bool> present(const render::RenderTarget& target, int width, int height) override {
+    ++faults_.presented;
+    if (faults_.fails) return fail("EGL", "eglSwapBuffers", "failed with error 0x3003");
+    if (faults_.going > 0) {
+      --faults_.going;
+      return false;
+    }
+    return real_->present(target, width, height);
+  }
+
+ private:
+  std::unique_ptr<Screen> real_;
+  WindowFaults& faults_;
+};
+
+TEST_P(SessionTest, APictureThatAWindowDidNotShowIsShownByTheNextFrame) {
+  WindowFaults faults;
+  session_ = std::make_unique<Session>(
+      std::make_unique<FaultyScreen>(host::make_offscreen_screen(GetParam()), faults));
+  session_->set(settings_);
+  session_->surface_created(this);
+  session_->surface_changed(kWidth, kHeight, 1);
+  faults.going = 3;
+  ASSERT_TRUE(load(file_with_start()));
+  EXPECT_TRUE(run_until([](const SessionState& s) { return s.drawn; }));
+  EXPECT_EQ(faults.going, 0);
+  EXPECT_GE(faults.presented, 4);
+  EXPECT_EQ(session_->state().error, "");
+  session_.reset();  // before the faults
+}
+
+TEST_P(SessionTest, AnotherWindowIsAnotherTry) {
+  WindowFaults faults;
+  session_ = std::make_unique<Session>(
+      std::make_unique<FaultyScreen>(host::make_offscreen_screen(GetParam()), faults));
+  session_->set(settings_);
+  session_->surface_created(this);
+  session_->surface_changed(kWidth, kHeight, 1);
+  ASSERT_TRUE(load(file_with_start()));
+  const auto before = picture();
+  faults.fails = true;
+  session_->reset_view();
+  session_->surface_changed(kWidth, kHeight, 1);
+  EXPECT_TRUE(run_until([](const SessionState& s) { return !s.error.empty(); }));
+  EXPECT_FALSE(session_->state().has_scene);
+  faults.fails = false;
+  session_->surface_destroyed();
+  session_->surface_created(this);
+  EXPECT_TRUE(run_until([](const SessionState& s) { return s.has_scene && s.error.empty(); }));
+  EXPECT_GT(psnr(picture(), before), 50);
+  session_.reset();  // before the faults
+}
 
 TEST_P(SessionTest, AContextThatIsLostWhileTheWindowIsAwayIsMadeAgain) {
   session_ = std::make_unique<Session>(

@@ -32,6 +32,7 @@ void SceneView::set_scale(double scale) {
 
 void SceneView::close() {
   target_ = {};
+  planned_ = {};
   fitted_ = {};
   renderer_.reset();
   shown_ = 0;
@@ -49,49 +50,62 @@ Expected<void> SceneView::draw(const Camera& camera, const RenderOptions& option
   return whole;
 }
 
-TargetPlan SceneView::plan(const Size& size) const {
-  return {
-      .width = size.width,
-      .height = size.height,
-      .format = settings_.format,
-      .accumulation = settings_.accumulation.value_or(accurate_accumulation(api_->capabilities)),
-      .scale = settings_.scale};
+Accumulation SceneView::accurate() const {
+  return settings_.accumulation.value_or(accurate_accumulation(api_->capabilities));
+}
+
+TargetPlan SceneView::plan(const Size& size, Accumulation accumulation) const {
+  return {.width = size.width,
+          .height = size.height,
+          .format = settings_.format,
+          .accumulation = accumulation,
+          .scale = settings_.scale};
 }
 
 // By the estimate and the driver's limits; whether the driver has as much is seen when it is asked.
-Expected<SceneView::Size> SceneView::picture_for(Size size) const {
+bool SceneView::is_possible(const TargetPlan& picture) const {
   const gl::Capabilities& driver = api_->capabilities;
-  const auto possible = [&] {
-    const bool small = size.width <= std::min(driver.max_texture_size, driver.max_viewport_width) &&
-                       size.height <= std::min(driver.max_texture_size, driver.max_viewport_height);
-    const auto pixels = [&] { return estimate_memory({}, {}, plan(size)).targets; };
-    return small && (!settings_.memory || (pixels() <= *settings_.memory / 2 &&
-                                           (splats_for(size) > 0 || cloud_->size() == 0)));
-  };
-  while (!possible()) {
-    if (size.is_pixel()) {
-      return fail("graphics memory", "",
-                  std::to_string(*settings_.memory) + " bytes do not hold one pixel and one splat");
-    }
-    size = size.halved();
-  }
-  return size;
+  if (picture.width > std::min(driver.max_texture_size, driver.max_viewport_width) ||
+      picture.height > std::min(driver.max_texture_size, driver.max_viewport_height))
+    return false;
+  if (!settings_.memory) return true;
+  const auto all =
+      estimate_memory(largest_of(degrees_, splats_asked()), renderer_->settings(), picture);
+  return all.total() <= *settings_.memory ||
+         (all.targets <= *settings_.memory / 2 && splats_for(picture) > 0);
 }
 
-std::size_t SceneView::splats_for(const Size& picture) const {
-  std::uint64_t most = most_splats(api_->capabilities, degrees_);
-  if (settings_.most_splats) most = std::min<std::uint64_t>(most, *settings_.most_splats);
-  if (settings_.memory) {
-    most = std::min(
-        most, splats_that_fit(*settings_.memory, degrees_, renderer_->settings(), plan(picture)));
+Expected<TargetPlan> SceneView::picture_for(Size size) const {
+  const bool halves = !settings_.accumulation && api_->capabilities.half_float_targets;
+  for (;; size = size.halved()) {
+    for (const Accumulation a : {accurate(), halves ? Accumulation::half_float : accurate()})
+      if (const TargetPlan picture = plan(size, a); is_possible(picture)) return picture;
+    if (size.is_pixel())
+      return fail("graphics memory", "",
+                  std::to_string(*settings_.memory) + " bytes do not hold one pixel and one splat");
   }
+}
+
+std::size_t SceneView::splats_asked() const {
+  return std::min(settings_.most_splats.value_or(~0UL), cloud_->size());
+}
+
+std::size_t SceneView::splats_for(const TargetPlan& picture) const {
+  std::uint64_t most =
+      std::min<std::uint64_t>(most_splats(api_->capabilities, degrees_), splats_asked());
+  if (settings_.memory)
+    most = std::min(most,
+                    splats_that_fit(*settings_.memory, degrees_, renderer_->settings(), picture));
   return most;
 }
 
 std::size_t SceneView::memory() const {
-  const Size picture{target_.width(), target_.height()};
-  return estimate_memory(largest_of(degrees_, shown_), renderer_->settings(), plan(picture))
-      .total();
+  return estimate_memory(largest_of(degrees_, shown_), renderer_->settings(), planned_).total();
+}
+
+bool SceneView::is_reduced() const {
+  return shown_ < splats_asked() || Size{planned_.width, planned_.height} != fitted_ ||
+         planned_.accumulation != accurate();
 }
 
 Expected<void> SceneView::upload(std::size_t splats) {
@@ -104,27 +118,27 @@ Expected<void> SceneView::upload(std::size_t splats) {
   return uploaded;
 }
 
-Expected<void> SceneView::make(const Size& picture, std::size_t splats) {
+Expected<void> SceneView::make(const TargetPlan& picture, std::size_t splats) {
   // What is there goes first: there may not be room for both
   target_ = {};
   if (splats != shown_) {
     shown_ = 0;
     if (auto emptied = renderer_->upload({}); !emptied) return emptied;
   }
-  const TargetPlan p = plan(picture);
+  planned_ = picture;
   return gl::in_turn(
       [&] {
-        return gl::take(
-            RenderTarget::create(*api_, p.width, p.height, p.format, p.accumulation, p.scale),
-            target_);
+        return gl::take(RenderTarget::create(*api_, picture.width, picture.height, picture.format,
+                                             picture.accumulation, picture.scale),
+                        target_);
       },
       [&] { return upload(splats); },
       // Some drivers notice late
       [&] { return gl::check_errors(*api_, "graphics memory"); });
 }
 
-// As many splats as there is room for beside a picture of that size.
-Expected<void> SceneView::fit_splats(const Size& picture) {
+// As many splats as there is room for beside that picture.
+Expected<void> SceneView::fit_splats(const TargetPlan& picture) {
   for (std::size_t splats = splats_for(picture);; splats -= (splats + 3) / 4) {
     api_->out_of_memory = false;
     auto made = make(picture, splats);
@@ -139,8 +153,9 @@ Expected<void> SceneView::fit(const Size& size) {
   for (;;) {
     auto made = fit_splats(*picture);
     if (made) fitted_ = size;
-    if (made || !api_->out_of_memory || picture->is_pixel() || gl::context_lost(*api_)) return made;
-    picture = picture->halved();
+    const Size tried{picture->width, picture->height};
+    if (made || !api_->out_of_memory || tried.is_pixel() || gl::context_lost(*api_)) return made;
+    picture = plan(tried.halved(), picture->accumulation);
   }
 }
 

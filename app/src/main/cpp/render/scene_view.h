@@ -1,6 +1,6 @@
 // A scene in pictures of any size, for programs that go on whatever the driver does: where memory
-// is short it shows fewer splats, in the end in fewer pixels, and when the context was lost all of
-// it is made again.
+// is short it blends in half floats, shows fewer splats, in the end in fewer pixels, and when the
+// context was lost all of it is made again.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,8 @@ namespace fluxgs::render {
 struct SceneViewSettings {
   RendererSettings renderer = {};
   TargetFormat format = TargetFormat::rgba8;
-  std::optional<Accumulation> accumulation = {};  ///< not given: accurate_accumulation()
+  /// Not given: accurate_accumulation(), or half floats where there is no room for that.
+  std::optional<Accumulation> accumulation = {};
   double scale = 1;  ///< of the picture that is blended, see RenderTarget
   /// Bytes that the scene, its frames and the picture may take together (memory_estimate.h). Not
   /// given: what the driver has.
@@ -56,13 +57,16 @@ class SceneView {
   /// How many splats there is room for: those that contribute most (splat_budget.h).
   std::size_t splats() const { return shown_; }
   bool shows_all() const { return shown_ == cloud_->size(); }
+  /// Whether there was no room for what was asked for: fewer splats, fewer pixels or half floats.
+  bool is_reduced() const;
   /// Bytes of graphics memory that are taken, by the estimate (memory_estimate.h).
   std::size_t memory() const;
 
   Renderer& renderer() { return *renderer_; }
   const Renderer& renderer() const { return *renderer_; }
   /// The picture: of the camera's size, or half as many pixels in each direction, or a quarter, …,
-  /// where there is no room for it. The picture takes half of the memory at most.
+  /// where there is no room for it: it takes half of the memory at most, or what the splats do
+  /// not need.
   const RenderTarget& target() const { return target_; }
 
  private:
@@ -72,12 +76,15 @@ class SceneView {
     bool is_pixel() const { return width <= 1 && height <= 1; }
     Size halved() const { return {std::max(width / 2, 1), std::max(height / 2, 1)}; }
   };
-  TargetPlan plan(const Size& size) const;
-  Expected<Size> picture_for(Size size) const;
-  std::size_t splats_for(const Size& picture) const;
+  Accumulation accurate() const;
+  TargetPlan plan(const Size& size, Accumulation accumulation) const;
+  bool is_possible(const TargetPlan& picture) const;
+  Expected<TargetPlan> picture_for(Size size) const;
+  std::size_t splats_asked() const;
+  std::size_t splats_for(const TargetPlan& picture) const;
   Expected<void> fit(const Size& size);
-  Expected<void> fit_splats(const Size& picture);
-  Expected<void> make(const Size& picture, std::size_t splats);
+  Expected<void> fit_splats(const TargetPlan& picture);
+  Expected<void> make(const TargetPlan& picture, std::size_t splats);
   Expected<void> upload(std::size_t splats);
   Expected<void> check_context() const;
 
@@ -88,6 +95,7 @@ class SceneView {
   std::unique_ptr<Renderer> renderer_;
   Size fitted_;  ///< the camera's size that there is a picture for
   RenderTarget target_;
+  TargetPlan planned_;  ///< as target_ was made
   std::size_t shown_ = 0;
 };
 

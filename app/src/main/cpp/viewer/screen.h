@@ -26,16 +26,16 @@ class Screen {
   virtual gl::Api* api() = 0;
 
   /// Pictures go to this window from now on; the platform's own handle, ownership of which is
-  /// passed. Fails, with the context marked as lost (gl::context_lost()), when that is why; the
-  /// window is attached all the same.
-  virtual Expected<void> attach(void* window) = 0;
+  /// passed.
+  virtual void attach(void* window) = 0;
   /// The window is no longer touched when this returns.
   virtual void detach() = 0;
   virtual bool has_window() const = 0;
 
-  /// Copies a picture to the window and shows it. Fails, with the context marked as lost
+  /// Copies a picture to the window and shows it. Whether it did: not in a window that is about to
+  /// be taken away, nor where there is none. Fails, with the context marked as lost
   /// (gl::context_lost()), when that is why.
-  virtual Expected<void> present(const render::RenderTarget& target, int width, int height) = 0;
+  virtual Expected<bool> present(const render::RenderTarget& target, int width, int height) = 0;
 };
 
 }  // namespace fluxgs::viewer

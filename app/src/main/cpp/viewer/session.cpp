@@ -102,11 +102,12 @@ void Session::run() {
 
 void Session::surface_created(void* window) {
   post([this, window] {
-    const auto attached = screen_->attach(window);
-    // A lost context is made again by the next frame
-    gl::Api* api = screen_->api();
-    if (!attached && (api == nullptr || !gl::context_lost(*api))) give_up(attached.error());
+    screen_->attach(window);
     redraw_ = true;
+    if (!std::exchange(failed_, false)) return;
+    losses_ = 0;  // what the last window had may be over
+    const std::lock_guard lock(mutex_);
+    state_.error.clear();
   });
 }
 
@@ -266,11 +267,13 @@ Expected<void> Session::make_ready() {
 Expected<void> Session::show_frame() {
   auto done = make_ready();
   if (done) done = viewer_.draw();
-  if (done) done = screen_->present(viewer_.target(), width_, height_);
   if (!done) return done;
-  viewer_.presented();
-  redraw_ = false;
+  const auto shown = screen_->present(viewer_.target(), width_, height_);
+  if (!shown) return std::unexpected(shown.error());
+  redraw_ = !*shown;
   losses_ = 0;
+  if (!*shown) return {};
+  viewer_.presented();
   if (!std::exchange(drawn_, true)) {
     const std::lock_guard lock(mutex_);
     state_.first_frame_ms = milliseconds_since(load_began_);

@@ -29,8 +29,8 @@ struct SessionState {
   std::uint64_t shown = 0;  ///< which loading it is of, by the number that load() gave; 0: none
   bool flipped = false;
   ViewerStats stats;
-  std::string error;          ///< of drawing, one line; it is over until another scene is loaded
-  int contexts = 0;           ///< how many were made: more than 1 means that some were lost
+  std::string error;  ///< of drawing, one line; it is over until there is another scene, or window
+  int contexts = 0;   ///< how many were made: more than 1 means that some were lost
   std::size_t dropped = 0;    ///< splats of the file that were left out for a NaN or infinity
   double first_frame_ms = 0;  ///< from begin of loading until the first picture was shown
 };

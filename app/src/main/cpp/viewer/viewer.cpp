@@ -114,7 +114,7 @@ void Viewer::close() {
 /// Whether GL objects were made for other settings.
 bool Viewer::needs_remaking(const ViewerSettings& s) const {
   const bool fits =
-      is_open() && scene_->shows_all() && (!s.memory || scene_->memory() <= *s.memory);
+      is_open() && !scene_->is_reduced() && (!s.memory || scene_->memory() <= *s.memory);
   return s.sorter != settings_.sorter || s.most_splats != settings_.most_splats ||
          (s.memory != settings_.memory && !fits);
 }
@@ -300,6 +300,8 @@ ViewerStats Viewer::stats() {
   stats_.frames_per_second = frame_seconds_ > 0 ? 1 / frame_seconds_ : 0;
   stats_.shown = scene_->splats();
   stats_.splats = cloud_->size();
+  stats_.reduced = scene_->is_reduced();
+  stats_.picture = static_cast<double>(scene_->target().width()) / size_.x;
   stats_.memory = scene_->memory();
   stats_.width = scene_->target().blend_width();
   stats_.height = scene_->target().blend_height();

@@ -41,6 +41,8 @@ struct ViewerStats {
   int width = 0, height = 0;          ///< of the picture that is blended
   double scale = 1;                   ///< of the last picture
   std::size_t memory = 0;             ///< bytes of graphics memory that are taken
+  bool reduced = false;               ///< there was no room for all, see SceneView::is_reduced()
+  double picture = 1;                 ///< its width, of the window's: less where memory is short
 };
 
 /// Where a view is, to be kept over the end of the process: target, orientation (w, x, y, z),

@@ -40,8 +40,6 @@ void* function(const char* name) {
   return reinterpret_cast<void*>(eglGetProcAddress(name));
 }
 
-constexpr const char* kCreateSurface = "eglCreateWindowSurface";
-
 class EglScreen final : public viewer::Screen {
  public:
   ~EglScreen() override {
@@ -54,7 +52,6 @@ class EglScreen final : public viewer::Screen {
     drop_context();
     if (auto opened = open_display(); !opened) return std::unexpected(opened.error());
     if (auto made = create_context(); !made) return std::unexpected(made.error());
-    if (window_ != nullptr && !create_surface()) return egl_failure(kCreateSurface);
     if (auto current = make_current(); !current) return std::unexpected(current.error());
     auto api = gl::load_api(function);
     if (!api) return std::unexpected(api.error());
@@ -63,13 +60,9 @@ class EglScreen final : public viewer::Screen {
   }
   gl::Api* api() override { return api_.get(); }
 
-  Expected<void> attach(void* window) override {
+  void attach(void* window) override {
     detach();
     window_ = static_cast<ANativeWindow*>(window);
-    size_ = {};
-    if (context_ == EGL_NO_CONTEXT || window_ == nullptr) return {};
-    if (!create_surface()) return egl_failure(kCreateSurface);
-    return make_current();
   }
 
   void detach() override {
@@ -78,15 +71,14 @@ class EglScreen final : public viewer::Screen {
   }
   bool has_window() const override { return window_ != nullptr; }
 
-  Expected<void> present(const render::RenderTarget& target, int width, int height) override {
-    if (window_surface_ == EGL_NO_SURFACE) return {};
-    if (auto fits = fit_surface({width, height}); !fits) return fits;
-    if (window_surface_ == EGL_NO_SURFACE) return {};  // any more
+  Expected<bool> present(const render::RenderTarget& target, int width, int height) override {
+    if (const auto there = make_surface({width, height}); !there || !*there) return there;
     render::copy_to_window(*api_, target, width, height);
-    if (eglSwapBuffers(display_, window_surface_) == EGL_TRUE) return {};
+    if (eglSwapBuffers(display_, window_surface_) == EGL_TRUE) return true;
     const EGLint error = eglGetError();
     if (error == EGL_CONTEXT_LOST) api_->lost = true;
-    if (window_is_going(error)) return {};
+    destroy_surface();  // the next frame tries again
+    if (window_is_going(error)) return false;
     return egl_failure("eglSwapBuffers", error);
   }
 
@@ -96,15 +88,21 @@ class EglScreen final : public viewer::Screen {
     bool operator==(const Size&) const = default;
   };
 
-  /// Buffers that a driver has taken already keep the size that the window had before, and nobody
-  /// would draw a second frame of a view at rest.
-  Expected<void> fit_surface(const Size& size) {
-    const Size before = std::exchange(size_, size);
-    if (before == Size{} || before == size) return {};
-    destroy_surface();
-    if (create_surface()) return make_current();
-    const EGLint error = eglGetError();
-    return window_is_going(error) ? Expected<void>{} : egl_failure(kCreateSurface, error);
+  /// Where there is none of that size: buffers that a driver has taken already keep the size that
+  /// the window had before, and nobody would draw a second frame of a view at rest. Whether there
+  /// is one then.
+  Expected<bool> make_surface(const Size& size) {
+    if (size != size_) destroy_surface();
+    if (window_surface_ != EGL_NO_SURFACE) return true;
+    if (window_ == nullptr) return false;
+    if (!create_surface()) {
+      const EGLint error = eglGetError();
+      if (window_is_going(error)) return false;
+      return egl_failure("eglCreateWindowSurface", error);
+    }
+    size_ = size;
+    if (auto current = make_current(); !current) return std::unexpected(current.error());
+    return true;
   }
 
   Expected<void> open_display() {
@@ -211,7 +209,7 @@ class EglScreen final : public viewer::Screen {
   EGLSurface window_surface_ = EGL_NO_SURFACE;
   EGLSurface idle_surface_ = EGL_NO_SURFACE;  // of one pixel, while there is no window
   ANativeWindow* window_ = nullptr;
-  Size size_;  // of the window, when it was last presented to; {}: never
+  Size size_;  // of the window, when the surface was made
   std::unique_ptr<gl::Api> api_;
 };
 

@@ -16,17 +16,14 @@ class OffscreenScreen final : public viewer::Screen {
   }
   gl::Api* api() override { return context_ ? &context_->api() : nullptr; }
 
-  Expected<void> attach(void* window) override {
-    has_window_ = window != nullptr;
-    return {};
-  }
+  void attach(void* window) override { has_window_ = window != nullptr; }
   void detach() override { has_window_ = false; }
   bool has_window() const override { return has_window_; }
 
-  Expected<void> present(const render::RenderTarget&, int, int) override {
+  Expected<bool> present(const render::RenderTarget&, int, int) override {
     context_->api().Finish();  // as a display's queue would make it wait
     if (gl::context_lost(context_->api())) return fail("OpenGL", "", "the context was lost");
-    return {};
+    return has_window_;
   }
 
  private:

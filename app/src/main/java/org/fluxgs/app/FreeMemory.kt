@@ -8,9 +8,6 @@ internal object FreeMemory {
     /** What is left to everything else. */
     private const val KEPT = 150L shl 20
 
-    /** With which there is still a picture. */
-    private const val LEAST_GRAPHICS = 32L shl 20
-
     /**
      * Bytes for a file and what it decodes to. Decoding holds as much again for a while, and then the
      * GPU may have as much for drawing it; no second copy of the scene is made for that.
@@ -28,10 +25,6 @@ internal object FreeMemory {
         context.getSystemService(ActivityManager::class.java).getMemoryInfo(info)
         return info.lowMemory
     }
-
-    /** A smaller budget of graphics memory, when the system wants some back: half of what is taken. */
-    fun less(budget: Long, taken: Long): Long =
-        (budget.coerceAtMost(taken) / 2).coerceAtLeast(LEAST_GRAPHICS)
 
     /** Bytes of the GPU, which shares the device's memory. */
     fun forGraphics(context: Context): Long = forScene(context)

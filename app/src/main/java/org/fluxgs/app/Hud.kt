@@ -23,8 +23,11 @@ internal object Hud {
         parts += resources.getString(R.string.hud_sort, Texts.milliseconds(stats.sortMs))
         if (stats.scale < 1) parts += String.format(Locale.getDefault(), "%.0f%%", 100 * stats.scale)
         if (!heat.headroom.isNaN()) parts += resources.getString(R.string.hud_heat, heat.headroom)
+        if (stats.reduced) parts += resources.getString(R.string.hud_memory)
         if (stats.shown < stats.splats)
-            parts += resources.getString(R.string.hud_memory, Texts.count(stats.shown))
+            parts += resources.getString(R.string.hud_best, Texts.count(stats.shown))
+        if (stats.picture < 1)
+            parts += resources.getString(R.string.hud_coarse, 100 * stats.picture)
         return parts.joinToString("  ·  ")
     }
 }

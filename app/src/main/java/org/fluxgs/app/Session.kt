@@ -31,6 +31,8 @@ data class Stats(
     val height: Int,
     val scale: Double,
     val memory: Long, // bytes of graphics memory that are taken
+    val reduced: Boolean, // there was no room for all splats and pixels, at the best precision
+    val picture: Double, // its width, of the window's: less where memory is short
 )
 
 data class SessionState(
@@ -64,7 +66,7 @@ data class SessionState(
                     stats.getDouble("fps"), stats.getDouble("frameMs"), stats.getDouble("sortMs"),
                     stats.getLong("drawn"), stats.getLong("shown"), stats.getLong("splats"),
                     stats.getInt("width"), stats.getInt("height"), stats.getDouble("scale"),
-                    stats.getLong("memory"),
+                    stats.getLong("memory"), stats.getBoolean("reduced"), stats.getDouble("picture"),
                 ),
             )
         }

@@ -36,8 +36,7 @@ class ViewerActivity : Activity() {
     private val opened = mutableMapOf<Long, Opened>() // by the numbers of their loadings
     private var shown: Opened? = null // the scene on the screen
     private var busy = false // until the scene that is wanted is shown, or no longer wanted
-    private var memory = 0L
-    private var memoryAskedAt = 0L
+    private lateinit var budget: GraphicsBudget
     private var appliedFrameSeconds = 0f
     private var measuring = false // the benchmark has the device for itself
     private var looksAround = false // by the gyroscope
@@ -61,7 +60,7 @@ class ViewerActivity : Activity() {
         settings = Settings.load(this)
         session = Session()
         gyroscope = Gyroscope(this) { rotation, turns, time -> session.turn(rotation, turns, time) }
-        memory = FreeMemory.forGraphics(this)
+        budget = GraphicsBudget(this)
         surface = findViewById(R.id.surface)
         surface.session = session
         surface.onTap = { toggleControls() }
@@ -106,7 +105,7 @@ class ViewerActivity : Activity() {
         session.cancelLoading()
         name = ""
         busy = true
-        memory = FreeMemory.forGraphics(this).coerceAtLeast(memory)
+        budget.begin()
         apply(settings)
         loadingView.opening()
         val wanted = uri
@@ -162,7 +161,7 @@ class ViewerActivity : Activity() {
         val state = session.state() ?: return
         if (frameSeconds() != appliedFrameSeconds) apply(settings)
         tellHeat()
-        watchMemory()
+        fitMemory { budget.look(state.stats.memory) }
         loadingView.show(state, name)
         if (state.drawn && state.shown != shown?.number) opened[state.shown]?.let { appeared(it, state) }
         val hud = findViewById<TextView>(R.id.hud)
@@ -256,7 +255,7 @@ class ViewerActivity : Activity() {
     private fun apply(changed: Settings) {
         settings = changed
         appliedFrameSeconds = frameSeconds()
-        session.set(changed, looksAround, appliedFrameSeconds, memory)
+        session.set(changed, looksAround, appliedFrameSeconds, budget.bytes)
     }
 
     private fun frameSeconds(): Float {
@@ -354,27 +353,14 @@ class ViewerActivity : Activity() {
         super.onTrimMemory(level)
         @Suppress("DEPRECATION")
         if (level >= ComponentCallbacks2.TRIM_MEMORY_BACKGROUND) session.freeGraphics()
-        else if (level == ComponentCallbacks2.TRIM_MEMORY_RUNNING_CRITICAL) useLessMemory()
+        else if (level == ComponentCallbacks2.TRIM_MEMORY_RUNNING_CRITICAL)
+            fitMemory { budget.shrink(session.state()?.stats?.memory ?: 0) }
     }
 
-    /** From Android 14 on nobody tells: the app has to ask, now and then. */
-    private fun watchMemory() {
-        val now = SystemClock.elapsedRealtime()
-        if (now < memoryAskedAt + ASK_MEMORY_EVERY_MS) return
-        memoryAskedAt = now
-        if (!FreeMemory.isLow(this)) return
-        useLessMemory()
-        memoryAskedAt += WAIT_FOR_MEMORY_MS
-    }
-
-    /**
-     * Half of what the scene takes: the splats that add least go. Until another one is opened, for it
-     * is not to change to and fro.
-     */
-    private fun useLessMemory() {
-        val taken = session.state()?.stats?.memory ?: return
-        if (taken == 0L) return
-        memory = FreeMemory.less(memory, taken)
+    private fun fitMemory(change: () -> Boolean) {
+        val before = budget.bytes
+        if (!change()) return
+        if (budget.bytes < before) say(getString(R.string.memory_short))
         apply(settings)
     }
 
@@ -392,7 +378,5 @@ class ViewerActivity : Activity() {
         private const val BARE = "bare"
         private const val GYROSCOPE = "gyroscope"
         const val AWAKE_MS = 5 * 60_000L
-        private const val ASK_MEMORY_EVERY_MS = 5_000L
-        private const val WAIT_FOR_MEMORY_MS = 25_000L // what was let go of has an effect by then
     }
 }

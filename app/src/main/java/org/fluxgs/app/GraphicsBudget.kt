@@ -1,0 +1,66 @@
+package org.fluxgs.app
+
+import android.content.Context
+import android.os.SystemClock
+
+/**
+ * How much graphics memory a scene may take. Less when the system wants some back: three quarters of
+ * what is taken, so that splats that add little and bits that few see go before pixels do. All of it
+ * again when there is room, each time after a longer wait, for it is not to change to and fro.
+ */
+internal class GraphicsBudget(private val context: Context) {
+    var bytes = FreeMemory.forGraphics(context)
+        private set
+    private var whole = 0L // what was taken before there was less; 0 while there is not
+    private var askAt = 0L
+    private var settledAt = 0L
+    private var growAt = 0L
+    private var patience = FIRST_PATIENCE_MS
+
+    /** Another scene may have what there is now. */
+    fun begin() {
+        bytes = FreeMemory.forGraphics(context).coerceAtLeast(bytes)
+        whole = 0
+    }
+
+    /**
+     * To be called often: from Android 14 on nobody tells, so it asks, now and then. [taken] are bytes
+     * of graphics memory. Whether [bytes] have changed.
+     */
+    fun look(taken: Long): Boolean {
+        val now = SystemClock.elapsedRealtime()
+        if (now < askAt) return false
+        askAt = now + ASK_EVERY_MS
+        return if (FreeMemory.isLow(context)) shrink(taken) else now >= growAt && grow()
+    }
+
+    /** The system wants memory back. Whether [bytes] have changed. */
+    fun shrink(taken: Long): Boolean {
+        val now = SystemClock.elapsedRealtime()
+        if (taken == 0L || now < settledAt) return false
+        settledAt = now + EFFECT_MS
+        growAt = now + patience
+        patience = (2 * patience).coerceAtMost(LONGEST_PATIENCE_MS)
+        val less = (bytes.coerceAtMost(taken) / 4 * 3).coerceAtLeast(LEAST)
+        if (less >= bytes) return false
+        if (whole == 0L) whole = taken
+        bytes = less
+        return true
+    }
+
+    private fun grow(): Boolean {
+        val free = FreeMemory.forGraphics(context)
+        if (whole == 0L || free < whole) return false
+        bytes = free
+        whole = 0
+        return true
+    }
+
+    companion object {
+        const val LEAST = 32L shl 20 // with which there is still a picture
+        const val ASK_EVERY_MS = 5_000L
+        const val EFFECT_MS = 30_000L // what was let go of has an effect by then
+        const val FIRST_PATIENCE_MS = 60_000L
+        private const val LONGEST_PATIENCE_MS = 16 * 60_000L
+    }
+}
