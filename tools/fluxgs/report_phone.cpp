@@ -117,6 +117,10 @@ Expected<SelfTest> compare_self_tests(const PhoneReport& s, const PhoneResult& r
   return SelfTest{"the device computes bit for bit what this machine does", true};
 }
 
+std::string reason_of(const PhoneResult& r) {
+  return r.stopped.empty() ? "the run has no rows" : "it was stopped, " + r.stopped;
+}
+
 /// What makes two results hard to compare.
 std::vector<std::string> differences(const PhoneResult& now, const PhoneResult& before) {
   std::vector<std::string> found;
@@ -178,6 +182,8 @@ Expected<void> report(const PhoneReport& s) {
   auto given = give_report(s.report, to_json(*result, earlier, *test),
                            [&] { print_report(*result, earlier, unlike, *test); });
   if (given && test->same == false) return fail(s.result, "self_test", test->text);
+  if (given && result->rows.empty())
+    return fail(s.result, "rows", "nothing was measured: " + reason_of(*result));
   return given;
 }
 

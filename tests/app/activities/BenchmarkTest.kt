@@ -148,6 +148,28 @@ class BenchmarkTest {
     }
 
     @Test
+    fun itSaysWhatWasNotTheSameInTheRunComparedWith() {
+        start(short("scene" to "sample"))
+        val first = finished()
+        val unlike = context.getString(R.string.compared_unlike, "").trim()
+        close()
+        start(intent("sizes" to "96x64,64x96", "frames" to "4", "warmup" to "1"))
+        val second = finished()
+        assertEquals(listOf("protocol.frames"), second.differences(first))
+        val facts = activity.text(R.id.facts)
+        assertTrue(facts, "times as fast" in facts)
+        assertTrue(facts, "$unlike ${context.getString(R.string.condition_frames)}" in facts)
+        close()
+        // The third is compared with the first, which was measured likewise
+        start(short("scene" to "sample"))
+        val third = finished()
+        assertEquals(first.text(), BenchmarkHistory(context).before(third)!!.text())
+        assertFalse(activity.text(R.id.facts), unlike in activity.text(R.id.facts))
+        val table = third.csv().lines()
+        assertEquals("false", table[1].split(',')[table[0].split(',').indexOf("multi_window")])
+    }
+
+    @Test
     fun progressIsShown() {
         start(intent("sizes" to "640x480", "frames" to "20"))
         until("there is progress", 100) { activity.text(R.id.status).contains("left") }

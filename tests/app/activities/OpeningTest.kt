@@ -134,6 +134,28 @@ class OpeningTest : ViewerScreen() {
     }
 
     @Test
+    fun theProblemOfOneSceneIsNotShownWhileTheNextIsAskedFor() {
+        val text = File(context.cacheDir, "text.glb").apply { writeText("no scene") }
+        openAndFail(Documents.offer(text))
+        val gate = java.util.concurrent.CountDownLatch(1)
+        Documents.answers["stuck"] = {
+            gate.await()
+            ParcelFileDescriptor.open(
+                File(material, "scene.glb"), ParcelFileDescriptor.MODE_READ_ONLY,
+            )
+        }
+        val next = Intent(context, ViewerActivity::class.java).setData(Documents.uri("stuck"))
+        controller!!.newIntent(next)
+        repeat(3) {
+            pump(ViewerActivity.LOOK_EVERY_MS)
+            assertTrue("nobody has to wait", activity.isShown(R.id.loading_cancel))
+            assertFalse(activity.isShown(R.id.loading_retry))
+        }
+        gate.countDown()
+        until("it is drawn") { session.state()!!.drawn && !activity.isShown(R.id.loading) }
+    }
+
+    @Test
     fun aProviderThatNeverAnswersIsLeftByCancel() {
         val gate = java.util.concurrent.CountDownLatch(1)
         Documents.answers["stuck"] = {

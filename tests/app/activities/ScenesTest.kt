@@ -160,6 +160,20 @@ class ScenesTest {
     }
 
     @Test
+    fun permissionsOfScenesThatAreInNoListAreLetGoOfAfterADay() {
+        val (wanted, other) = listOf(Documents.uri("wanted.glb"), Documents.uri("other.glb"))
+        UriPermissions.keep(context, wanted)
+        UriPermissions.keep(context, other)
+        val kept = { context.contentResolver.persistedUriPermissions.map { it.uri }.toSet() }
+        open() // may be while the other is read still
+        pump()
+        Background.start {}.get()
+        assertEquals(setOf(wanted, other), kept())
+        UriPermissions.releaseAllBut(context, setOf(wanted), System.currentTimeMillis() + 25 * 3_600_000L)
+        assertEquals(setOf(wanted), kept())
+    }
+
+    @Test
     fun nothingPickedIsNothingOpened() {
         open()
         activity.view(R.id.open).performClick()

@@ -339,15 +339,21 @@ class BenchmarkActivity : Activity() {
                 thermal.getJSONObject("after").getInt("status"),
             ),
         )
-        if (earlier != null) {
-            val ratios = found.rows.mapNotNull { found.ratioTo(earlier, it) }.sorted()
-            if (ratios.isNotEmpty()) lines += getString(
-                R.string.compared, earlier.started.replace('T', ' ').take(16), ratios[ratios.size / 2],
-            )
-        }
+        if (earlier != null) lines += comparison(found, earlier)
         if (found.json.optBoolean("multi_window")) lines += getString(R.string.beside_another)
         if (BuildFacts.isCheckBuild) lines += getString(R.string.check_build)
         return lines.filter { it.isNotEmpty() }.joinToString("\n")
+    }
+
+    private fun comparison(found: BenchmarkResult, earlier: BenchmarkResult): List<String> {
+        val ratios = found.rows.mapNotNull { found.ratioTo(earlier, it) }.sorted()
+        if (ratios.isEmpty()) return emptyList()
+        val line = getString(
+            R.string.compared, earlier.started.replace('T', ' ').take(16), ratios[ratios.size / 2],
+        )
+        val unlike = found.differences(earlier).mapNotNull { CONDITION_NAMES[it] }.distinct()
+        if (unlike.isEmpty()) return listOf(line)
+        return listOf(line, getString(R.string.compared_unlike, unlike.joinToString { getString(it) }))
     }
 
     private fun thermalLine(before: Int, after: Int) =
@@ -403,5 +409,13 @@ class BenchmarkActivity : Activity() {
         private const val LOOK_WHILE_MEASURING_MS = 1000L
         private const val RESULT = "result"
         private const val SELF_TEST_BYTES = 32L shl 20
+        private val CONDITION_NAMES = mapOf(
+            "protocol.warmup" to R.string.condition_frames,
+            "protocol.frames" to R.string.condition_frames,
+            "multi_window" to R.string.condition_screen,
+            "app.name" to R.string.condition_app,
+            "driver.version" to R.string.condition_driver,
+            "thermal.before.status" to R.string.condition_heat,
+        )
     }
 }

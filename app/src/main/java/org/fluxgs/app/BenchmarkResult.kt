@@ -48,11 +48,11 @@ internal class BenchmarkResult(val json: JSONObject) {
         return (listOf((RUN + ROW).joinToString(",")) + lines).joinToString("\n", postfix = "\n")
     }
 
-    /** The value at a path such as draw_ms.median. */
+    /** The value at a path such as draw_ms.median; nothing where an older app has written none. */
     private fun find(from: JSONObject, path: String): String {
         val names = path.split('.')
-        val holder = names.dropLast(1).fold(from) { inner, name -> inner.getJSONObject(name) }
-        return holder.get(names.last()).toString()
+        val holder = names.dropLast(1).fold(from as JSONObject?) { at, name -> at?.optJSONObject(name) }
+        return holder?.opt(names.last())?.toString() ?: ""
     }
 
     private fun quoted(text: String) =
@@ -64,6 +64,13 @@ internal class BenchmarkResult(val json: JSONObject) {
         if (before.drawMs <= 0 || row.drawMs <= 0) return null
         return before.drawMs / row.drawMs
     }
+
+    /** What makes it hard to compare with an earlier result: paths of the JSON. */
+    fun differences(earlier: BenchmarkResult): List<String> =
+        CONDITIONS.filter { find(json, it) != find(earlier.json, it) }
+
+    /** Whether the same was measured, and the whole screen was the app's both times. */
+    fun isMeasuredLike(earlier: BenchmarkResult) = differences(earlier).none { it in PROTOCOL }
 
     private fun rowOf(row: JSONObject) = BenchmarkRow(
         "${row.getInt("width")}×${row.getInt("height")} ${row.getString("views")}, " +
@@ -77,8 +84,11 @@ internal class BenchmarkResult(val json: JSONObject) {
         const val VERSION = 1
         private val RUN = listOf(
             "scene.name", "scene.splats", "device.manufacturer", "device.model", "started",
+            "app.name", "protocol.warmup", "protocol.frames", "multi_window",
             "thermal.before.status", "thermal.after.status", "stopped",
         )
+        private val PROTOCOL = setOf("protocol.warmup", "protocol.frames", "multi_window")
+        private val CONDITIONS = PROTOCOL + setOf("app.name", "driver.version", "thermal.before.status")
         private val ROW = listOf(
             "width", "height", "views", "sorter", "draw_ms.median", "draw_ms.p95",
             "sort_to_photon_ms.median", "sort_to_photon_ms.p95", "pipelined_ms", "splats_drawn",
@@ -121,13 +131,17 @@ internal class BenchmarkResult(val json: JSONObject) {
 internal class BenchmarkHistory(context: Context) {
     private val folder = File(context.filesDir, "benchmarks")
 
-    /** The last whole one of the same scene: of as many splats, too, for names are given anew. */
-    fun before(result: BenchmarkResult): BenchmarkResult? = files()
-        .mapNotNull { file -> read(file) }
-        .firstOrNull {
+    /**
+     * The last whole one of the same scene: of as many splats, too, for names are given anew. One that
+     * was measured likewise, if there is.
+     */
+    fun before(result: BenchmarkResult): BenchmarkResult? {
+        val known = files().mapNotNull { file -> read(file) }.filter {
             it.sceneName == result.sceneName && it.splats == result.splats && it.stopped.isEmpty() &&
                 it.started <= result.started && it.text() != result.text()
         }
+        return known.firstOrNull { result.isMeasuredLike(it) } ?: known.firstOrNull()
+    }
 
     @Throws(IOException::class)
     fun add(result: BenchmarkResult) {

@@ -27,8 +27,14 @@ internal object UriPermissions {
         }
     }
 
-    /** An app may keep a few hundred only: those of scenes that are in no list are let go of. */
-    fun releaseAllBut(context: Context, wanted: Set<Uri>) =
-        context.contentResolver.persistedUriPermissions.map { it.uri }.filter { it !in wanted }
-            .forEach { release(context, it) }
+    /**
+     * An app may keep a few hundred only: those of scenes that are in no list are let go of, but for
+     * new ones, which may be in the list once they have been read.
+     */
+    fun releaseAllBut(context: Context, wanted: Set<Uri>, now: Long = System.currentTimeMillis()) =
+        context.contentResolver.persistedUriPermissions
+            .filter { it.uri !in wanted && now - it.persistedTime > NEW_MS }
+            .forEach { release(context, it.uri) }
+
+    private const val NEW_MS = 24 * 60 * 60_000L
 }
