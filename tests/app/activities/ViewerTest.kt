@@ -468,14 +468,14 @@ class ViewerTest : ViewerScreen() {
         assertTrue("$less", less.memory <= before.memory * 3 / 4)
         assertEquals("pixels go last", 1080, less.width)
         assertEquals("splats are little here", before.splats, less.shown)
-        assertTrue(spread(settled()) > 100)
+        assertTrue("there is a picture", spread(settled()) > 100)
         assertEquals(context.getString(R.string.memory_short), ShadowToast.getTextOfLatestToast())
-        assertTrue(context.getString(R.string.hud_memory) in activity.text(R.id.hud))
+        until("the numbers say so") { context.getString(R.string.hud_memory) in activity.text(R.id.hud) }
     }
 
     private fun expectAllAgain(before: Stats) {
         until("all of it is there again") { pump(5_000); session.state()!!.stats.memory == before.memory }
-        assertFalse(session.state()!!.stats.reduced)
+        assertFalse("nothing is left out", session.state()!!.stats.reduced)
     }
 
     @Test
@@ -497,7 +497,7 @@ class ViewerTest : ViewerScreen() {
     fun memoryThatBecomesShortIsNoticed() {
         val before = openOnAPhone()
         pump(GraphicsBudget.ASK_EVERY_MS)
-        assertFalse(session.state()!!.stats.reduced)
+        assertFalse("there is no want", session.state()!!.stats.reduced)
         memory(50L shl 20, low = true)
         pump(GraphicsBudget.ASK_EVERY_MS)
         expectLess(before)
