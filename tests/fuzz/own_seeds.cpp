@@ -353,9 +353,12 @@ void add_codec(Seeds& seeds) {
     std::vector<std::int32_t> numbers;
     for (std::int32_t i = 0; i < 50; ++i) numbers.push_back(i * i * 7919 % spread - spread / 2);
     Bytes stream;
-    codec::encode_values(numbers, stream);
-    seeds["values"][fmt::format("spread{}", spread)] = with_count(numbers.size(), {}, stream);
+    codec::encode_values({{numbers}}, stream);
+    seeds["values"][fmt::format("spread{}", spread)] = with_count(numbers.size(), {0}, stream);
   }
+  Bytes several;
+  codec::encode_values({{{0, 1, 1, 5}, {7, 7, 7, 7}, {-1 << 25, 0, 3, 1 << 25}}}, several);
+  seeds["values"]["channels"] = with_count(4, {2}, several);
 }
 
 void add_onnx(Seeds& seeds) {

@@ -162,10 +162,11 @@ struct CoderCost {
 CoderCost rans_cost(const Numbers& original) {
   Numbers numbers = original;
   codec::Bytes out;
-  codec::encode_values(numbers, out);
+  codec::encode_values({&original, 1}, out);
   const double ms = milliseconds([&] {
     codec::Reader in(out);
-    if (!codec::decode_values(in, numbers)) std::abort();
+    auto decoder = codec::ValueDecoder::open(in, 1, numbers.size());
+    if (!decoder || !decoder->next(numbers)) std::abort();
   });
   return {8.0 * static_cast<double>(out.size()), ms};
 }

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 
+#include "codec/bits.h"
 #include "codec/prediction.h"
 #include "codec/rans.h"
 
@@ -143,6 +144,12 @@ Expected<Layout> take_layout(Reader& in, std::size_t channels) {
         return fail("", "", "its header has numbers out of range");
       value = *number;
     }
+  BitReader bits(in);
+  for (std::size_t c = 0; c < channels; ++c) {
+    const auto predicted = bits.take(1);
+    if (!predicted) return fail("", "", "is cut off in its header");
+    t.predicted.push_back(static_cast<std::uint8_t>(*predicted));
+  }
   return t;
 }
 
@@ -206,10 +213,10 @@ void encode_whole(const Layout& layout, const std::vector<std::vector<std::int32
   put(out, layout.step);
   for (const auto* list : {&layout.mean, &layout.basis, &layout.axes})
     for (const float value : *list) put(out, value);
-  for (std::size_t c = 0; c < planes.size(); ++c) {
-    put(out, layout.predicted[c]);
-    encode_values(planes[c], out);
-  }
+  BitWriter bits(out);
+  for (const std::uint8_t predicted : layout.predicted) bits.put(predicted, 1);
+  bits.finish();
+  encode_values(planes, out);
 }
 
 Expected<Layout> shortest_layout(const Channels& input, float step) {
@@ -243,14 +250,13 @@ Expected<float> decode_channels(Reader& in, std::size_t channels, std::span<cons
   if (splats == 0) return 0.0f;
   const auto layout = take_layout(in, channels);
   if (!layout) return std::unexpected(layout.error());
+  auto decoder = ValueDecoder::open(in, channels, splats);
+  if (!decoder) return std::unexpected(decoder.error());
   std::vector<std::int32_t> plane(splats);
   for (std::size_t c = 0; c < channels; ++c) {
-    const auto predicted = in.take<std::uint8_t>();
-    if (!predicted || *predicted > 1)
-      return fail("", "", fmt::format("channel {} is cut off or damaged", c));
-    if (auto ok = decode_values(in, plane); !ok)
+    if (auto ok = decoder->next(plane); !ok)
       return fail("", fmt::format("channel {}", c), ok.error().what);
-    if (*predicted) undo_differences(plane);
+    if (layout->predicted[c] != 0) undo_differences(plane);
     std::ranges::transform(plane, values.begin() + static_cast<std::ptrdiff_t>(c * splats),
                            [](std::int32_t k) { return static_cast<float>(k); });
   }

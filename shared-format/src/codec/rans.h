@@ -1,26 +1,59 @@
 // Entropy coding of whole numbers: range asymmetric numeral systems (Duda 2013, "Asymmetric numeral
 // systems: entropy coding combining speed of Huffman coding with compression rate of arithmetic
-// coding") with one static table of frequencies for each stream.
+// coding") with one static table of frequencies for each channel of numbers.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "codec/bytes.h"
 #include "fluxgs/error.h"
 
 namespace fluxgs::codec {
 
-/// Appends `values` to `out` in about as many bits as their entropy says, plus a table of one or
-/// two bytes for each distinct value. Values that spread over more than 4,096 neighbours keep their
-/// low bits uncoded (bypass bits). |value| < 2³⁰.
-void encode_values(std::span<const std::int32_t> values, Bytes& out);
+/// Appends channels of equally many values to `out`, in about as many bits as their entropy says,
+/// plus a table of some three bits for each distinct value. Values of a channel that spread over
+/// more than 4,096 neighbours keep their low bits uncoded (bypass bits). |value| < 2³⁰.
+void encode_values(std::span<const std::vector<std::int32_t>> channels, Bytes& out);
 
 /// Bits that encode_values would take for the values themselves (their empirical entropy).
 double entropy_bits(std::span<const std::int32_t> values);
 
-/// Fills `values`, whose size the caller knows. Nothing is allocated beyond a table of fixed size.
-/// Errors (without a file's name): the stream is cut, its table is not one, or it is damaged.
-Expected<void> decode_values(Reader& in, std::span<std::int32_t> values);
+/// How values are split: symbol = (value − lowest) >> raw_bits, the rest is stored as it is.
+struct Split {
+  std::int64_t lowest = 0;
+  unsigned raw_bits = 0;
+  std::size_t symbols = 1;
+};
+
+/// Decodes what encode_values() has written, channel by channel. Errors (without a file's name):
+/// the stream is cut, a table is none, or it is damaged.
+class ValueDecoder {
+ public:
+  /// Takes a stream of so many channels of `count` values off the reader's bytes, which must
+  /// outlive the decoder. At most kMostSymbols numbers are kept of each channel.
+  static Expected<ValueDecoder> open(Reader& in, std::size_t channels, std::size_t count);
+
+  /// The next channel, whole. Precondition: there is one, and `values` has room for its values.
+  Expected<void> next(std::span<std::int32_t> values);
+
+ private:
+  struct Channel {
+    Split split;
+    std::vector<std::uint32_t> frequencies;  // none where there is one symbol only
+    std::span<const std::byte> raw;
+  };
+  static constexpr std::size_t kStates = 2;
+
+  Expected<void> decode_symbols(const Channel& channel, std::span<std::int32_t> values);
+  bool is_sound_at_the_end() const;
+
+  std::vector<Channel> channels_;
+  std::size_t next_ = 0;
+  std::array<std::uint32_t, kStates> states_{};
+  std::span<const std::byte> words_;
+};
 
 }  // namespace fluxgs::codec

@@ -19,7 +19,7 @@ inline constexpr char kCompactExtension[] = "FLUXGS_gaussian_splatting_compact";
 /// And where it keeps the compact extension's networks: "psi" and "phi" (bufferViews) and
 /// "normalisation".
 inline constexpr char kNetworks[] = "networks";
-inline constexpr int kCompactVersion = 1;  ///< the only one; see schema/
+inline constexpr int kCompactVersion = 2;  ///< the only one; see schema/
 /// Where the reduced document keeps by which of the two a primitive's splats are compressed, and
 /// the bufferView of their data.
 inline constexpr char kCompression[] = "compression", kCompressedView[] = "compressedBufferView";

@@ -1,6 +1,6 @@
-// The entropy coder: two bytes of count, then the stream. What can be decoded, encoded again, must
-// decode to the same; and so must the stream itself, taken for numbers; all within the range of
-// rans.h.
+// The entropy coder: two bytes of count, one of channels, then the stream. What can be decoded,
+// encoded again, must decode to the same; and so must the stream itself, taken for numbers; all
+// within the range of rans.h.
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
@@ -13,18 +13,30 @@ namespace {
 
 constexpr std::int32_t kLimit = 1 << 30;
 
-void check_round_trip(const std::vector<std::int32_t>& values) {
-  if (std::ranges::any_of(values, [](std::int32_t v) { return std::abs(v) >= kLimit; })) return;
-  Bytes bytes;
-  codec::encode_values(values, bytes);
-  std::vector<std::int32_t> back(values.size());
-  codec::Reader in(bytes);
-  require(codec::decode_values(in, back).has_value(), "what was encoded can be decoded");
-  require(back == values && in.left() == 0, "numbers come back as they were");
+using Numbers = std::vector<std::int32_t>;
+
+Expected<std::vector<Numbers>> decode(codec::Reader& in, std::size_t channels, std::size_t count) {
+  auto decoder = codec::ValueDecoder::open(in, channels, count);
+  if (!decoder) return std::unexpected(decoder.error());
+  std::vector<Numbers> values(channels, Numbers(count));
+  for (Numbers& channel : values)
+    if (auto ok = decoder->next(channel); !ok) return std::unexpected(ok.error());
+  return values;
 }
 
-std::vector<std::int32_t> as_numbers(Input input) {
-  std::vector<std::int32_t> numbers(input.size() / sizeof(std::int32_t));
+void check_round_trip(const std::vector<Numbers>& channels) {
+  for (const Numbers& values : channels)
+    if (std::ranges::any_of(values, [](std::int32_t v) { return std::abs(v) >= kLimit; })) return;
+  Bytes bytes;
+  codec::encode_values(channels, bytes);
+  codec::Reader in(bytes);
+  const auto back = decode(in, channels.size(), channels[0].size());
+  require(back.has_value(), "what was encoded can be decoded");
+  require(*back == channels && in.left() == 0, "numbers come back as they were");
+}
+
+Numbers as_numbers(Input input) {
+  Numbers numbers(input.size() / sizeof(std::int32_t));
   if (numbers.empty()) return numbers;
   std::memcpy(numbers.data(), input.data(), numbers.size() * sizeof(std::int32_t));
   for (std::int32_t& number : numbers) number %= kLimit;
@@ -35,18 +47,18 @@ std::vector<std::int32_t> as_numbers(Input input) {
 
 FLUXGS_FUZZ_TARGET(values) {
   Parameters parameters(input);
-  std::vector<std::int32_t> values(parameters.word());
+  const std::size_t count = parameters.word(), channels = parameters.byte() % 4 + 1;
   codec::Reader in(parameters.rest());
   const Meter meter;
-  const auto decoded = codec::decode_values(in, values);
-  check_memory(meter.peak(), {256 << 10, 0}, input.size(), 0);
+  const auto decoded = decode(in, channels, count);
+  check_memory(meter.peak(), {(256 << 10) + channels * (count << 2), 0}, input.size(), 0);
   if (decoded) {
-    check_round_trip(values);
+    check_round_trip(*decoded);
   } else {
     check_error(decoded.error());
-    check_round_trip(as_numbers(parameters.rest()));
+    check_round_trip({as_numbers(parameters.rest())});
   }
-  return worth_of(values.size());
+  return worth_of(channels * count);
 }
 
 }  // namespace fluxgs::fuzz

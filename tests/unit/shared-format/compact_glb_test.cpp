@@ -157,8 +157,8 @@ struct Damage {
 TEST(CompactGlb, DamageIsNamed) {
   const Bytes good = compact_glb(random_cloud(64, 1));
   const Damage damages[] = {
-      {R"("version":1)", R"("version":2)", "version: is 2; this program reads version 1"},
-      {R"("version":1)", R"("vers":1)", "version: is"},
+      {R"("version":2)", R"("version":1)", "version: is 1; this program reads version 2"},
+      {R"("version":2)", R"("vers":2)", "version: is"},
       {R"("bufferView":0)", R"("bufferView":1)", "bufferView"},
       {R"("bufferView":0)", R"("bufferView":-1)", "expected a whole number"},
       {R"("count":64)", R"("count":65)", "has 65 elements"},
