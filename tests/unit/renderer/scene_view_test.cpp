@@ -44,6 +44,14 @@ class SceneViewTest : public GlTest {
     return picture(api(), view, camera);
   }
 
+  /// What pictures are blended in where memory is short.
+  render::Accumulation coarse() {
+    const gl::Capabilities& driver = api().capabilities;
+    return driver.float_targets && driver.half_float_targets
+               ? render::Accumulation::half_float
+               : render::accurate_accumulation(driver);
+  }
+
   void survive_a_loss_at_every_call(const SceneViewSettings& settings, bool reset_status);
 };
 
@@ -215,7 +223,7 @@ TEST_P(SceneViewTest, ShowsWhatTheMemoryHolds) {
   // They are the ones that add most
   SceneView selected(
       std::make_shared<SplatCloud>(in_order(*cloud, render::most_contributing(*cloud, splats))),
-      {});
+      {.accumulation = coarse()});
   must(selected.open(api(), kWidth, kHeight));
   EXPECT_EQ(must(picture(selected)).pixels, shown.pixels);
 }
@@ -276,44 +284,86 @@ TEST_P(SceneViewTest, APictureThatDoesNotFitIsMadeSmaller) {
   faults.memory = ~0UL;
   SceneView small(std::make_shared<SplatCloud>(
                       in_order(*cloud, render::most_contributing(*cloud, view.splats()))),
-                  {});
+                  {.accumulation = coarse()});
   must(small.open(api(), shown.width, shown.height));
   EXPECT_EQ(must(picture(small, orbit_camera(shown.width, shown.height, {}, 2, 1, 4))).pixels,
             shown.pixels);
 }
 
 // Half floats cost a rounding that few see, half of the pixels what everybody does.
-TEST_P(SceneViewTest, APictureIsBlendedInHalfFloatsBeforeItIsMadeSmaller) {
+TEST_P(SceneViewTest, HalfFloatsThenSplatsThenPixels) {
   if (!api().capabilities.float_targets) GTEST_SKIP() << "has none that could be given up";
   const GlFaults between(api());
   const Camera camera = orbit_camera(4 * kWidth, 4 * kHeight, {}, 2, 1, 4);
   const std::size_t pixels = std::size_t{16} * kWidth * kHeight;
   struct Opened {
     int width = 0;
-    std::size_t memory = 0;
+    std::size_t memory = 0, splats = 0;
   };
-  const auto opened = [&](const SceneViewSettings& settings) {
-    SceneView view(shared_cloud(10), settings);
-    must(view.open(api(), camera.width, camera.height));
-    must(picture(view, camera));
-    EXPECT_EQ(faults.used, view.memory());
-    EXPECT_EQ(view.is_reduced(), settings.memory.has_value());
-    EXPECT_TRUE(view.shows_all());
-    return Opened{view.target().width(), view.memory()};
-  };
-  const Opened whole = opened({});
-  const Opened half = opened({.memory = whole.memory - 1});
-  const Opened small = opened({.memory = half.memory - 1});
-  EXPECT_EQ(whole.width, camera.width);
-  EXPECT_EQ(half.width, camera.width);
-  EXPECT_EQ(small.width, camera.width / 2);
-  EXPECT_EQ(whole.memory - half.memory, 8 * pixels);
-  EXPECT_EQ(half.memory - small.memory, 12 * pixels - 20 * pixels / 4);
-  EXPECT_EQ(opened({.memory = small.memory - 1}).width, camera.width / 2) << "in half floats";
-  // What is asked for is given
-  EXPECT_EQ(opened({.accumulation = render::Accumulation::single_float, .memory = whole.memory - 1})
-                .width,
-            camera.width / 2);
+  for (const std::size_t splats : {10U, 20'000U}) {  // less than the picture, and more
+    const auto cloud = shared_cloud(splats);
+    const auto opened = [&](const SceneViewSettings& settings) {
+      SceneView view(cloud, settings);
+      must(view.open(api(), camera.width, camera.height));
+      must(picture(view, camera));
+      EXPECT_EQ(faults.used, view.memory());
+      EXPECT_EQ(view.is_reduced(), settings.memory.has_value());
+      return Opened{view.target().width(), view.memory(), view.splats()};
+    };
+    const Opened whole = opened({});
+    const Opened half = opened({.memory = whole.memory - 1});
+    EXPECT_EQ(half.width, camera.width);
+    EXPECT_EQ(half.splats, splats);
+    EXPECT_EQ(whole.memory - half.memory, 8 * pixels);
+    const Opened less = opened({.memory = half.memory - 1});
+    if (splats == 10) {
+      EXPECT_EQ(less.width, camera.width / 2);
+      EXPECT_EQ(less.splats, splats);
+    } else {
+      EXPECT_EQ(less.width, camera.width);
+      EXPECT_LT(less.splats, splats);
+      EXPECT_GT(less.splats, splats * 9 / 10);
+    }
+    // The driver says no, where nobody knew
+    faults.memory = half.memory;
+    SceneView told(cloud, {});
+    must(told.open(api(), camera.width, camera.height));
+    EXPECT_EQ(told.splats(), splats);
+    EXPECT_EQ(told.memory(), half.memory);
+    told.close();
+    faults.memory = ~0UL;
+    // What is asked for is given
+    SceneView asked(
+        cloud, {.accumulation = render::Accumulation::single_float, .memory = whole.memory - 1});
+    must(asked.open(api(), camera.width, camera.height));
+    EXPECT_TRUE(asked.splats() < splats || asked.target().width() < camera.width);
+  }
+}
+
+// The scale changes while something moves: the splats are not to come and go with it.
+TEST_P(SceneViewTest, AnotherScaleIsAnotherPictureOfTheSameSplats) {
+  const GlFaults between(api());
+  const auto cloud = shared_cloud(5000);
+  SceneView whole(cloud, {});
+  must(whole.open(api(), kWidth, kHeight));
+  must(picture(whole));
+  const std::size_t budget = whole.memory() / 2;
+  whole.close();
+  SceneView view(cloud, {.memory = budget});
+  must(view.open(api(), kWidth, kHeight));
+  const Image<float> first = must(picture(view));
+  const std::size_t splats = view.splats();
+  EXPECT_LT(splats, 5000U);
+  faults.most_used = 0;
+  for (const double scale : {0.5, 0.85, 0.3, 1.0}) {
+    const long before = faults.allocations;
+    view.set_scale(scale);
+    must(picture(view));
+    EXPECT_EQ(view.splats(), splats) << scale;
+    EXPECT_LE(faults.allocations - before, 4) << scale << ": more than a target was made";
+    EXPECT_LE(faults.most_used, budget) << scale;
+  }
+  EXPECT_EQ(must(picture(view)).pixels, first.pixels);
 }
 
 TEST_P(SceneViewTest, AMemoryThatHoldsNothingIsRefused) {

@@ -241,14 +241,20 @@ TEST(Gyroscope, AnyPoseIsHarmless) {
 }
 
 TEST(ScaleControl, HoldsTheDisplaysRate) {
-  // A GPU that needs 30 ms for a frame of full size
-  ScaleControl control(1.0 / 60);
-  double scale = 1;
-  for (int i = 0; i < 600; ++i) {
-    const double work = 0.030 * scale * scale;
-    scale = control.frame(std::ceil(work * 60) / 60);  // the display waits for whole frames
+  struct Work {
+    double always, pixels, fits;  // seconds for a frame of full size; the scale
+  };
+  for (const auto& [always, pixels, fits] :
+       {Work{0, 0.030, 0.7}, Work{0.002, 0.030, 0.6}, Work{0.008, 0.024, 0.6},
+        Work{0.012, 0.020, 0.4}, Work{0.008, 0.041, 0.4}, Work{0.010, 0.039, 0.4}}) {
+    ScaleControl control(1.0 / 60);
+    double scale = 1;
+    for (int i = 0; i < 600; ++i) {
+      const double work = always + pixels * scale * scale;
+      scale = control.frame(std::ceil(work * 60) / 60);  // the display waits for whole frames
+    }
+    EXPECT_EQ(scale, fits) << always;
   }
-  EXPECT_EQ(scale, 0.7) << "14.7 ms fit";
 }
 
 // Bound by the sort, by the projection, or by a display that is slower than it says.
@@ -262,7 +268,7 @@ TEST(ScaleControl, FewerPixelsThatGainNothingAreTakenBack) {
       low += control.frame(0.0245 * (1 + noise)) < 1;
     }
     EXPECT_EQ(control.scale(), 1) << display;
-    EXPECT_LT(low, kFrames / 20) << display;
+    EXPECT_LT(low, kFrames / 10) << display;
   }
 }
 
@@ -282,12 +288,22 @@ TEST(ScaleControl, StopsWhereTheRestIsNotOfPixels) {
 
 TEST(ScaleControl, APictureThatWasGivenUpOnIsTriedAgain) {
   ScaleControl control(1.0 / 60);
-  for (int i = 0; i < 400; ++i) control.frame(0.025);
-  double scale = control.scale();
-  EXPECT_EQ(scale, 1);
+  const auto bound_by_the_sort = [&](int frames) {
+    for (int i = 0; i < frames; ++i) control.frame(0.025);
+    while (control.scale() < 1) control.frame(0.025);  // a trial is under way
+  };
+  bound_by_the_sort(400);
+  double scale = 1;
   // Another view, of many pixels
   for (int i = 0; i < 60 * 20; ++i) scale = control.frame(0.030 * scale * scale);
   EXPECT_EQ(scale, 0.7);
+  // One that takes much longer needs not wait
+  control = ScaleControl(1.0 / 60);
+  bound_by_the_sort(40 * 120);
+  scale = 1;
+  double seconds = 0;
+  for (; scale == 1 && seconds < 10; seconds += 0.120) scale = control.frame(0.120);
+  EXPECT_LT(seconds, 3);
 }
 
 TEST(ScaleControl, TriesMoreAndMoreSeldom) {

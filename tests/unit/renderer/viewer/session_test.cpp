@@ -447,7 +447,7 @@ TEST_P(SessionTest, LessMemoryThanTheSceneTakesLeavesOutSplats) {
   session_->set(settings_);
   EXPECT_GT(psnr(picture(), before), 50);
   EXPECT_EQ(session_->state().stats.shown, all.splats);
-  settings_.memory = all.memory * 9 / 10;
+  settings_.memory = all.memory / 2;
   session_->set(settings_);
   picture();
   const ViewerStats fewer = session_->state().stats;

@@ -53,6 +53,7 @@ std::size_t frame_bytes(std::uint64_t count, const RendererSettings& s) {
 std::size_t target_bytes(const TargetPlan& t) {
   if (t.width == 0 || t.height == 0) return 0;
   const std::size_t pixels = static_cast<std::size_t>(t.width) * static_cast<std::size_t>(t.height);
+  if (t.any_scale) return pixels * (pixel_bytes(t.format) + blend_pixel_bytes(t));
   const auto scaled = [&](int size) {
     return static_cast<std::size_t>(std::max(1L, std::lround(size * t.scale)));
   };

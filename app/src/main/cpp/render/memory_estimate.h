@@ -23,6 +23,7 @@ struct TargetPlan {
   TargetFormat format = TargetFormat::rgba8;
   Accumulation accumulation = Accumulation::direct;
   double scale = 1;
+  bool any_scale = false;  ///< count the scale that takes most, not this one
 };
 
 /// Bytes of a pixel of the picture, and of what it is blended in.

@@ -24,11 +24,7 @@ Expected<void> SceneView::check_context() const {
   return fail("OpenGL", "", "the context was lost");
 }
 
-void SceneView::set_scale(double scale) {
-  if (scale == settings_.scale) return;
-  settings_.scale = scale;
-  fitted_ = {};
-}
+void SceneView::set_scale(double scale) { settings_.scale = scale; }
 
 void SceneView::close() {
   target_ = {};
@@ -41,7 +37,9 @@ void SceneView::close() {
 Expected<void> SceneView::draw(const Camera& camera, const RenderOptions& options) {
   if (auto ok = check_view(camera, options); !ok) return ok;
   const Size size{camera.width, camera.height};
-  if (size != fitted_)
+  bool fits = size == fitted_;
+  if (fits && settings_.scale != made_scale_) fits = make_target().has_value();
+  if (!fits)
     if (auto fitted = fit(size); !fitted) return fitted;
   const Camera view = scaled_camera(camera, target_.width(), target_.height());
   if (auto drawn = renderer_->draw(view, options, target_); !drawn) return drawn;
@@ -50,53 +48,70 @@ Expected<void> SceneView::draw(const Camera& camera, const RenderOptions& option
   return whole;
 }
 
-Accumulation SceneView::accurate() const {
-  return settings_.accumulation.value_or(accurate_accumulation(api_->capabilities));
+/// Those that may be used, the most accurate first.
+std::vector<Accumulation> SceneView::accumulations() const {
+  if (settings_.accumulation) return {*settings_.accumulation};
+  const Accumulation accurate = accurate_accumulation(api_->capabilities);
+  if (accurate != Accumulation::single_float || !api_->capabilities.half_float_targets)
+    return {accurate};
+  return {accurate, Accumulation::half_float};
 }
 
+// For any scale: scales change while something moves, and the splats are not to change with them.
 TargetPlan SceneView::plan(const Size& size, Accumulation accumulation) const {
   return {.width = size.width,
           .height = size.height,
           .format = settings_.format,
           .accumulation = accumulation,
-          .scale = settings_.scale};
+          .any_scale = true};
 }
 
-// By the estimate and the driver's limits; whether the driver has as much is seen when it is asked.
-bool SceneView::is_possible(const TargetPlan& picture) const {
+bool SceneView::driver_has(const Size& size) const {
   const gl::Capabilities& driver = api_->capabilities;
-  if (picture.width > std::min(driver.max_texture_size, driver.max_viewport_width) ||
-      picture.height > std::min(driver.max_texture_size, driver.max_viewport_height))
-    return false;
-  if (!settings_.memory) return true;
-  const auto all =
-      estimate_memory(largest_of(degrees_, splats_asked()), renderer_->settings(), picture);
-  return all.total() <= *settings_.memory ||
-         (all.targets <= *settings_.memory / 2 && splats_for(picture) > 0);
+  return size.width <= std::min(driver.max_texture_size, driver.max_viewport_width) &&
+         size.height <= std::min(driver.max_texture_size, driver.max_viewport_height);
+}
+
+// By the estimate; whether the driver has as much is seen when it is asked.
+bool SceneView::fits_with_all(const TargetPlan& picture) const {
+  const auto all = largest_of(degrees_, splats_asked());
+  return !settings_.memory ||
+         estimate_memory(all, renderer_->settings(), picture).total() <= *settings_.memory;
+}
+
+bool SceneView::fits_half(const TargetPlan& picture) const {
+  return estimate_memory({}, {}, picture).targets <= *settings_.memory / 2 &&
+         splats_for(picture) > 0;
+}
+
+std::optional<TargetPlan> SceneView::picture_of(const Size& size) const {
+  if (!driver_has(size)) return std::nullopt;
+  for (const Accumulation a : accumulations())
+    if (const TargetPlan picture = plan(size, a); fits_with_all(picture)) return picture;
+  const TargetPlan least = plan(size, accumulations().back());
+  return fits_half(least) ? std::optional(least) : std::nullopt;
 }
 
 Expected<TargetPlan> SceneView::picture_for(Size size) const {
-  const bool halves = !settings_.accumulation && api_->capabilities.half_float_targets;
   for (;; size = size.halved()) {
-    for (const Accumulation a : {accurate(), halves ? Accumulation::half_float : accurate()})
-      if (const TargetPlan picture = plan(size, a); is_possible(picture)) return picture;
+    if (const auto picture = picture_of(size)) return *picture;
     if (size.is_pixel())
       return fail("graphics memory", "",
                   std::to_string(*settings_.memory) + " bytes do not hold one pixel and one splat");
   }
 }
 
+/// And that the driver can have.
 std::size_t SceneView::splats_asked() const {
-  return std::min(settings_.most_splats.value_or(~0UL), cloud_->size());
+  const std::uint64_t most = most_splats(api_->capabilities, degrees_);
+  return static_cast<std::size_t>(std::min<std::uint64_t>(
+      most, std::min(settings_.most_splats.value_or(~0UL), cloud_->size())));
 }
 
 std::size_t SceneView::splats_for(const TargetPlan& picture) const {
-  std::uint64_t most =
-      std::min<std::uint64_t>(most_splats(api_->capabilities, degrees_), splats_asked());
-  if (settings_.memory)
-    most = std::min(most,
-                    splats_that_fit(*settings_.memory, degrees_, renderer_->settings(), picture));
-  return most;
+  if (!settings_.memory) return splats_asked();
+  const auto fit = splats_that_fit(*settings_.memory, degrees_, renderer_->settings(), picture);
+  return static_cast<std::size_t>(std::min<std::uint64_t>(fit, splats_asked()));
 }
 
 std::size_t SceneView::memory() const {
@@ -105,7 +120,7 @@ std::size_t SceneView::memory() const {
 
 bool SceneView::is_reduced() const {
   return shown_ < splats_asked() || Size{planned_.width, planned_.height} != fitted_ ||
-         planned_.accumulation != accurate();
+         planned_.accumulation != accumulations().front();
 }
 
 Expected<void> SceneView::upload(std::size_t splats) {
@@ -126,15 +141,17 @@ Expected<void> SceneView::make(const TargetPlan& picture, std::size_t splats) {
     if (auto emptied = renderer_->upload({}); !emptied) return emptied;
   }
   planned_ = picture;
-  return gl::in_turn(
-      [&] {
-        return gl::take(RenderTarget::create(*api_, picture.width, picture.height, picture.format,
-                                             picture.accumulation, picture.scale),
-                        target_);
-      },
-      [&] { return upload(splats); },
-      // Some drivers notice late
-      [&] { return gl::check_errors(*api_, "graphics memory"); });
+  return gl::in_turn([&] { return make_target(); }, [&] { return upload(splats); },
+                     // Some drivers notice late
+                     [&] { return gl::check_errors(*api_, "graphics memory"); });
+}
+
+Expected<void> SceneView::make_target() {
+  target_ = {};
+  made_scale_ = settings_.scale;
+  return gl::take(RenderTarget::create(*api_, planned_.width, planned_.height, planned_.format,
+                                       planned_.accumulation, made_scale_),
+                  target_);
 }
 
 // As many splats as there is room for beside that picture.
@@ -151,11 +168,14 @@ Expected<void> SceneView::fit(const Size& size) {
   auto picture = picture_for(size);
   if (!picture) return std::unexpected(picture.error());
   for (;;) {
-    auto made = fit_splats(*picture);
+    const bool coarser = picture->accumulation != accumulations().back();
+    api_->out_of_memory = false;
+    auto made = coarser ? make(*picture, splats_for(*picture)) : fit_splats(*picture);
     if (made) fitted_ = size;
     const Size tried{picture->width, picture->height};
-    if (made || !api_->out_of_memory || tried.is_pixel() || gl::context_lost(*api_)) return made;
-    picture = plan(tried.halved(), picture->accumulation);
+    if (made || !api_->out_of_memory || gl::context_lost(*api_)) return made;
+    if (!coarser && tried.is_pixel()) return made;
+    picture = plan(coarser ? tried : tried.halved(), accumulations().back());
   }
 }
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "fluxgs/splat_cloud.h"
 #include "fluxgs/splat_degree.h"
@@ -44,8 +45,8 @@ class SceneView {
   // Preconditions of what follows, but close(): open() was successful.
 
   /// Enqueues a frame. Another size of the camera than the last one means a new picture and, where
-  /// memory is short, another number of splats. Fails as Renderer::draw() does, and when the
-  /// context is lost.
+  /// memory is short, another number of splats; another scale a new picture only. Fails as
+  /// Renderer::draw() does, and when the context is lost.
   Expected<void> draw(const Camera& camera, const RenderOptions& options);
 
   /// Of the frames that follow; another picture is made for the next one.
@@ -57,9 +58,11 @@ class SceneView {
   /// How many splats there is room for: those that contribute most (splat_budget.h).
   std::size_t splats() const { return shown_; }
   bool shows_all() const { return shown_ == cloud_->size(); }
-  /// Whether there was no room for what was asked for: fewer splats, fewer pixels or half floats.
+  /// Whether there was no room for what was asked for and the driver can do: fewer splats, fewer
+  /// pixels or half floats.
   bool is_reduced() const;
-  /// Bytes of graphics memory that are taken, by the estimate (memory_estimate.h).
+  /// Bytes of graphics memory that are taken, by the estimate (memory_estimate.h), at the scale
+  /// that takes most.
   std::size_t memory() const;
 
   Renderer& renderer() { return *renderer_; }
@@ -76,15 +79,19 @@ class SceneView {
     bool is_pixel() const { return width <= 1 && height <= 1; }
     Size halved() const { return {std::max(width / 2, 1), std::max(height / 2, 1)}; }
   };
-  Accumulation accurate() const;
+  std::vector<Accumulation> accumulations() const;
   TargetPlan plan(const Size& size, Accumulation accumulation) const;
-  bool is_possible(const TargetPlan& picture) const;
+  bool driver_has(const Size& size) const;
+  bool fits_with_all(const TargetPlan& picture) const;
+  bool fits_half(const TargetPlan& picture) const;
+  std::optional<TargetPlan> picture_of(const Size& size) const;
   Expected<TargetPlan> picture_for(Size size) const;
   std::size_t splats_asked() const;
   std::size_t splats_for(const TargetPlan& picture) const;
   Expected<void> fit(const Size& size);
   Expected<void> fit_splats(const TargetPlan& picture);
   Expected<void> make(const TargetPlan& picture, std::size_t splats);
+  Expected<void> make_target();
   Expected<void> upload(std::size_t splats);
   Expected<void> check_context() const;
 
@@ -95,7 +102,8 @@ class SceneView {
   std::unique_ptr<Renderer> renderer_;
   Size fitted_;  ///< the camera's size that there is a picture for
   RenderTarget target_;
-  TargetPlan planned_;  ///< as target_ was made
+  TargetPlan planned_;     ///< of target_, for any scale
+  double made_scale_ = 0;  ///< as target_ was made
   std::size_t shown_ = 0;
 };
 

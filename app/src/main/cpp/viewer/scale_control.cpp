@@ -12,8 +12,7 @@ constexpr int kFramesToJudge = 12;                   // after a change
 constexpr double kLongestPatience = 60, kProof = 2;  // seconds
 constexpr double kLongestFrame = 0.5;                // beyond, something else was going on
 constexpr int kFramesOfChange = 3;                   // in which new pictures are made
-// Where the display waits for whole frames, a single step may show nothing: from 1.9 to 1.4 of them
-constexpr std::size_t kStepsOfTrial = 2;
+constexpr double kChange = 1.3;                      // of the frames' time: another view
 constexpr double kGain = 0.95;  // of a frame's time, at most, after a step that was worth it
 constexpr double kShortestResignation = 8, kLongestResignation = 60;  // seconds
 
@@ -56,6 +55,8 @@ double ScaleControl::frame(double seconds) {
 }
 
 void ScaleControl::judge_long() {
+  // Where the display waits for whole frames, steps may show nothing until one is enough
+  const bool at_the_end = next_down() == step_;
   if (trying_) {  // a step up that was too much
     patience_ = std::min(2 * patience_, kLongestPatience);
     return change_to(next_down());
@@ -64,13 +65,15 @@ void ScaleControl::judge_long() {
       trial_ && mean_ <= trial_->mean * std::pow(kGain, static_cast<double>(step_ - trial_->step));
   if (gained) resignation_ = 0;
   if (gained || !trial_) {
-    if (resigned_ > 0 || next_down() == step_) return;
+    const bool resigned = resigned_ > 0 && mean_ < kChange * resigned_mean_;
+    if (resigned || at_the_end) return;
     trial_ = {step_, mean_};
     return change_to(next_down());
   }
-  if (step_ < trial_->step + kStepsOfTrial && next_down() != step_) return change_to(next_down());
+  if (!at_the_end) return change_to(next_down());
   resignation_ = std::clamp(2 * resignation_, kShortestResignation, kLongestResignation);
   resigned_ = resignation_;
+  resigned_mean_ = trial_->mean;
   change_to(trial_->step);
   trial_.reset();
 }

@@ -65,6 +65,7 @@ class ScaleControl {
   bool trying_ = false;         // the last change was a step up
   std::optional<Trial> trial_;  // of steps down whose gain is not known yet
   double resigned_ = 0;         // seconds yet without a step down, as the last ones gained nothing
+  double resigned_mean_ = 0;    // of the frames before those
   double resignation_ = 0;      // how long the last such time was
 };
 
