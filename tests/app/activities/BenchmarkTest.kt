@@ -169,6 +169,22 @@ class BenchmarkTest {
         assertEquals("false", table[1].split(',')[table[0].split(',').indexOf("multi_window")])
     }
 
+    /** Two copies of a scene would not find room where one does. */
+    @Test
+    fun againMakesRoomFirst() {
+        start(short("scene" to "sample"))
+        finished()
+        val field = BenchmarkActivity::class.java.getDeclaredField("session").apply { isAccessible = true }
+        val first = field.get(activity) as Session
+        activity.view(R.id.again).performClick()
+        assertNull("the scene is gone", first.state())
+        assertEquals("", finished().stopped)
+        val second = field.get(activity) as Session
+        activity.finish()
+        controller!!.pause() // the viewer may resume before this one is destroyed
+        assertNull(second.state())
+    }
+
     @Test
     fun progressIsShown() {
         start(intent("sizes" to "640x480", "frames" to "20"))
@@ -296,6 +312,8 @@ class BenchmarkTest {
             intent("scene" to "../../../../etc/passwd") to "not inside",
             intent("json" to "../../escaped.json") to "not inside",
             intent("json" to "garden.glb") to "does not end in .json",
+            intent("json" to "x".repeat(5000) + ".json") to "too long",
+            intent("scene" to "nothing\u0000.glb") to "nvalid",
         )
         for ((wrong, said) in bad) {
             val message = problem(wrong)

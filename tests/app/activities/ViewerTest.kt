@@ -135,16 +135,20 @@ class ViewerTest : ViewerScreen() {
     @Test
     fun aSceneThatHasNoRoomBesideTheFirstIsOpenedWhenTriedAgain() {
         openAndDraw()
-        memory(500L shl 20)
-        val file = File(context.cacheDir, "broken.glb").apply { writeText("nothing") }
+        val first = session
+        memory(270L shl 20) // of which a scene may take 60 MB, and 64 it always may
+        val file = File(context.cacheDir, "large.splat").apply { writeBytes(ByteArray(32 * 800_000)) }
         controller!!.newIntent(
             Intent(context, ViewerActivity::class.java).setData(Documents.offer(file)),
         )
         until("the app says that it cannot") { activity.isShown(R.id.loading_retry) }
+        assertTrue(activity.text(R.id.loading_detail), "may be used" in activity.text(R.id.loading_detail))
         assertTrue("the first is still there", session.state()!!.hasScene)
+        memory(500L shl 20) // without it
         press(R.id.loading_retry)
-        until("the app says that it cannot") { activity.isShown(R.id.loading_retry) }
-        assertFalse("the first has made room", session.state()!!.hasScene)
+        assertNull("the first has made room", first.state())
+        until("the second is drawn") { session.state()!!.drawn && !activity.isShown(R.id.loading) }
+        assertEquals(800_000L, session.state()!!.stats.splats)
     }
 
     // Settings
@@ -356,6 +360,9 @@ class ViewerTest : ViewerScreen() {
         activity.onUserInteraction()
         pump(300)
         assertTrue(surface.keepScreenOn)
+        pump(ViewerActivity.AWAKE_MS)
+        session.flipUp() // as a turn of the device does, what is seen moves
+        until("it is on again") { surface.keepScreenOn }
     }
 
     @Test
@@ -556,9 +563,11 @@ class ViewerTest : ViewerScreen() {
         assertFalse("its effect is not known yet", budget.shrink(150L shl 20))
         for (patience in listOf(1, 2, 4)) {
             pump(patience * GraphicsBudget.FIRST_PATIENCE_MS - 1000)
-            assertFalse(budget.look(150L shl 20))
+            assertFalse(budget.look(150L shl 20, true))
             pump(GraphicsBudget.ASK_EVERY_MS)
-            assertTrue(budget.look(150L shl 20))
+            assertFalse("nothing is left out", budget.look(150L shl 20, false))
+            pump(GraphicsBudget.ASK_EVERY_MS)
+            assertTrue(budget.look(150L shl 20, true))
             assertEquals(whole, budget.bytes)
             assertTrue(budget.shrink(taken))
         }
@@ -567,6 +576,19 @@ class ViewerTest : ViewerScreen() {
             budget.shrink(budget.bytes)
         }
         assertEquals(GraphicsBudget.LEAST, budget.bytes)
+    }
+
+    @Test
+    fun aSceneThatWasOpenedInLittleMemoryGetsMoreOnceThereIs() {
+        memory(200L shl 20)
+        val budget = GraphicsBudget(context)
+        val little = budget.bytes
+        memory(260L shl 20)
+        assertFalse("hardly more", budget.look(little, true))
+        memory(2L shl 30)
+        pump(GraphicsBudget.ASK_EVERY_MS)
+        assertTrue(budget.look(little, true))
+        assertTrue(budget.bytes > 4 * little)
     }
 
     @Test

@@ -119,6 +119,7 @@ struct SceneLoading::Job {
       if (!there) return std::unexpected(there.error());
       if (!*there) break;
       const std::size_t before = bytes.size();
+      make_room(bytes);
       bytes.resize(before + kChunk);
       const auto got = ::read(descriptor, bytes.data() + before, kChunk);
       came();
@@ -137,6 +138,14 @@ struct SceneLoading::Job {
           name, "read",
           fmt::format("ended after {} of {} bytes: it was cut, or is gone", bytes.size(), **size));
     return bytes;
+  }
+
+  /// For another chunk. Growing takes what there is and the new block at once: together never more
+  /// than twice what the scene may take.
+  void make_room(Bytes& bytes) const {
+    const std::size_t needed = bytes.size() + kChunk;
+    if (needed > bytes.capacity())
+      bytes.reserve(std::max(needed, std::min<std::size_t>(2 * bytes.size(), limits.memory)));
   }
 
   /// What it will take, for most formats long before all of it is there. Fails if that is too

@@ -52,7 +52,8 @@ class EglScreen final : public viewer::Screen {
     drop_context();
     if (auto opened = open_display(); !opened) return std::unexpected(opened.error());
     if (auto made = create_context(); !made) return std::unexpected(made.error());
-    if (auto current = make_current(); !current) return std::unexpected(current.error());
+    if (const EGLint error = make_current(); error != EGL_SUCCESS)
+      return egl_failure("eglMakeCurrent", error);
     auto api = gl::load_api(function);
     if (!api) return std::unexpected(api.error());
     api_ = std::move(*api);
@@ -101,8 +102,11 @@ class EglScreen final : public viewer::Screen {
       return egl_failure("eglCreateWindowSurface", error);
     }
     size_ = size;
-    if (auto current = make_current(); !current) return std::unexpected(current.error());
-    return true;
+    const EGLint error = make_current();
+    if (error == EGL_SUCCESS) return true;
+    destroy_surface();
+    if (window_is_going(error)) return false;
+    return egl_failure("eglMakeCurrent", error);
   }
 
   Expected<void> open_display() {
@@ -183,12 +187,12 @@ class EglScreen final : public viewer::Screen {
     window_surface_ = EGL_NO_SURFACE;
   }
 
-  Expected<void> make_current() {
+  EGLint make_current() {
     const EGLSurface surface = window_surface_ != EGL_NO_SURFACE ? window_surface_ : idle_surface_;
-    if (eglMakeCurrent(display_, surface, surface, context_) == EGL_TRUE) return {};
+    if (eglMakeCurrent(display_, surface, surface, context_) == EGL_TRUE) return EGL_SUCCESS;
     const EGLint error = eglGetError();
     if (error == EGL_CONTEXT_LOST && api_) api_->lost = true;
-    return egl_failure("eglMakeCurrent", error);
+    return error;
   }
 
   void drop_context() {

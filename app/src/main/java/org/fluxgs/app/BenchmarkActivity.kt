@@ -81,6 +81,8 @@ class BenchmarkActivity : Activity() {
             return refuse(problem)
         } catch (problem: BadParcelableException) { // extras of somebody else's own making
             return refuse(problem)
+        } catch (problem: IOException) { // no file can have that name
+            return refuse(problem)
         }
         val kept = state?.getString(RESULT)?.let { BenchmarkResult.of(it) }
         if (kept == null) return begin()
@@ -88,7 +90,7 @@ class BenchmarkActivity : Activity() {
         Background.start { compare(kept) }
     }
 
-    private fun refuse(problem: RuntimeException) {
+    private fun refuse(problem: Exception) {
         fail(problem.message ?: problem.toString())
         findViewById<View>(R.id.retry).visibility = View.GONE
     }
@@ -118,6 +120,7 @@ class BenchmarkActivity : Activity() {
     }
 
     private fun begin() {
+        if (opening != null) dropScene()
         result = null
         preparing = true
         selfTest = null
@@ -137,6 +140,12 @@ class BenchmarkActivity : Activity() {
             load(descriptor, facts.bytes)
         }, { fail(it) }, { status.text = getString(R.string.provider_slow) })
         opening?.start()
+    }
+
+    /** Which has the memory that the next one wants. */
+    private fun dropScene() {
+        session.close()
+        session = Session()
     }
 
     private fun load(descriptor: ParcelFileDescriptor, bytes: Long) {
@@ -379,6 +388,7 @@ class BenchmarkActivity : Activity() {
     /** A call, another app, also beside this one: what is measured from now on would be of that. */
     override fun onPause() {
         stop(getString(R.string.stopped_by_leaving))
+        if (isFinishing) session.close() // the viewer opens the scene again before this is destroyed
         super.onPause()
     }
 

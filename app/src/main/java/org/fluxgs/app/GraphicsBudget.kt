@@ -5,13 +5,12 @@ import android.os.SystemClock
 
 /**
  * How much graphics memory a scene may take. Less when the system wants some back: three quarters of
- * what is taken, so that splats that add little and bits that few see go before pixels do. All of it
- * again when there is room, each time after a longer wait, for it is not to change to and fro.
+ * what is taken, so that bits that few see and splats that add little go before pixels do. More again
+ * when there is room, each time after a longer wait, for it is not to change to and fro.
  */
 internal class GraphicsBudget(private val context: Context) {
     var bytes = FreeMemory.forGraphics(context)
         private set
-    private var whole = 0L // what was taken before there was less; 0 while there is not
     private var askAt = 0L
     private var settledAt = 0L
     private var growAt = 0L
@@ -20,18 +19,18 @@ internal class GraphicsBudget(private val context: Context) {
     /** Another scene may have what there is now. */
     fun begin() {
         bytes = FreeMemory.forGraphics(context).coerceAtLeast(bytes)
-        whole = 0
     }
 
     /**
      * To be called often: from Android 14 on nobody tells, so it asks, now and then. [taken] are bytes
-     * of graphics memory. Whether [bytes] have changed.
+     * of graphics memory, which is [reduced] where there was no room for all. Whether [bytes] have
+     * changed.
      */
-    fun look(taken: Long): Boolean {
+    fun look(taken: Long, reduced: Boolean): Boolean {
         val now = SystemClock.elapsedRealtime()
         if (now < askAt) return false
         askAt = now + ASK_EVERY_MS
-        return if (FreeMemory.isLow(context)) shrink(taken) else now >= growAt && grow()
+        return if (FreeMemory.isLow(context)) shrink(taken) else reduced && now >= growAt && grow()
     }
 
     /** The system wants memory back. Whether [bytes] have changed. */
@@ -43,16 +42,14 @@ internal class GraphicsBudget(private val context: Context) {
         patience = (2 * patience).coerceAtMost(LONGEST_PATIENCE_MS)
         val less = (bytes.coerceAtMost(taken) / 4 * 3).coerceAtLeast(LEAST)
         if (less >= bytes) return false
-        if (whole == 0L) whole = taken
         bytes = less
         return true
     }
 
     private fun grow(): Boolean {
         val free = FreeMemory.forGraphics(context)
-        if (whole == 0L || free < whole) return false
+        if (free < bytes / 3 * 4) return false // too little to be seen
         bytes = free
-        whole = 0
         return true
     }
 

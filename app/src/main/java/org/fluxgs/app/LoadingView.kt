@@ -71,7 +71,7 @@ internal class LoadingView(
             loading.ready && !state.drawn -> progress(
                 root.context.getString(R.string.loading, name), estimateOf(loading), -1,
             )
-            loading.ready -> root.visibility = View.GONE
+            loading.ready || state.drawn -> root.visibility = View.GONE
         }
     }
 

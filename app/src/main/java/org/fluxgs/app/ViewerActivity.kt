@@ -41,6 +41,7 @@ class ViewerActivity : Activity() {
     private var measuring = false // the benchmark has the device for itself
     private var looksAround = false // by the gyroscope
     private var touchedAt = 0L
+    private var lastDoing: Any? = null // of the scene, as far as people see
     private val main = Handler(Looper.getMainLooper())
 
     private val look = object : Runnable {
@@ -161,13 +162,13 @@ class ViewerActivity : Activity() {
         val state = session.state() ?: return
         if (frameSeconds() != appliedFrameSeconds) apply(settings)
         tellHeat()
-        fitMemory { budget.look(state.stats.memory) }
+        fitMemory { budget.look(state.stats.memory, state.stats.reduced) }
         loadingView.show(state, name)
         if (state.drawn && state.shown != shown?.number) opened[state.shown]?.let { appeared(it, state) }
         val hud = findViewById<TextView>(R.id.hud)
         hud.visibility = if (settings.hud && state.drawn) View.VISIBLE else View.GONE
         if (settings.hud) Hud.show(hud, state.stats, heat)
-        stayAwake()
+        stayAwake(state)
     }
 
     private fun tellHeat() {
@@ -177,10 +178,15 @@ class ViewerActivity : Activity() {
         session.setHeat(now.status, now.headroom)
     }
 
-    /** The screen stays on for who looks at something, and not all night for who has gone to bed. */
-    private fun stayAwake() {
-        val touched = SystemClock.elapsedRealtime() - touchedAt < AWAKE_MS
-        surface.keepScreenOn = looksAround || loadingView.isBusy || touched
+    /**
+     * The screen stays on for who looks at something, and not all night for who has gone to bed: for a
+     * while after a touch, a turn of the device, or another part of a scene.
+     */
+    private fun stayAwake(state: SessionState) {
+        val doing = Pair(session.place()?.toList(), state.loading.read)
+        if (doing != lastDoing) touchedAt = SystemClock.elapsedRealtime()
+        lastDoing = doing
+        surface.keepScreenOn = SystemClock.elapsedRealtime() - touchedAt < AWAKE_MS
     }
 
     override fun onUserInteraction() {
