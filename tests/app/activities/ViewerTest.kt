@@ -14,6 +14,8 @@ import android.os.SystemClock
 import android.view.MotionEvent
 import android.view.View
 import java.io.File
+import java.nio.ByteBuffer
+import java.nio.ByteOrder
 import org.junit.Assert.assertEquals
 import org.junit.Assert.assertFalse
 import org.junit.Assert.assertNotNull
@@ -132,12 +134,24 @@ class ViewerTest : ViewerScreen() {
         assertFalse(activity.isShown(R.id.controls))
     }
 
+    /** A .splat of small grey ones, side by side. */
+    private fun splats(count: Int): ByteArray {
+        val bytes = ByteBuffer.allocate(32 * count).order(ByteOrder.LITTLE_ENDIAN)
+        for (i in 0 until count) {
+            bytes.putFloat(0.01f * (i % 1000)).putFloat(0.01f * (i / 1000)).putFloat(0f)
+            repeat(3) { bytes.putFloat(0.005f) }
+            repeat(5) { bytes.put(255.toByte()) } // colour, opacity, and w of no turn
+            repeat(3) { bytes.put(128.toByte()) }
+        }
+        return bytes.array()
+    }
+
     @Test
     fun aSceneThatHasNoRoomBesideTheFirstIsOpenedWhenTriedAgain() {
         openAndDraw()
         val first = session
         memory(270L shl 20) // of which a scene may take 60 MB, and 64 it always may
-        val file = File(context.cacheDir, "large.splat").apply { writeBytes(ByteArray(32 * 800_000)) }
+        val file = File(context.cacheDir, "large.splat").apply { writeBytes(splats(800_000)) }
         controller!!.newIntent(
             Intent(context, ViewerActivity::class.java).setData(Documents.offer(file)),
         )
