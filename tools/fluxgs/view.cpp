@@ -60,7 +60,7 @@ struct Viewer {
   std::size_t next_event = 0;   // of the script
   std::string name;             // for the title
   std::size_t told_splats = 0;  // what the user was told last
-  bool told_enlarged = false;
+  bool told_enlarged = false, told_coarse = false;
   int steps = 0, drawn = 0;
   double frame_seconds = 0;  // smoothed
   Clock::time_point titled;
@@ -123,6 +123,10 @@ void tell_room(Viewer& v, const host::WindowSize& size) {
     spdlog::warn("warning: graphics memory is short: pictures of {}x{} pixels are enlarged",
                  v.scene->target().width(), v.scene->target().height());
   v.told_enlarged = enlarged;
+  const bool coarse = v.scene->is_reduced() && v.scene->shows_all() && !enlarged;
+  if (coarse && !v.told_coarse)
+    spdlog::warn("warning: graphics memory is short: colours are blended in half floats");
+  v.told_coarse = coarse;
 }
 
 render::SceneViewSettings scene_settings(const ViewSettings& s, const gl::Api& api) {

@@ -188,8 +188,15 @@ class OpeningTest : ViewerScreen() {
             if (extra != null) intent.putExtra(Intent.EXTRA_STREAM, extra)
             start(intent)
             assertEquals(context.getString(R.string.nothing_shared), activity.text(R.id.loading_detail))
+            assertFalse("the same would come of it", activity.isShown(R.id.loading_retry))
             close()
         }
+        openAndDraw()
+        controller!!.newIntent(Intent(context, ViewerActivity::class.java).setAction(Intent.ACTION_SEND))
+        assertEquals(context.getString(R.string.nothing_shared), activity.text(R.id.loading_detail))
+        press(R.id.loading_leave)
+        assertFalse(activity.isFinishing)
+        assertFalse(activity.isShown(R.id.loading))
     }
 
     @Test
@@ -233,12 +240,30 @@ class OpeningTest : ViewerScreen() {
 
     @Test
     fun aFileThatIsGone() {
-        assertEquals(context.getString(R.string.scene_gone), openAndFail(Documents.uri("nothing")))
+        val uri = Documents.uri("nothing")
+        assertEquals(context.getString(R.string.scene_not_given, uri), openAndFail(uri))
         press(R.id.measure)
         assertNull("there is nothing to measure", shadowOf(activity).nextStartedActivity)
         pump(200)
         keep(screenOf(activity, null), "cannot-open")
         assertTrue(activity.view(R.id.loading_retry).height > 0)
+    }
+
+    @Test
+    fun aFileOfTheAppsOwnFolderThatIsGone() {
+        val uri = Uri.fromFile(File(context.filesDir, "nothing.glb"))
+        assertEquals(context.getString(R.string.scene_gone), openAndFail(uri))
+    }
+
+    /** The copy of the sample that an earlier installation has left, of a format of then perhaps. */
+    @Test
+    fun theSampleIsOfThisInstallation() {
+        File(context.cacheDir, "sample.glb").writeText("as it was")
+        File(context.cacheDir, "sample.version").writeText(BuildFacts.version(context) + " of 17")
+        openAndDraw()
+        val kept = File(context.cacheDir, "sample.version").readText()
+        assertEquals(BuildFacts.installed(context), kept)
+        openAndDraw()
     }
 
     @Test

@@ -97,7 +97,7 @@ class ScenesTest {
         remember("corner.glb", "shown_corner.png")
         val uri = remember("marbles.ply", "shown_marbles.png")
         Recents(context).remember(
-            Scene.SAMPLE, "Sample scene", 289_512, 28_842, null, pictureOf("sample.png"),
+            Scene.SAMPLE, "Sample scene", 282_968, 28_842, null, pictureOf("sample.png"),
         )
         open()
         assertEquals(3, grid.adapter.count)

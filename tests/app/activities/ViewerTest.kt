@@ -319,8 +319,12 @@ class ViewerTest : ViewerScreen() {
         staysAsTheDeviceTurns()
         press(R.id.gyroscope)
         turnsWithTheDevice("once it is switched on")
-        pump(ViewerActivity.AWAKE_MS)
-        assertTrue("the screen stays on", activity.view(R.id.surface).keepScreenOn)
+        val surface = activity.view(R.id.surface)
+        assertTrue("the screen stays on", surface.keepScreenOn)
+        pump(ViewerActivity.AWAKE_MS + 1000)
+        assertFalse("but not while it lies on a table", surface.keepScreenOn)
+        turnsWithTheDevice("in somebody's hand again")
+        until("the screen stays on again") { surface.keepScreenOn }
         controller!!.pause().resume()
         turnsWithTheDevice("after a pause")
         press(R.id.measure)
@@ -531,14 +535,32 @@ class ViewerTest : ViewerScreen() {
         expectAllAgain(before)
     }
 
+    /** Another app may open a scene by this one while this one's own is behind it. */
+    @Test
+    fun aViewerThatNobodySeesMakesRoomForAnother() {
+        openAndDraw()
+        drag(320f to 240f, 380f to 240f)
+        val (below, before) = Pair(controller!!, settled())
+        below.pause().stop()
+        val first = session
+        val text = File(context.cacheDir, "text.glb").apply { writeText("no scene") }
+        openAndFail(Documents.offer(text)) // for want of memory, say
+        press(R.id.loading_retry)
+        assertNull("its memory is free", first.state())
+        controller!!.end()
+        controller = below
+        below.restart().start().resume()
+        giveSurface(activity.view(R.id.surface) as SceneSurface, WIDTH, HEIGHT)
+        until("the scene is there again") { session.state()!!.drawn && !activity.isShown(R.id.loading) }
+        assertTrue("where it was looked at", psnr(before, settled()) > 45)
+    }
+
     @Test
     fun inTheBackgroundGraphicsMemoryIsGivenBackAndTheSceneComesAgain() {
         openAndDraw()
         val before = settled()
         val splats = session.state()!!.stats.shown
         controller!!.pause().stop()
-        @Suppress("DEPRECATION")
-        activity.onTrimMemory(ComponentCallbacks2.TRIM_MEMORY_BACKGROUND)
         until("it is given back") { session.state()!!.stats.memory == 0L }
         assertNull("there is nothing to see", session.picture())
         controller!!.restart().start().resume()

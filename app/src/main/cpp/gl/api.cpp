@@ -84,7 +84,6 @@ Expected<std::unique_ptr<Api>> load_api(const ProcLoader& loader) {
   api->capabilities = std::move(*capabilities);
   api->quirks = find_quirks(api->capabilities);
   load_extensions(*api, loader);
-  hook_debug_messages(*api);
   return api;
 }
 

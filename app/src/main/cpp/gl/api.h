@@ -67,9 +67,9 @@ struct Api {
 /// Returns the address of the GL function of that name ("gl…"), or null.
 using ProcLoader = std::function<void*(const char* name)>;
 
-/// Fills the table for the context that is current on this thread, asks the driver for its
-/// capabilities and hooks its debug messages (KHR_debug) where it offers them. Fails if a function
-/// is missing or the context is older than ES 3.1 (or desktop GL 4.5 with ARB_ES3_1_compatibility).
+/// Fills the table for the context that is current on this thread and asks the driver for its
+/// capabilities. Fails if a function is missing or the context is older than ES 3.1 (or desktop GL
+/// 4.5 with ARB_ES3_1_compatibility).
 Expected<std::unique_ptr<Api>> load_api(const ProcLoader& loader);
 
 /// Takes all pending errors of the context, and notes down in `api` what they say of it. Returns

@@ -29,7 +29,8 @@ struct DebugLog {
   std::vector<DebugMessage> mistakes() const;
 };
 
-/// Has the driver report into api.debug, synchronously; does nothing without KHR_debug.
+/// Has the driver report into api.debug, synchronously, which may slow it down: not for phones.
+/// Does nothing without KHR_debug.
 void hook_debug_messages(Api& api);
 
 }  // namespace fluxgs::gl

@@ -62,6 +62,7 @@ Expected<void> HostContext::load(const gl::ProcLoader& loader) {
   auto api = gl::load_api(loader);
   if (!api) return std::unexpected(api.error());
   api_ = std::move(*api);
+  gl::hook_debug_messages(*api_);
   return {};
 }
 

@@ -268,6 +268,7 @@ class BenchmarkActivity : Activity() {
             outcome, state, session.driver(), name, before, thermals.now(), selfTest,
         )
         result = found
+        session.close() // another app may want the memory
         bar.keepScreenOn = false
         Background.start {
             orTellTheLog { BenchmarkHistory(this).add(found) }
@@ -358,7 +359,7 @@ class BenchmarkActivity : Activity() {
         val ratios = found.rows.mapNotNull { found.ratioTo(earlier, it) }.sorted()
         if (ratios.isEmpty()) return emptyList()
         val line = getString(
-            R.string.compared, earlier.started.replace('T', ' ').take(16), ratios[ratios.size / 2],
+            R.string.compared, earlier.startedHere, ratios[ratios.size / 2],
         )
         val unlike = found.differences(earlier).mapNotNull { CONDITION_NAMES[it] }.distinct()
         if (unlike.isEmpty()) return listOf(line)
@@ -426,6 +427,8 @@ class BenchmarkActivity : Activity() {
             "app.name" to R.string.condition_app,
             "driver.version" to R.string.condition_driver,
             "thermal.before.status" to R.string.condition_heat,
+            "scene.bytes" to R.string.condition_scene,
+            "device.android" to R.string.condition_android,
         )
     }
 }

@@ -6,6 +6,7 @@ import android.content.Context
 import android.os.Build
 import java.io.File
 import java.io.IOException
+import java.text.ParseException
 import java.text.SimpleDateFormat
 import java.util.Date
 import java.util.Locale
@@ -36,6 +37,16 @@ internal class BenchmarkResult(val json: JSONObject) {
     val splats: Long get() = json.getJSONObject("scene").getLong("splats")
     val stopped: String get() = json.getString("stopped")
     val started: String get() = json.getString("started")
+
+    /** For people, in their time zone. */
+    val startedHere: String get() {
+        val then = try {
+            format().parse(started)
+        } catch (_: ParseException) {
+            null
+        } ?: return started
+        return SimpleDateFormat("yyyy-MM-dd HH:mm", Locale.ROOT).format(then)
+    }
 
     fun text() = json.toString(1) + "\n"
 
@@ -88,7 +99,9 @@ internal class BenchmarkResult(val json: JSONObject) {
             "thermal.before.status", "thermal.after.status", "stopped",
         )
         private val PROTOCOL = setOf("protocol.warmup", "protocol.frames", "multi_window")
-        private val CONDITIONS = PROTOCOL + setOf("app.name", "driver.version", "thermal.before.status")
+        private val CONDITIONS = PROTOCOL + setOf(
+            "scene.bytes", "app.name", "driver.version", "device.android", "thermal.before.status",
+        )
         private val ROW = listOf(
             "width", "height", "views", "sorter", "draw_ms.median", "draw_ms.p95",
             "sort_to_photon_ms.median", "sort_to_photon_ms.p95", "pipelined_ms", "splats_drawn",
@@ -101,10 +114,11 @@ internal class BenchmarkResult(val json: JSONObject) {
             null
         }
 
-        /** Now, as ISO 8601 has it. */
-        fun time(): String = SimpleDateFormat("yyyy-MM-dd'T'HH:mm:ss'Z'", Locale.ROOT)
+        /** As ISO 8601 has it. */
+        private fun format() = SimpleDateFormat("yyyy-MM-dd'T'HH:mm:ss'Z'", Locale.ROOT)
             .apply { timeZone = TimeZone.getTimeZone("UTC") }
-            .format(Date())
+
+        fun time(): String = format().format(Date())
 
         fun deviceFacts(context: Context): JSONObject {
             val memory = ActivityManager.MemoryInfo()

@@ -10,6 +10,11 @@ internal object BuildFacts {
     /** Whether the library was built for checks only: no compiler that phones should trust. */
     val isCheckBuild get() = native.getString("build") == "check"
 
-    fun version(context: Context): String =
-        context.packageManager.getPackageInfo(context.packageName, 0).versionName ?: ""
+    fun version(context: Context): String = packageOf(context).versionName ?: ""
+
+    /** Another text after every installation, also one of the same version. */
+    fun installed(context: Context) = "${version(context)} of ${packageOf(context).lastUpdateTime}"
+
+    private fun packageOf(context: Context) =
+        context.packageManager.getPackageInfo(context.packageName, 0)
 }

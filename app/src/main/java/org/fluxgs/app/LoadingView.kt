@@ -19,6 +19,7 @@ internal class LoadingView(
     private val retry = root.findViewById<Button>(R.id.loading_retry)
     private val leave = root.findViewById<Button>(R.id.loading_leave)
     private var problem: String? = null // of opening, which the session does not know of
+    private var canRetry = true
     private var asks = false // whoever keeps the scene; what the session says is of the one before
 
     init {
@@ -29,6 +30,7 @@ internal class LoadingView(
 
     fun opening() {
         problem = null
+        canRetry = true
         asks = true
         progress(root.context.getString(R.string.opening), "", -1)
     }
@@ -38,13 +40,12 @@ internal class LoadingView(
         asks = false
     }
 
-    fun failed(message: String) {
+    /** [again]: whether that could help. */
+    fun failed(message: String, again: Boolean = true) {
         problem = message
+        canRetry = again
         tell(message)
     }
-
-    /** Whether something is waited for. */
-    val isBusy get() = root.visibility == View.VISIBLE && cancel.visibility == View.VISIBLE
 
     /** The app that keeps the scene takes its time: perhaps it fetches it from far away. */
     fun slow() = progress(
@@ -53,6 +54,7 @@ internal class LoadingView(
 
     fun hide() {
         problem = null
+        canRetry = true
         asks = false
         root.visibility = View.GONE
     }
@@ -122,7 +124,7 @@ internal class LoadingView(
         set(detail, message)
         bar.visibility = View.GONE
         cancel.visibility = View.GONE
-        retry.visibility = View.VISIBLE
+        retry.visibility = if (canRetry) View.VISIBLE else View.GONE
         leave.visibility = View.VISIBLE
     }
 }

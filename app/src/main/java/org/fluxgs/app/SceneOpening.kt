@@ -1,5 +1,6 @@
 package org.fluxgs.app
 
+import android.content.ContentResolver
 import android.content.Context
 import android.net.Uri
 import android.os.CancellationSignal
@@ -74,7 +75,7 @@ internal class SceneOpening(
     private fun sample(): File {
         val file = File(context.cacheDir, "sample.glb")
         val version = File(context.cacheDir, "sample.version")
-        val wanted = BuildFacts.version(context)
+        val wanted = BuildFacts.installed(context)
         if (file.exists() && version.exists() && version.readText() == wanted) return file
         val part = File.createTempFile("sample", null, context.cacheDir)
         context.assets.open("sample.glb").use { from -> part.outputStream().use { from.copyTo(it) } }
@@ -86,7 +87,8 @@ internal class SceneOpening(
     private fun messageOf(problem: Exception) = when (problem) {
         is FileNotFoundException ->
             if (isForbidden(problem)) context.getString(R.string.scene_forbidden)
-            else context.getString(R.string.scene_gone)
+            else if (uri.scheme != ContentResolver.SCHEME_CONTENT) context.getString(R.string.scene_gone)
+            else context.getString(R.string.scene_not_given, problem.message ?: problem.toString())
         is SecurityException -> context.getString(R.string.scene_forbidden)
         else -> context.getString(R.string.scene_unreadable, problem.message ?: problem.toString())
     }

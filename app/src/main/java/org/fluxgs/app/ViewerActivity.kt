@@ -16,6 +16,7 @@ import android.widget.ImageButton
 import android.widget.TextView
 import android.widget.Toast
 import java.io.IOException
+import kotlin.math.abs
 
 /** A scene in full screen: opened from the list, by "open with", or shared to the app. */
 class ViewerActivity : Activity() {
@@ -41,7 +42,9 @@ class ViewerActivity : Activity() {
     private var measuring = false // the benchmark has the device for itself
     private var looksAround = false // by the gyroscope
     private var touchedAt = 0L
-    private var lastDoing: Any? = null // of the scene, as far as people see
+    private var lastTurn = DoubleArray(4) // of the view, since which the screen stays on
+    private var lastRead = 0L
+    private var droppedPlace: DoubleArray? = null // of a scene that made room for another viewer's
     private val main = Handler(Looper.getMainLooper())
 
     private val look = object : Runnable {
@@ -72,7 +75,7 @@ class ViewerActivity : Activity() {
         uri = wanted ?: Scene.SAMPLE
         if (state == null) UriPermissions.keep(this, uri)
         if (wanted == null && intent.action == Intent.ACTION_SEND)
-            loadingView.failed(getString(R.string.nothing_shared))
+            loadingView.failed(getString(R.string.nothing_shared), again = false)
         else begin(state?.getDoubleArray(PLACE))
         if (state?.getBoolean(BARE) == true) toggleControls()
         if (state?.getBoolean(GYROSCOPE) == true) lookAround(true)
@@ -81,7 +84,8 @@ class ViewerActivity : Activity() {
     /** Another scene is opened while one is looked at. */
     override fun onNewIntent(intent: Intent) {
         super.onNewIntent(intent)
-        val other = uriOf(intent) ?: return
+        val other = uriOf(intent)
+            ?: return loadingView.failed(getString(R.string.nothing_shared), again = false)
         remember()
         setIntent(intent)
         UriPermissions.keep(this, other)
@@ -141,7 +145,15 @@ class ViewerActivity : Activity() {
     private fun retry() {
         val place = if (shown?.uri == uri) session.place() else null
         dropScene() // which has the memory that the other may have wanted
+        asleep.forEach { it.dropUnseen() }
         begin(place)
+    }
+
+    /** For another viewer, which is in front: this one opens its scene again when it is seen. */
+    private fun dropUnseen() {
+        if (shown?.uri != uri) return // nothing, or it is being opened
+        droppedPlace = session.place()
+        dropScene()
     }
 
     /** Gives back what the scene takes, on the GPU, too. */
@@ -180,12 +192,16 @@ class ViewerActivity : Activity() {
 
     /**
      * The screen stays on for who looks at something, and not all night for who has gone to bed: for a
-     * while after a touch, a turn of the device, or another part of a scene.
+     * while after a touch, a turn of the device that is no trembling, or another part of a file.
      */
     private fun stayAwake(state: SessionState) {
-        val doing = Pair(session.place()?.toList(), state.loading.read)
-        if (doing != lastDoing) touchedAt = SystemClock.elapsedRealtime()
-        lastDoing = doing
+        val turn = session.place()?.copyOfRange(3, 7) // w, x, y, z
+        val turned = turn != null && abs((0..3).sumOf { turn[it] * lastTurn[it] }) < STILL
+        if (turned || state.loading.read != lastRead) {
+            touchedAt = SystemClock.elapsedRealtime()
+            lastTurn = turn ?: lastTurn
+            lastRead = state.loading.read
+        }
         surface.keepScreenOn = SystemClock.elapsedRealtime() - touchedAt < AWAKE_MS
     }
 
@@ -321,7 +337,10 @@ class ViewerActivity : Activity() {
     /** Seen, though perhaps beside another app that has the focus: a split screen before Android 10. */
     override fun onStart() {
         super.onStart()
+        asleep.remove(this)
         surface.running = true
+        droppedPlace?.let { begin(it) }
+        droppedPlace = null
         touchedAt = SystemClock.elapsedRealtime()
         look.run()
     }
@@ -329,7 +348,14 @@ class ViewerActivity : Activity() {
     override fun onStop() {
         main.removeCallbacks(look)
         surface.running = false
+        asleep.add(this)
+        Background.start { runOnUiThread { letGo() } } // once there is a picture for the list
         super.onStop()
+    }
+
+    /** Nobody sees the scene: what it is drawn with is made again afterwards. */
+    private fun letGo() {
+        if (this in asleep) session.freeGraphics()
     }
 
     override fun onResume() {
@@ -354,12 +380,10 @@ class ViewerActivity : Activity() {
         state.putBoolean(GYROSCOPE, looksAround)
     }
 
-    /** Nobody sees the scene: what it is drawn with is made again afterwards. */
     override fun onTrimMemory(level: Int) {
         super.onTrimMemory(level)
         @Suppress("DEPRECATION")
-        if (level >= ComponentCallbacks2.TRIM_MEMORY_BACKGROUND) session.freeGraphics()
-        else if (level == ComponentCallbacks2.TRIM_MEMORY_RUNNING_CRITICAL)
+        if (level == ComponentCallbacks2.TRIM_MEMORY_RUNNING_CRITICAL)
             fitMemory { budget.shrink(session.state()?.stats?.memory ?: 0) }
     }
 
@@ -371,6 +395,7 @@ class ViewerActivity : Activity() {
     }
 
     override fun onDestroy() {
+        asleep.remove(this)
         opening?.cancel()
         surface.session = null
         session.close()
@@ -384,5 +409,7 @@ class ViewerActivity : Activity() {
         private const val BARE = "bare"
         private const val GYROSCOPE = "gyroscope"
         const val AWAKE_MS = 5 * 60_000L
+        private const val STILL = 0.999 // cosine of half of 5°
+        private val asleep = mutableSetOf<ViewerActivity>() // that nobody sees, until they are destroyed
     }
 }
