@@ -1,6 +1,7 @@
 package org.fluxgs.app
 
 import android.content.Intent
+import android.net.Uri
 import android.os.ParcelFileDescriptor
 import android.view.View
 import android.view.ViewGroup

@@ -321,6 +321,8 @@ class ViewerTest : ViewerScreen() {
         turnsWithTheDevice("once it is switched on")
         val surface = activity.view(R.id.surface)
         assertTrue("the screen stays on", surface.keepScreenOn)
+        settled()
+        pump(2 * ViewerActivity.LOOK_EVERY_MS) // the last turn has been seen
         pump(ViewerActivity.AWAKE_MS + 1000)
         assertFalse("but not while it lies on a table", surface.keepScreenOn)
         turnsWithTheDevice("in somebody's hand again")
