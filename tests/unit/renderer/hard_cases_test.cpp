@@ -9,8 +9,8 @@
 #include <numeric>
 #include <random>
 
-#include "picture_fixture.h"
 #include "packed.h"
+#include "picture_fixture.h"
 #include "render/scene_packing.h"
 
 namespace fluxgs::test {
