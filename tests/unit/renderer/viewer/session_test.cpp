@@ -56,8 +56,9 @@ class SessionTest : public testing::TestWithParam<host::HostGl> {
     begin();
   }
 
-  void begin() {
-    session_ = std::make_unique<Session>(host::make_offscreen_screen(GetParam()));
+  void begin() { begin_on(host::make_offscreen_screen(GetParam())); }
+  void begin_on(std::unique_ptr<Screen> screen) {
+    session_ = std::make_unique<Session>(std::move(screen));
     session_->set(settings_);
     session_->surface_created(this);
     session_->surface_changed(kWidth, kHeight, 1);
@@ -387,11 +388,7 @@ class FaultyScreen final : public Screen {
 
 TEST_P(SessionTest, APictureThatAWindowDidNotShowIsShownByTheNextFrame) {
   WindowFaults faults;
-  session_ = std::make_unique<Session>(
-      std::make_unique<FaultyScreen>(host::make_offscreen_screen(GetParam()), faults));
-  session_->set(settings_);
-  session_->surface_created(this);
-  session_->surface_changed(kWidth, kHeight, 1);
+  begin_on(std::make_unique<FaultyScreen>(host::make_offscreen_screen(GetParam()), faults));
   faults.going = 3;
   ASSERT_TRUE(load(file_with_start()));
   EXPECT_TRUE(run_until([](const SessionState& s) { return s.drawn; }));
@@ -403,11 +400,7 @@ TEST_P(SessionTest, APictureThatAWindowDidNotShowIsShownByTheNextFrame) {
 
 TEST_P(SessionTest, AnotherWindowIsAnotherTry) {
   WindowFaults faults;
-  session_ = std::make_unique<Session>(
-      std::make_unique<FaultyScreen>(host::make_offscreen_screen(GetParam()), faults));
-  session_->set(settings_);
-  session_->surface_created(this);
-  session_->surface_changed(kWidth, kHeight, 1);
+  begin_on(std::make_unique<FaultyScreen>(host::make_offscreen_screen(GetParam()), faults));
   ASSERT_TRUE(load(file_with_start()));
   const auto before = picture();
   faults.fails = true;
@@ -424,11 +417,7 @@ TEST_P(SessionTest, AnotherWindowIsAnotherTry) {
 }
 
 TEST_P(SessionTest, AContextThatIsLostWhileTheWindowIsAwayIsMadeAgain) {
-  session_ = std::make_unique<Session>(
-      std::make_unique<ForgetfulScreen>(host::make_offscreen_screen(GetParam())));
-  session_->set(settings_);
-  session_->surface_created(this);
-  session_->surface_changed(kWidth, kHeight, 1);
+  begin_on(std::make_unique<ForgetfulScreen>(host::make_offscreen_screen(GetParam())));
   ASSERT_TRUE(load(file_with_start()));
   const auto before = picture();
   session_->surface_destroyed();
