@@ -2,8 +2,11 @@
 // system would end the app.
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
 #include <cstdio>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "allocations.h"
@@ -13,6 +16,7 @@
 #include "render/scene_view.h"
 #include "unit/renderer/gl_fixture.h"
 #include "unit/renderer/scenes.h"
+#include "viewer/scene_loading.h"
 
 namespace fluxgs::test {
 namespace {
@@ -35,6 +39,39 @@ TEST(SceneMemoryTest, DecodingTakesNoMoreThanAsMuchAgain) {
   for (const SceneFormat& format : scene_formats())
     if (format.encode != nullptr) expect_it(format.name, must(format.encode(cloud, "scene")));
   expect_it("compact", must(encode_compact_glb(cloud, {}, "scene")));
+}
+
+/// Otherwise another one, or the same, is refused for want of memory that is about to be free.
+TEST(SceneMemoryTest, WhatACancelledSceneHoldsCanBeWaitedFor) {
+  if (kSanitized) GTEST_SKIP() << "its own allocations are not seen";
+  using viewer::LoadPhase;
+  const auto bytes = must(encode_compact_glb(random_cloud(100'000, 3, 5), {}, "scene"));
+  std::FILE* file = std::tmpfile();
+  ASSERT_EQ(std::fwrite(bytes.data(), 1, bytes.size(), file), bytes.size());
+  std::fflush(file);
+  const long before = allocations.bytes;
+
+  const auto cancelled_while_it_decodes = [&] {
+    std::rewind(file);
+    viewer::SceneLoading loading;
+    loading.begin(::dup(::fileno(file)), "scene.glb", {});
+    LoadPhase phase = LoadPhase::reading;
+    while (phase == LoadPhase::reading ||
+           (phase == LoadPhase::decoding && allocations.bytes - before < 10'000'000)) {
+      std::this_thread::yield();
+      phase = loading.state().phase;
+    }
+    loading.cancel();
+    return phase == LoadPhase::decoding && allocations.bytes - before > 1'000'000;
+  };
+  bool caught = false;  // a busy machine may look too late
+  for (int tries = 0; tries < 20 && !caught; ++tries) {
+    caught = cancelled_while_it_decodes();
+    viewer::SceneLoading::wait_for_decoding();
+    ASSERT_LT(allocations.bytes - before, 100'000);
+  }
+  EXPECT_TRUE(caught);
+  std::fclose(file);
 }
 
 class UploadMemoryTest : public GlTest {};

@@ -66,7 +66,7 @@ object RunTests {
         override fun describe() = "those with $only in their names"
 
         override fun shouldRun(test: Description): Boolean =
-            test.methodName?.contains(only) ?: test.children.any { shouldRun(it) }
+            if (test.isTest) only in nameOf(test) else test.children.any { shouldRun(it) }
     }
 
     private fun nameOf(test: Description) =

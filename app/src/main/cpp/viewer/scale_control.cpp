@@ -55,7 +55,6 @@ double ScaleControl::frame(double seconds) {
 }
 
 void ScaleControl::judge_long() {
-  // Where the display waits for whole frames, steps may show nothing until one is enough
   const bool at_the_end = next_down() == step_;
   if (trying_) {  // a step up that was too much
     patience_ = std::min(2 * patience_, kLongestPatience);
@@ -70,6 +69,7 @@ void ScaleControl::judge_long() {
     trial_ = {step_, mean_};
     return change_to(next_down());
   }
+  // Where the display waits for whole frames, steps may show nothing until one is enough
   if (!at_the_end) return change_to(next_down());
   resignation_ = std::clamp(2 * resignation_, kShortestResignation, kLongestResignation);
   resigned_ = resignation_;

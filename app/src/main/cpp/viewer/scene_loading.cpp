@@ -32,6 +32,19 @@ std::string megabytes(std::uint64_t bytes) {
   return fmt::format("{:.1f} MB", static_cast<double>(bytes) / kMegabyte);
 }
 
+constinit std::atomic<int> decoding_now = 0;  // loadings, of any owner
+
+/// One of decoding_now.
+struct Decoding {
+  Decoding() { ++decoding_now; }
+  Decoding(const Decoding&) = delete;
+  Decoding& operator=(const Decoding&) = delete;
+  ~Decoding() {
+    --decoding_now;
+    decoding_now.notify_all();
+  }
+};
+
 }  // namespace
 
 /// What the thread and the owner share.
@@ -44,6 +57,7 @@ struct SceneLoading::Job {
   LoadState state;
   std::optional<Clock::time_point> last_came;  ///< bytes, or the wish for the first
   std::optional<SceneFile> scene;
+  std::optional<Decoding> decoding;
 
   Job() = default;
   Job(const Job&) = delete;
@@ -165,6 +179,7 @@ struct SceneLoading::Job {
     const auto bytes = read_all();
     if (!bytes) return std::unexpected(bytes.error());
     if (cancelled) return SceneFile{};
+    decoding.emplace();
     const auto estimate = estimate_scene(*bytes, name);
     if (!estimate) return std::unexpected(estimate.error());
     update([&](LoadState& s) {
@@ -201,6 +216,7 @@ struct SceneLoading::Job {
       finish(
           fail(name, "memory", fmt::format("not enough to open the scene ({})", problem.what())));
     }
+    decoding.reset();  // the file's bytes are gone, and what nobody wants
   }
 };
 
@@ -223,6 +239,10 @@ void SceneLoading::begin(int descriptor, const std::string& name, const LoadLimi
 void SceneLoading::cancel() {
   if (job_) job_->cancelled = true;
   job_.reset();
+}
+
+void SceneLoading::wait_for_decoding() {
+  for (int now = decoding_now; now != 0; now = decoding_now) decoding_now.wait(now);
 }
 
 LoadState SceneLoading::state() const {

@@ -44,8 +44,13 @@ class SceneLoading {
   /// a pipe of a provider. An earlier loading is cancelled. `name` is for errors.
   void begin(int descriptor, const std::string& name, const LoadLimits& limits);
 
-  /// What was begun is forgotten: its thread ends by itself, as soon as it notices.
+  /// What was begun is forgotten: its thread ends by itself, as soon as it notices. It does not
+  /// while it decodes, and holds its memory till then.
   void cancel();
+
+  /// Returns once nothing is being decoded, by whatever loading, cancelled or not: what is free
+  /// then is free. From any thread.
+  static void wait_for_decoding();
 
   LoadState state() const;
 

@@ -21,6 +21,7 @@
 #include "bench/self_test.h"
 #include "platform/android/platform.h"
 #include "platform/android/session_json.h"
+#include "viewer/scene_loading.h"
 #include "viewer/session.h"
 
 namespace fluxgs::android {
@@ -379,6 +380,10 @@ FLUXGS_JNI(jstring, selfTest)(JNIEnv* env, jclass, jbyteArray scene) {
                      text.size());
     return to_java(env, text.data());
   });
+}
+
+FLUXGS_JNI(void, waitForDecoding)(JNIEnv* env, jclass) {
+  guarded(env, [] { viewer::SceneLoading::wait_for_decoding(); });
 }
 
 FLUXGS_JNI(jstring, about)(JNIEnv* env, jclass) {

@@ -18,8 +18,7 @@ internal class LoadingView(
     private val cancel = root.findViewById<Button>(R.id.loading_cancel)
     private val retry = root.findViewById<Button>(R.id.loading_retry)
     private val leave = root.findViewById<Button>(R.id.loading_leave)
-    private var problem: String? = null // of opening, which the session does not know of
-    private var canRetry = true
+    private var problem: Problem? = null // of opening, which the session does not know of
     private var asks = false // whoever keeps the scene; what the session says is of the one before
 
     init {
@@ -28,9 +27,11 @@ internal class LoadingView(
         leave.setOnClickListener { onLeave() }
     }
 
+    /** [again]: whether that could help. */
+    private data class Problem(val message: String, val again: Boolean = true)
+
     fun opening() {
         problem = null
-        canRetry = true
         asks = true
         progress(root.context.getString(R.string.opening), "", -1)
     }
@@ -40,11 +41,8 @@ internal class LoadingView(
         asks = false
     }
 
-    /** [again]: whether that could help. */
     fun failed(message: String, again: Boolean = true) {
-        problem = message
-        canRetry = again
-        tell(message)
+        problem = Problem(message, again).also { tell(it) }
     }
 
     /** The app that keeps the scene takes its time: perhaps it fetches it from far away. */
@@ -54,7 +52,6 @@ internal class LoadingView(
 
     fun hide() {
         problem = null
-        canRetry = true
         asks = false
         root.visibility = View.GONE
     }
@@ -64,12 +61,12 @@ internal class LoadingView(
         when {
             problem != null -> tell(problem!!)
             asks -> return
-            loading.failed -> tell(loading.error)
+            loading.failed -> tell(Problem(loading.error))
             loading.phase == "reading" -> showReading(loading, name)
             loading.phase == "decoding" -> progress(
                 root.context.getString(R.string.loading, name), estimateOf(loading), -1,
             )
-            state.error.isNotEmpty() -> tell(state.error)
+            state.error.isNotEmpty() -> tell(Problem(state.error))
             loading.ready && !state.drawn -> progress(
                 root.context.getString(R.string.loading, name), estimateOf(loading), -1,
             )
@@ -117,14 +114,14 @@ internal class LoadingView(
         if (view.text.toString() != text) view.text = text
     }
 
-    private fun tell(message: String) {
+    private fun tell(problem: Problem) {
         root.visibility = View.VISIBLE
         set(title, root.context.getString(R.string.cannot_open))
         detail.accessibilityLiveRegion = View.ACCESSIBILITY_LIVE_REGION_POLITE
-        set(detail, message)
+        set(detail, problem.message)
         bar.visibility = View.GONE
         cancel.visibility = View.GONE
-        retry.visibility = if (canRetry) View.VISIBLE else View.GONE
+        retry.visibility = if (problem.again) View.VISIBLE else View.GONE
         leave.visibility = View.VISIBLE
     }
 }

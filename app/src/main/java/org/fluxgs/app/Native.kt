@@ -4,8 +4,8 @@ import android.view.Surface
 
 /**
  * The native library (app/src/main/cpp/platform/android/jni.cpp). Sessions are numbers from [create];
- * one that does not exist is an IllegalStateException. Nothing here waits for the GPU but
- * [surfaceDestroyed] and [picture]. [Session] is what the app uses.
+ * one that does not exist is an IllegalStateException. Nothing here waits, but [surfaceDestroyed] and
+ * [picture] for the GPU, and [waitForDecoding]. [Session] is what the app uses.
  */
 internal object Native {
     init {
@@ -32,7 +32,11 @@ internal object Native {
         session: Long, descriptor: Int, name: String, bytes: Long, memory: Long, place: DoubleArray?,
     ): Long
 
+    /** One that is being decoded is decoded to its end all the same, and holds its memory till then. */
     @JvmStatic external fun cancelLoading(session: Long)
+
+    /** Returns once no scene is being decoded, cancelled or not, of any session. Not for the main thread. */
+    @JvmStatic external fun waitForDecoding()
 
     /** Whether others are wanted: no longer once all is at rest, until something else is called. */
     @JvmStatic external fun frame(session: Long, nanoseconds: Long): Boolean
