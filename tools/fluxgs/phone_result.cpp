@@ -105,6 +105,7 @@ Expected<PhoneResult> phone_result(const json& value, const std::string& file) {
   r.bytes = f.count("scene/bytes");
   r.warmup = f.count("protocol/warmup");
   r.frames = f.count("protocol/frames");
+  if (f.at("rows/0/blended_in").is_string()) r.blended_in = f.text("rows/0/blended_in");
   r.beside_another = f.at("multi_window") == true;
   r.heat_before = static_cast<int>(f.number("thermal/before/status", -1, kHottest));
   r.heat_after = static_cast<int>(f.number("thermal/after/status", -1, kHottest));

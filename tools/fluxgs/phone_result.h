@@ -28,6 +28,7 @@ struct PhoneResult {
   std::string scene;   ///< file name
   std::uint64_t splats = 0, bytes = 0;
   std::uint64_t warmup = 0, frames = 0;          ///< of each row
+  std::string blended_in;                        ///< "RGBA32F", "RGBA16F"; empty: is not said
   bool beside_another = false;                   ///< in split screen
   int heat_before = 0, heat_after = 0;           ///< thermal status of Android, 0 (none)…6
   std::string stopped;                           ///< why before its end; empty: it is whole

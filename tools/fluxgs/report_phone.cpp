@@ -63,11 +63,17 @@ json to_json(const PhoneResult& r, const PhoneResult* before, const SelfTest& te
   for (const PaperRow& p : kPaper)
     paper.push_back(
         {{"scenes", p.what}, {"splats", p.splats}, {"bytes", p.megabytes * 1e6}, {"fps", p.fps}});
-  return {{"device", r.device},   {"driver", r.driver},
-          {"scene", r.scene},     {"splats", r.splats},
-          {"bytes", r.bytes},     {"app", r.app},
-          {"stopped", r.stopped}, {"rows", rows},
-          {"paper", paper},       {"self_test_same", test.same ? json(*test.same) : json(nullptr)}};
+  return {{"device", r.device},
+          {"driver", r.driver},
+          {"scene", r.scene},
+          {"splats", r.splats},
+          {"bytes", r.bytes},
+          {"app", r.app},
+          {"blended_in", r.blended_in},
+          {"stopped", r.stopped},
+          {"rows", rows},
+          {"paper", paper},
+          {"self_test_same", test.same ? json(*test.same) : json(nullptr)}};
 }
 
 void print_rows(const PhoneResult& r, const PhoneResult* before) {
@@ -88,6 +94,7 @@ void print_report(const PhoneResult& r, const PhoneResult* before,
   fmt::print("{}, {}\n", r.device, r.driver);
   fmt::print("{}: {} splats, {:.2f} MB; app {}; heat {} before, {} after\n", r.scene, r.splats,
              static_cast<double>(r.bytes) / 1e6, r.app, r.heat_before, r.heat_after);
+  if (!r.blended_in.empty()) fmt::print("layers blended in {}\n", r.blended_in);
   if (!r.stopped.empty()) fmt::print("NOT WHOLE, it was stopped: {}\n", r.stopped);
   fmt::print("\n");
   print_rows(r, before);
@@ -102,7 +109,7 @@ void print_report(const PhoneResult& r, const PhoneResult* before,
 /// Whether the device decodes, sorts and projects as this machine does.
 Expected<SelfTest> compare_self_tests(const PhoneReport& s, const PhoneResult& r) {
   if (s.scene.empty()) return SelfTest{};
-  if (r.self_test.empty()) return SelfTest{"the app makes none of files over 32 MiB", {}};
+  if (r.self_test.empty()) return SelfTest{"the result has none", {}};
   if (const auto error = r.self_test.find("error"); error != r.self_test.end())
     return SelfTest{"failed on the device: " + error->second, false};
   const auto scene = load_scene(s.scene);
@@ -139,6 +146,8 @@ std::vector<std::string> differences(const PhoneResult& now, const PhoneResult& 
   const auto place = [](const PhoneResult& r) {
     return r.beside_another ? "split screen" : "full";
   };
+  if (!now.blended_in.empty() && !before.blended_in.empty())
+    look("layers blended in", now.blended_in, before.blended_in);
   look("screen", std::string_view(place(now)), std::string_view(place(before)));
   if (!before.stopped.empty()) found.push_back("the earlier run was stopped: " + before.stopped);
   return found;

@@ -14,18 +14,6 @@ using render::RecordPrecision;
 using render::SorterKind;
 using render::TargetFormat;
 
-const char* name_of(Accumulation accumulation, TargetFormat format) {
-  switch (accumulation) {
-    case Accumulation::single_float:
-      return "RGBA32F";
-    case Accumulation::half_float:
-      return "RGBA16F";
-    case Accumulation::direct:
-      break;
-  }
-  return format == TargetFormat::rgba8 ? "RGBA8" : "RGBA16F";
-}
-
 }  // namespace
 
 void add_tuning_options(CLI::App& command, TuningOptions& t) {
@@ -102,9 +90,10 @@ Expected<render::RenderTarget> target_of(gl::Api& api, int width, int height,
 }
 
 std::string name_of(const render::RenderTarget& target) {
-  return fmt::format("{} blended in {} at {}x{}", name_of(Accumulation::direct, target.format()),
-                     name_of(target.accumulation(), target.format()), target.blend_width(),
-                     target.blend_height());
+  return fmt::format("{} blended in {} at {}x{}",
+                     render::blend_name(target.format(), Accumulation::direct),
+                     render::blend_name(target.format(), target.accumulation()),
+                     target.blend_width(), target.blend_height());
 }
 
 render::TargetPlan plan_of(const render::RenderTarget& target) {

@@ -1,6 +1,7 @@
 package org.fluxgs.app
 
 import android.graphics.SurfaceTexture
+import android.os.ParcelFileDescriptor
 import android.view.Surface
 import java.io.File
 import org.json.JSONObject
@@ -94,11 +95,14 @@ class NativeTest {
     }
 
     @Test
-    fun theSelfTestSaysWhatIsWrong() {
-        assertTrue(JSONObject(Native.selfTest(ByteArray(0))).has("error"))
-        assertTrue(JSONObject(Native.selfTest(ByteArray(1000))).has("error"))
-        val whole = File(material, "scene.spz").readBytes()
-        assertEquals(28842, JSONObject(Native.selfTest(whole)).getInt("splats"))
+    fun theSelfTestIsOfTheSceneThatIsLoaded() = inSession { session ->
+        assertThrows(IllegalStateException::class.java) { Native.selfTest(session) }
+        val file = ParcelFileDescriptor.open(File(material, "scene.spz"), ParcelFileDescriptor.MODE_READ_ONLY)
+        Native.load(session, file.detachFd(), "scene.spz", -1, 1L shl 30, null)
+        until("it is loaded") {
+            JSONObject(Native.state(session)).getJSONObject("loading").getString("phase") == "ready"
+        }
+        assertEquals(28842, JSONObject(Native.selfTest(session)).getInt("splats"))
     }
 
     @Test

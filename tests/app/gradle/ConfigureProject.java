@@ -110,7 +110,8 @@ public class ConfigureProject {
     facts.put("minify", release.isMinifyEnabled());
     facts.put("signing", release.getSigningConfig() == null ? "none" : release.getSigningConfig().getName());
     facts.put("dependencies", dependencies(project));
-    facts.put("sources", android.getSourceSets().getByName("main").getManifest().getSrcFile());
+    for (String set : List.of("main", "debug", "release"))
+      facts.put("manifest-" + set, android.getSourceSets().getByName(set).getManifest().getSrcFile());
     Set<String> tasks = new TreeSet<>();
     project.getTasks().forEach(task -> tasks.add(task.getName()));
     facts.put("tasks", tasks.size());

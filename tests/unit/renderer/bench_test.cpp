@@ -44,7 +44,7 @@ TEST(TrafficModel, CountsEveryByteOfASmallFrame) {
                             .evaluated = {500, 1024, 500, 24}};
   const render::TargetPlan target{.width = 100, .height = 50};
   const bench::FrameTraffic t = bench::model_traffic(counts, {}, target);
-  EXPECT_EQ(t.project, 4096 * 16 + 3000 * 48 + 1024 * 48 + 500 * 96 + 24 * 192 + 4096 * 4 +
+  EXPECT_EQ(t.project, 4096 * 16 + 3000 * 48 + 1024 * 24 + 500 * 48 + 24 * 96 + 4096 * 4 +
                            2048 * 4 + 2048 * 32);
   const double tables = 256 * 4 * 5;                     // of one block
   EXPECT_EQ(t.sort, 2 * tables + 4096 * 8 + 2048 * 8     // first pass

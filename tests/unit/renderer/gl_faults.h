@@ -22,6 +22,9 @@ struct FaultState {
   long allocations = 0;        ///< so far
   long framebuffers = 0;       ///< there are
   bool out_of_memory = false;  ///< the next glGetError() says so
+  long draws = 0;              ///< of splats
+  bool read_of_draw = false;   ///< a draw may still read what shaders write without a barrier
+  long overwritten = 0;        ///< dispatches while that is so
 
   std::map<GLenum, GLuint> buffer_at, texture_at;   // bindings
   std::map<GLuint, std::size_t> buffers, textures;  // bytes of each
@@ -89,6 +92,13 @@ bool before(A... arguments) {
     faults.framebuffers += std::get<0>(all);
   } else if constexpr (kIs<Member, &gl::Api::DeleteFramebuffers>) {
     faults.framebuffers -= std::get<0>(all);
+  } else if constexpr (kIs<Member, &gl::Api::DrawElementsIndirect>) {
+    ++faults.draws;
+    faults.read_of_draw = true;
+  } else if constexpr (kIs<Member, &gl::Api::MemoryBarrier>) {
+    if ((std::get<0>(all) & GL_SHADER_STORAGE_BARRIER_BIT) != 0) faults.read_of_draw = false;
+  } else if constexpr (kIs<Member, &gl::Api::DispatchCompute>) {
+    faults.overwritten += faults.read_of_draw;
   } else if constexpr (kIs<Member, &gl::Api::DeleteBuffers> ||
                        kIs<Member, &gl::Api::DeleteTextures>) {
     auto& held = kIs<Member, &gl::Api::DeleteBuffers> ? faults.buffers : faults.textures;

@@ -88,7 +88,7 @@ TEST(LargestOf, TakesHighDegreesFirst) {
   EXPECT_EQ(render::largest_of(scene, 40), (DegreeCounts{0, 0, 0, 40}));
   EXPECT_EQ(render::largest_of(scene, 75), (DegreeCounts{0, 5, 30, 40}));
   EXPECT_EQ(render::largest_of(scene, 1000), scene);
-  EXPECT_EQ(render::harmonics_bytes(scene), 20U * 48 + 30 * 96 + 40 * 192);
+  EXPECT_EQ(render::harmonics_bytes(scene), 20U * 24 + 30 * 48 + 40 * 96);
 }
 
 TEST(MostSplats, FitIntoTheDriversBlocks) {
@@ -99,12 +99,12 @@ TEST(MostSplats, FitIntoTheDriversBlocks) {
     return render::most_splats(driver, scene);
   };
   EXPECT_EQ(most(1 << 20, {10, 20, 30, 40}), 100U);
-  EXPECT_EQ(most(6400, {1000, 0, 0, 0}), 100U);   // 64 bytes of geometry
-  EXPECT_EQ(most(6400, {0, 1000, 0, 0}), 100U);   // 48 of harmonics
-  EXPECT_EQ(most(9600, {0, 0, 1000, 0}), 100U);   // 96
-  EXPECT_EQ(most(19200, {0, 0, 0, 1000}), 100U);  // 192
-  EXPECT_EQ(most(192 * 40 + 96 * 3 + 95, {1000, 0, 30, 40}), 43U);
-  EXPECT_EQ(most(192 * 40 + 96 * 30, {1000, 0, 30, 40}), 165U);  // of all 10,560 bytes
+  EXPECT_EQ(most(6400, {1000, 0, 0, 0}), 100U);  // 64 bytes of geometry
+  EXPECT_EQ(most(6400, {0, 1000, 0, 0}), 100U);  // more than the 24 of harmonics
+  EXPECT_EQ(most(6400, {0, 0, 1000, 0}), 100U);  // 48
+  EXPECT_EQ(most(9600, {0, 0, 0, 1000}), 100U);  // 96
+  EXPECT_EQ(most(96 * 140 + 48 * 3 + 47, {1000, 0, 130, 140}), 143U);
+  EXPECT_EQ(most(96 * 140 + 48 * 130, {1000, 0, 130, 140}), 307U);  // of all 19,680 bytes
   EXPECT_EQ(most(std::int64_t{1} << 40, {100'000'000, 0, 0, 0}), 65535U * 128 - 1);
 }
 

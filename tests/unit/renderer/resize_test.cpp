@@ -51,6 +51,9 @@ TEST_P(ResizeTest, TwoHundredFramesLeaveNothingBehind) {
     shown = {};
     EXPECT_EQ(faults.used, 0U);
     EXPECT_EQ(faults.framebuffers, 0);
+    // And none wrote over what the one before might still be drawn from
+    EXPECT_EQ(faults.draws, kFrames);
+    EXPECT_EQ(faults.overwritten, 0);
   }
   const auto fresh = must(render::Renderer::create(api()));
   must(fresh->upload(cloud));

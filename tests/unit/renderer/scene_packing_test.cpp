@@ -7,11 +7,19 @@
 #include <cstring>
 #include <vector>
 
+#include <glm/gtc/packing.hpp>
+
 #include "packed.h"
 #include "scenes.h"
 
 namespace fluxgs::test {
 namespace {
+
+std::vector<glm::vec4> unpacked(const std::vector<std::uint64_t>& halves) {
+  std::vector<glm::vec4> values;
+  for (const std::uint64_t word : halves) values.push_back(glm::unpackHalf4x16(word));
+  return values;
+}
 
 TEST(PackScene, StridesHoldWholeGroupsOfFourCoefficients) {
   EXPECT_EQ(render::harmonics_stride(0), 0U);
@@ -39,8 +47,8 @@ TEST(PackScene, PutsEveryAttributeInItsPlace) {
   near(1, {0.5F, 0.25F, 2, 0.25F});
   near(2, {0, 0.6F, 0.8F, 0});  // x y z w, of length 1
   near(3, {0.5F, 1, 0, 0});
-  const std::vector<std::array<float, 4>> wanted = {{1, 2, 3, 4}, {5, 6, 7, 8}, {9, 0, 0, 0}};
-  EXPECT_EQ(scene.harmonics, wanted);
+  const std::vector<glm::vec4> wanted = {{1, 2, 3, 4}, {5, 6, 7, 8}, {9, 0, 0, 0}};
+  EXPECT_EQ(unpacked(scene.harmonics), wanted);
 }
 
 TEST(PackScene, EachSplatHasTheCoefficientsOfItsDegree) {
@@ -56,11 +64,25 @@ TEST(PackScene, EachSplatHasTheCoefficientsOfItsDegree) {
   EXPECT_EQ(word(3), 4U * 18 + 1);
   EXPECT_EQ(word(4), 4U * 21 + 3);
   ASSERT_EQ(scene.harmonics.size(), 33U);
-  EXPECT_EQ(render::harmonics_bytes(count_degrees(cloud)), 33U * 16);
-  EXPECT_EQ(scene.harmonics[18][1], cloud.sh_rest[45].y);
-  EXPECT_EQ(scene.harmonics[20][0], cloud.sh_rest[47].z);
-  EXPECT_EQ(scene.harmonics[20][1], 0.0F);
-  EXPECT_EQ(scene.harmonics[32][0], cloud.sh_rest[74].z);
+  EXPECT_EQ(render::harmonics_bytes(count_degrees(cloud)), 33U * 8);
+  const std::vector<glm::vec4> harmonics = unpacked(scene.harmonics);
+  const auto expect_half = [](float found, float wanted) {
+    EXPECT_NEAR(found, wanted, std::fabs(wanted) * 0x1p-11F) << "to the nearest half";
+  };
+  expect_half(harmonics[18][1], cloud.sh_rest[45].y);
+  expect_half(harmonics[20][0], cloud.sh_rest[47].z);
+  EXPECT_EQ(harmonics[20][1], 0.0F);
+  expect_half(harmonics[32][0], cloud.sh_rest[74].z);
+}
+
+TEST(PackScene, CoefficientsBeyondHalfFloatsAreTheLargestOfThem) {
+  SplatCloud cloud;
+  cloud.sh_degree = 1;
+  add(cloud, {});
+  cloud.sh_rest = {{1e6F, -1e14F, 65504}, {65519, 1e-9F, 0}, {0, 0, 0}};
+  const std::vector<glm::vec4> harmonics = unpacked(packed(cloud).harmonics);
+  EXPECT_EQ(harmonics[0], glm::vec4(65504, -65504, 65504, 65504));
+  EXPECT_NEAR(harmonics[1][0], 0, 1e-7);
 }
 
 TEST(PackScene, OriginIgnoresStraysAndKeepsBits) {
@@ -99,13 +121,13 @@ TEST(PackScene, PartsMakeTheWhole) {
     all.harmonics.insert(all.harmonics.end(), part.harmonics.begin(), part.harmonics.end());
     render::add_positions(part, positions);
   }
-  const auto bits = [](const auto& values) {  // some words are no numbers
+  const auto bits = [](const std::vector<std::array<float, 4>>& values) {  // some are no numbers
     std::vector<std::uint32_t> words(4 * values.size());
-    std::memcpy(words.data(), values.data(), 4 * words.size());
+    std::memcpy(words.data(), values.data(), sizeof(words[0]) * words.size());
     return words;
   };
   EXPECT_EQ(bits(all.geometry), bits(whole.geometry));
-  EXPECT_EQ(bits(all.harmonics), bits(whole.harmonics));
+  EXPECT_EQ(all.harmonics, whole.harmonics);
   ASSERT_EQ(positions.size(), some.size());
   EXPECT_TRUE(std::isnan(positions[4].x));
   EXPECT_EQ(positions[5].y, whole.geometry[20][1]);

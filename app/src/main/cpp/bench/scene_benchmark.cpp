@@ -96,6 +96,7 @@ Expected<void> measure(gl::Api& api, const SplatCloud& cloud, const std::optiona
   if (!counts) return std::unexpected(counts.error());
   row.counts = *counts;
   const render::RendererSettings& settings = stage->renderer->settings();
+  row.blended_in = render::blend_name(stage->target.format(), stage->target.accumulation());
   row.traffic = model_traffic(row.counts, settings, plan_of(stage->target));
   row.memory =
       render::estimate_memory(count_degrees(cloud), settings, plan_of(stage->target)).total();
@@ -125,6 +126,7 @@ json json_of(const SceneBenchmarkRow& row) {
           {"stages", json_of(row.times.stages)},
           {"splats_drawn", row.counts.drawn},
           {"fragments", row.counts.fragments},
+          {"blended_in", row.blended_in},
           {"bytes_per_frame", row.traffic.tiled()},
           {"gpu_memory_bytes", row.memory}};
 }

@@ -32,6 +32,7 @@ struct SceneBenchmarkRow {
   FrameBenchmark times;
   FrameCounts counts;  ///< of the first view
   FrameTraffic traffic;
+  std::string blended_in;  ///< render::blend_name()
   std::size_t memory = 0;  ///< bytes of the GPU, an estimate
 };
 
@@ -58,7 +59,8 @@ Expected<SceneBenchmark> benchmark_scene(gl::Api& api, const SplatCloud& cloud,
 /// The rows as a JSON list; times in milliseconds. Each row: width, height, sorter ("gpu", "cpu"),
 /// views ("still", "path"), draw_ms and sort_to_photon_ms (median, p95, mean, least),
 /// pipelined_ms, stages (project, sort, draw, resolve; null where the driver has no clock),
-/// splats_drawn, fragments, bytes_per_frame (of a GPU with tiles), gpu_memory_bytes.
+/// splats_drawn, fragments, blended_in, bytes_per_frame (of a GPU with tiles),
+/// gpu_memory_bytes.
 std::string rows_json(const SceneBenchmark& benchmark);
 
 /// What the driver says of itself, as a JSON object: vendor, renderer, version, quirks, timestamps,

@@ -84,10 +84,14 @@ std::vector<Camera> views_of(const SplatCloud& cloud) {
 }
 
 std::vector<glm::vec3> positions_of(render::ScenePacker& packer) {
-  render::PackedSplats splats;
-  packer.next(packer.constants().count, splats);
+  constexpr std::size_t kSplatsOfAPart = 16384;
+  render::PackedSplats part;
   std::vector<glm::vec3> positions;
-  render::add_positions(splats, positions);
+  positions.reserve(packer.constants().count);
+  while (positions.size() < packer.constants().count) {
+    packer.next(kSplatsOfAPart, part);
+    render::add_positions(part, positions);
+  }
   return positions;
 }
 

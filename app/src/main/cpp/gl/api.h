@@ -28,9 +28,9 @@
   X(EndQuery) X(Finish) X(FramebufferTexture2D) X(GenBuffers) X(GenFramebuffers) X(GenQueries) \
   X(GenTextures) X(GenVertexArrays) X(GetError) X(GetInteger64v) X(GetIntegeri_v) X(GetIntegerv) \
   X(GetProgramInfoLog) X(GetProgramiv) X(GetShaderInfoLog) X(GetShaderiv) X(GetString) \
-  X(GetStringi) X(LinkProgram) X(MapBufferRange) X(MemoryBarrier) X(PixelStorei) X(ReadPixels) \
-  X(ShaderSource) X(TexParameteri) X(TexStorage2D) X(TexSubImage2D) X(Uniform1ui) X(Uniform2f) \
-  X(UnmapBuffer) X(UseProgram) X(Viewport)
+  X(GetStringi) X(InvalidateFramebuffer) X(LinkProgram) X(MapBufferRange) X(MemoryBarrier) \
+  X(PixelStorei) X(ReadPixels) X(ShaderSource) X(TexParameteri) X(TexStorage2D) X(TexSubImage2D) \
+  X(Uniform1ui) X(Uniform2f) X(UnmapBuffer) X(UseProgram) X(Viewport)
 // clang-format on
 
 namespace fluxgs::gl {

@@ -71,6 +71,17 @@ Expected<void> attach(gl::Api& api, GLenum format, int width, int height, gl::Te
 
 }  // namespace
 
+const char* blend_name(TargetFormat format, Accumulation accumulation) {
+  switch (blend_format(format, accumulation)) {
+    case GL_RGBA32F:
+      return "RGBA32F";
+    case GL_RGBA16F:
+      return "RGBA16F";
+    default:
+      return "RGBA8";
+  }
+}
+
 Accumulation accurate_accumulation(const gl::Capabilities& driver) {
   if (driver.float_targets) return Accumulation::single_float;
   return driver.half_float_targets ? Accumulation::half_float : Accumulation::direct;

@@ -22,6 +22,9 @@ enum class Accumulation {
 /// the driver has.
 Accumulation accurate_accumulation(const gl::Capabilities& capabilities);
 
+/// What the layers are blended in: "RGBA8", "RGBA16F", "RGBA32F".
+const char* blend_name(TargetFormat format, Accumulation accumulation);
+
 /// A colour texture with premultiplied RGBA: RGB over the background, A = 1 − transmittance.
 /// Row 0 of its memory is the top of the picture. GL objects: see gl::Handle about lifetimes.
 class RenderTarget {

@@ -135,6 +135,10 @@ void Renderer::draw_scene(const Camera& camera, const RenderOptions& options,
       make_frame_uniforms(view, options, shortcuts, scene_.constants, keys);
   uniforms_.write(0, std::as_bytes(std::span(&values, 1)));
   uniforms_.bind_base(GL_UNIFORM_BUFFER, 0);
+  // The frame before may still draw from what is written now: stores of shaders wait for nobody
+  // unasked (ES 3.1, 7.11.2), and a tiler reads records late
+  api_.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
+                     GL_PIXEL_BUFFER_BARRIER_BIT);
   projection_.run(api_, scene_);
   stamp(1);
   sort({.centre = camera.center() - scene_.constants.origin,

@@ -31,6 +31,8 @@ Expected<ResolvePass> ResolvePass::create(gl::Api& api) {
 void ResolvePass::run(gl::Api& api, const RenderTarget& target) const {
   if (!target.needs_resolve()) return;
   target.framebuffer().bind();
+  constexpr GLenum kAll = GL_COLOR_ATTACHMENT0;
+  api.InvalidateFramebuffer(GL_FRAMEBUFFER, 1, &kAll);  // or tilers would load what is covered
   target.blend_texture().bind(0);
   api.Viewport(0, 0, target.width(), target.height());
   if (target.enlarges()) {

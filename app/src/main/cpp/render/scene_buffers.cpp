@@ -11,15 +11,16 @@ namespace fluxgs::render {
 namespace {
 
 constexpr std::uint64_t kVec4 = 16;
-constexpr std::uint64_t kMostHarmonics = kVec4 << 30;  // what harmonics_word() can point into
-constexpr std::size_t kSplatsOfAPart = 16384;          // 4 MB at degree 3
+constexpr std::uint64_t kWord = sizeof(PackedSplats::harmonics[0]);
+constexpr std::uint64_t kMostHarmonics = kWord << 30;  // what harmonics_word() can point into
+constexpr std::size_t kSplatsOfAPart = 16384;          // 2.6 MB at degree 3
 
 /// How many of largest_of() have all their coefficients in that many bytes.
 std::uint64_t with_harmonics_in(std::uint64_t bytes, const DegreeCounts& scene) {
   std::uint64_t count = 0;
   for (int degree = 3; degree >= 0; --degree) {
     const std::uint64_t all = scene[static_cast<std::size_t>(degree)];
-    const std::uint64_t each = kVec4 * harmonics_stride(degree);
+    const std::uint64_t each = kWord * harmonics_stride(degree);
     const std::uint64_t fit = each > 0 ? std::min(all, bytes / each) : all;
     count += fit;
     bytes -= fit * each;
@@ -32,7 +33,8 @@ std::uint64_t with_harmonics_in(std::uint64_t bytes, const DegreeCounts& scene) 
 class Writer {
  public:
   explicit Writer(gl::Buffer& buffer) : buffer_(buffer) {}
-  void add(const std::vector<std::array<float, 4>>& values) {
+  template <class T>
+  void add(const std::vector<T>& values) {
     const auto bytes = std::as_bytes(std::span(values));
     if (!bytes.empty()) buffer_.write(written_, bytes);
     written_ += bytes.size();

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include <glm/common.hpp>
+#include <glm/gtc/packing.hpp>
+
 #include "fluxgs/math/projection.h"
 #include "fluxgs/math/spherical_harmonics.h"
 
@@ -14,6 +17,7 @@ namespace {
 // Larger numbers than this cannot be projected in float32 without overflow. Deviations are cut at a
 // length that covers any picture evenly, unless the splat itself lies farther away than that.
 constexpr float kLargest = 1e15F;
+constexpr float kLargestHalf = 65504;
 constexpr double kLargestScale = 1e10;
 constexpr double kNoLevel = -1e30;  // shaders/record.glsl
 constexpr std::array<float, 4> kNoSplat = {0, 0, 0, static_cast<float>(kNoLevel)};
@@ -48,10 +52,10 @@ float harmonics_word(std::size_t first, int degree) {
 }  // namespace
 
 std::uint64_t harmonics_bytes(const DegreeCounts& splats) {
-  std::uint64_t vectors = 0;
+  std::uint64_t words = 0;
   for (int degree = 0; degree < 4; ++degree)
-    vectors += harmonics_stride(degree) * std::uint64_t{splats[static_cast<std::size_t>(degree)]};
-  return sizeof(PackedSplats::harmonics[0]) * vectors;
+    words += harmonics_stride(degree) * std::uint64_t{splats[static_cast<std::size_t>(degree)]};
+  return sizeof(PackedSplats::harmonics[0]) * words;
 }
 
 DegreeCounts largest_of(const DegreeCounts& scene, std::uint64_t count) {
@@ -121,14 +125,17 @@ void ScenePacker::pack_geometry(std::size_t i, std::array<float, 4>* out) const 
   out[3] = {static_cast<float>(color.g), static_cast<float>(color.b), 0.0F, out[3][3]};
 }
 
-void ScenePacker::pack_harmonics(std::size_t i, int degree, std::array<float, 4>* out) const {
+void ScenePacker::pack_harmonics(std::size_t i, int degree, std::uint64_t* out) const {
   const auto rest = static_cast<std::size_t>(sh_rest_count(cloud_.sh_degree));
   const auto own = static_cast<std::size_t>(sh_rest_count(degree));
+  std::array<float, 48> values{};
   for (std::size_t k = 0; k < own; ++k)
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::size_t at = 3 * k + c;
-      out[at / 4][at % 4] = cloud_.sh_rest[i * rest + k][static_cast<int>(c)];
-    }
+    for (std::size_t c = 0; c < 3; ++c)
+      values[3 * k + c] = cloud_.sh_rest[i * rest + k][static_cast<int>(c)];
+  for (std::size_t k = 0; k < harmonics_stride(degree); ++k) {
+    const glm::vec4 four(values[4 * k], values[4 * k + 1], values[4 * k + 2], values[4 * k + 3]);
+    out[k] = glm::packHalf4x16(glm::clamp(four, -kLargestHalf, kLargestHalf));
+  }
 }
 
 void ScenePacker::next(std::size_t most, PackedSplats& part) {

@@ -13,8 +13,8 @@
 
 namespace fluxgs::render {
 
-/// vec4s of a splat that hold the coefficients of degrees 1…degree: groups of four, three vec4s
-/// each.
+/// Words of four half floats that hold the coefficients of degrees 1…degree of a splat: groups of
+/// four, three words each.
 constexpr std::uint32_t harmonics_stride(int degree) {
   return 3U * static_cast<std::uint32_t>((sh_rest_count(degree) + 3) / 4);
 }
@@ -26,10 +26,12 @@ std::uint64_t harmonics_bytes(const DegreeCounts& splats);
 /// are, they take no more memory than these.
 DegreeCounts largest_of(const DegreeCounts& scene, std::uint64_t count);
 
-/// Splats as the projection pass reads them (shaders/project.comp), all in float32.
+/// Splats as the projection pass reads them (shaders/project.comp). The coefficients beyond the
+/// constant one are half floats, as the colour is that comes of them: they are three quarters of a
+/// splat of degree 3, and halves take a hundredth of a level of 255 from its colour.
 struct PackedSplats {
-  std::vector<std::array<float, 4>> geometry;   ///< 4 per splat; the last float is a uint
-  std::vector<std::array<float, 4>> harmonics;  ///< harmonics_stride(its degree) per splat
+  std::vector<std::array<float, 4>> geometry;  ///< 4 per splat; the last float is a uint
+  std::vector<std::uint64_t> harmonics;        ///< harmonics_stride(its degree) per splat
 };
 
 /// Packs a scene part by part: there is not always room for the whole of it a second time. The
@@ -59,7 +61,7 @@ class ScenePacker {
   void find_median();
   void find_box();
   void pack_geometry(std::size_t i, std::array<float, 4>* out) const;
-  void pack_harmonics(std::size_t i, int degree, std::array<float, 4>* out) const;
+  void pack_harmonics(std::size_t i, int degree, std::uint64_t* out) const;
 
   const SplatCloud& cloud_;
   std::optional<std::span<const std::uint32_t>> splats_;
@@ -68,7 +70,7 @@ class ScenePacker {
   DegreeCounts degrees_{};
   std::size_t undrawable_ = 0;
   std::size_t packed_ = 0;     // splats so far
-  std::size_t harmonics_ = 0;  // vec4s so far
+  std::size_t harmonics_ = 0;  // words so far
 };
 
 /// Where each of these splats lies, relative to the scene's origin; NaN for undrawable ones.

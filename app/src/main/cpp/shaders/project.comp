@@ -11,10 +11,10 @@ layout(local_size_x = 128) in;
 
 // Per splat: (position relative to the scene's origin, log2 of the opacity), (scale, red),
 // (rotation xyzw), (green, blue, 0, harmonics). Red, green and blue are the constant term of the
-// colour. All are floats but the last: 4·(the first vec4 of its `coefficients`) + its degree, which
-// as a float would be a denormal that drivers may take for zero.
+// colour. All are floats but the last: 4·(the first of its `coefficients`) + its degree, which as a
+// float would be a denormal that drivers may take for zero.
 layout(std430, binding = 0) readonly buffer Geometry { uvec4 geometry[]; };
-layout(std430, binding = 1) readonly buffer Harmonics { vec4 coefficients[]; };
+layout(std430, binding = 1) readonly buffer Harmonics { uvec2 coefficients[]; };  // half floats
 layout(std430, binding = 2) writeonly buffer Records { uvec4 records[]; };
 layout(std430, binding = 3) writeonly buffer Keys { uint keys[]; };
 

@@ -1,9 +1,19 @@
 // Real spherical harmonics of degrees 1…3: the twin of fluxgs/math/spherical_harmonics.h.
-// Coefficients are stored in groups of four RGB triples, three vec4 each; `weights` are the four
-// basis functions that belong to a group.
+// Coefficients are stored in groups of four RGB triples, three times four half floats each;
+// `weights` are the four basis functions that belong to a group.
+
+// A half float's bits moved to where a float has its own: its value times 2^-112. One so small that
+// its exponent is 0 may count as zero. unpackHalf2x16() is a long calculation for some compilers.
+vec4 four_coefficients(uint at) {
+  uvec2 halves = coefficients[at];
+  return uintBitsToFloat(uvec4(ivec4(halves.x << 16, halves.x, halves.y << 16, halves.y) >> 3) &
+                         0x8FFFE000u);
+}
+const float TO_COEFFICIENTS = 5.192296858534828e33;  // 2^112
 
 vec3 sh_group(uint first, vec4 weights) {
-  vec4 a = coefficients[first], b = coefficients[first + 1u], c = coefficients[first + 2u];
+  vec4 a = four_coefficients(first), b = four_coefficients(first + 1u);
+  vec4 c = four_coefficients(first + 2u);
   return a.xyz * weights.x + vec3(a.w, b.xy) * weights.y + vec3(b.zw, c.x) * weights.z +
          c.yzw * weights.w;
 }
@@ -13,7 +23,7 @@ vec3 sh_rest(uint first, uint degree, vec3 d) {
   float x = d.x, y = d.y, z = d.z;
   float xx = x * x, yy = y * y, zz = z * z;
   vec4 weights = vec4(-0.4886025119029199 * y, 0.4886025119029199 * z, -0.4886025119029199 * x, 0.0);
-  if (degree < 2u) return sh_group(first, weights);
+  if (degree < 2u) return TO_COEFFICIENTS * sh_group(first, weights);
 
   weights.w = 1.0925484305920792 * (x * y);
   vec3 sum = sh_group(first, weights);
@@ -21,7 +31,7 @@ vec3 sh_rest(uint first, uint degree, vec3 d) {
                                    0.31539156525252005 * (2.0 * zz - xx - yy),
                                    -1.0925484305920792 * (x * z),
                                    0.5462742152960396 * (xx - yy)));
-  if (degree < 3u) return sum;
+  if (degree < 3u) return TO_COEFFICIENTS * sum;
 
   sum += sh_group(first + 6u, vec4(-0.5900435899266435 * y * (3.0 * xx - yy),
                                    2.890611442640554 * (x * y) * z,
@@ -30,5 +40,5 @@ vec3 sh_rest(uint first, uint degree, vec3 d) {
   sum += sh_group(first + 9u, vec4(-0.4570457994644658 * x * (4.0 * zz - xx - yy),
                                    1.445305721320277 * z * (xx - yy),
                                    -0.5900435899266435 * x * (xx - 3.0 * yy), 0.0));
-  return sum;
+  return TO_COEFFICIENTS * sum;
 }

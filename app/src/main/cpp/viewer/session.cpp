@@ -222,6 +222,15 @@ std::optional<Image<std::uint8_t>> Session::picture(int longest, std::uint64_t o
   return result;
 }
 
+std::shared_ptr<const SplatCloud> Session::scene() {
+  std::shared_ptr<const SplatCloud> result;
+  post_and_wait([&] {
+    take_scene();
+    result = cloud_;
+  });
+  return result;
+}
+
 std::string Session::driver() const {
   const std::lock_guard lock(mutex_);
   return driver_;

@@ -43,8 +43,8 @@ struct BenchmarkState {
   std::string error;
 };
 
-/// Every function may be called from one thread, the shell's main thread, and picture() from any;
-/// only picture() and surface_destroyed() wait for the drawing thread.
+/// Every function may be called from one thread, the shell's main thread, and picture() and scene()
+/// from any. These, surface_destroyed() and the destructor wait for the drawing thread.
 class Session {
  public:
   /// `screen` is used on the session's thread only, and gone before the session is.
@@ -86,6 +86,8 @@ class Session {
   /// Or the last one, reduced until its longer side is `longest` pixels. Nothing where there is
   /// none, or where it is not `of` the scene with this number (0: any).
   std::optional<Image<std::uint8_t>> picture(int longest = 0, std::uint64_t of = 0);
+  /// What is shown, or nothing; what has been loaded, but not been shown yet, is taken up.
+  std::shared_ptr<const SplatCloud> scene();
   /// bench::driver_json(), once there is a context; else empty.
   std::string driver() const;
 

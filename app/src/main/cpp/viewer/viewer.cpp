@@ -109,6 +109,7 @@ void Viewer::close() {
   scene_.reset();
   presented_.reset();
   measured_.reset();
+  stats_.memory = 0;
 }
 
 /// Whether GL objects were made for other settings.

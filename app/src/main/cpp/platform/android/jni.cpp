@@ -371,14 +371,11 @@ FLUXGS_JNI(jstring, benchmark)(JNIEnv* env, jclass, jlong session) {
   return guarded(env, [&] { return to_java(env, to_json(sessions().find(session)->benchmark())); });
 }
 
-FLUXGS_JNI(jstring, selfTest)(JNIEnv* env, jclass, jbyteArray scene) {
+FLUXGS_JNI(jstring, selfTest)(JNIEnv* env, jclass, jlong session) {
   return guarded(env, [&] {
-    std::vector<jbyte> bytes(static_cast<std::size_t>(env->GetArrayLength(scene)));
-    env->GetByteArrayRegion(scene, 0, static_cast<jsize>(bytes.size()), bytes.data());
-    std::vector<char> text(2000);
-    fluxgs_self_test(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), text.data(),
-                     text.size());
-    return to_java(env, text.data());
+    const auto scene = sessions().find(session)->scene();  // and the session may end meanwhile
+    if (!scene) throw std::logic_error("there is no scene");
+    return to_java(env, bench::to_json(bench::self_test(*scene)));
   });
 }
 

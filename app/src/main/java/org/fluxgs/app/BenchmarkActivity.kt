@@ -14,8 +14,8 @@ import android.widget.Button
 import android.widget.ProgressBar
 import android.widget.TextView
 import java.io.File
-import java.io.FileInputStream
 import java.io.IOException
+import java.util.concurrent.FutureTask
 import kotlin.concurrent.thread
 import org.json.JSONObject
 
@@ -42,9 +42,7 @@ class BenchmarkActivity : Activity() {
     private var before = Heat()
     private var name = ""
     private var began = 0L
-    private var selfTest: JSONObject? = null
-    private var copy: ParcelFileDescriptor? = null // for the self-test
-    private var tested = false
+    private var selfTest: FutureTask<JSONObject>? = null
     private var inFront = false // nothing lies over this
     private var preparing = false // opening, loading, testing: nothing is measured yet
     internal var result: BenchmarkResult? = null
@@ -53,8 +51,8 @@ class BenchmarkActivity : Activity() {
     private val look = object : Runnable {
         override fun run() {
             // Seldom while it measures: what is shown of it takes a part of the GPU
-            val wait = if (report == null) LOOK_EVERY_MS else LOOK_WHILE_MEASURING_MS
-            if (advance()) main.postDelayed(this, wait)
+            if (!advance()) return
+            main.postDelayed(this, if (report == null) LOOK_EVERY_MS else LOOK_WHILE_MEASURING_MS)
         }
     }
 
@@ -123,8 +121,8 @@ class BenchmarkActivity : Activity() {
         if (opening != null) dropScene()
         result = null
         preparing = true
+        val unfinished = selfTest // still has the scene
         selfTest = null
-        tested = false
         findViewById<View>(R.id.results).visibility = View.GONE
         findViewById<View>(R.id.retry).visibility = View.GONE
         findViewById<View>(R.id.stop).visibility = View.VISIBLE
@@ -134,11 +132,10 @@ class BenchmarkActivity : Activity() {
         status.accessibilityLiveRegion = View.ACCESSIBILITY_LIVE_REGION_NONE // it counts
         status.text = getString(R.string.opening)
         report = null
-        before = thermals.now()
         opening = SceneOpening(this, uri, { descriptor, facts ->
             name = intent.getStringExtra("name") ?: facts.name
             load(descriptor, facts.bytes)
-        }, { fail(it) }, { status.text = getString(R.string.provider_slow) })
+        }, { fail(it) }, { status.text = getString(R.string.provider_slow) }, unfinished)
         opening?.start()
     }
 
@@ -149,69 +146,23 @@ class BenchmarkActivity : Activity() {
     }
 
     private fun load(descriptor: ParcelFileDescriptor, bytes: Long) {
-        closeCopy()
-        copy = try {
-            descriptor.dup()
-        } catch (_: IOException) {
-            null
-        }
         session.load(descriptor.detachFd(), name, bytes, FreeMemory.forScene(this), null)
         main.removeCallbacks(look)
         main.post(look)
     }
 
-    private fun closeCopy() {
-        copy?.close()
-        copy = null
-    }
-
-    /** Once the scene has been found to be one that memory has room for. */
-    private fun test() {
-        tested = true
-        val file = copy ?: return
-        copy = null
+    private fun startSelfTest(): FutureTask<JSONObject> {
         status.text = getString(R.string.testing, name)
-        testing = true
-        thread(name = "self-test", isDaemon = true) {
-            val outcome = file.use { selfTestOf(it.fileDescriptor, it.statSize) }
-            main.post {
-                selfTest = outcome
-                testing = false
-            }
-        }
+        val of = session
+        return FutureTask { of.selfTest() }.also { thread(name = "self-test", isDaemon = true) { it.run() } }
     }
-
-    private var testing = false
 
     private fun stop(reason: String) {
         if (!preparing) return session.stopBenchmark(reason)
         opening?.cancel()
         session.cancelLoading()
-        closeCopy()
         main.removeCallbacks(look)
         fail(reason)
-    }
-
-    /** Of scenes that are small enough to be read twice. Takes seconds: not for the main thread. */
-    private fun selfTestOf(descriptor: java.io.FileDescriptor, size: Long): JSONObject? {
-        if (size !in 1..SELF_TEST_BYTES) return null
-        return try {
-            val stream = FileInputStream(descriptor)
-            val bytes = ByteArray(size.toInt())
-            var read = 0
-            while (read < bytes.size) {
-                val got = stream.channel.read(
-                    java.nio.ByteBuffer.wrap(bytes, read, bytes.size - read), read.toLong(),
-                )
-                if (got < 0) return null
-                read += got
-            }
-            JSONObject(Native.selfTest(bytes))
-        } catch (_: IOException) {
-            null // a pipe: it can be read once only
-        } catch (problem: Throwable) { // of memory, too: what is measured is not lost for it
-            JSONObject().put("error", problem.toString())
-        }
     }
 
     /** Whether there is more to wait for. */
@@ -220,9 +171,8 @@ class BenchmarkActivity : Activity() {
         val loading = state.loading
         if (loading.failed) return fail(loading.error)
         if (!loading.ready) return true
-        if (testing) return true // also one of a run that was stopped: it takes the processor
-        if (!tested) test()
-        if (testing) return true
+        val test = selfTest ?: startSelfTest().also { selfTest = it }
+        if (!test.isDone) return true // it takes the processor
         if (report == null && !start()) return true
         val outcome = session.benchmark() ?: return false
         if (outcome.getString("error").isNotEmpty()) return fail(outcome.getString("error"))
@@ -241,6 +191,9 @@ class BenchmarkActivity : Activity() {
         preparing = false
         report = BenchmarkReport(this, plan, isInMultiWindowMode)
         began = System.nanoTime()
+        before = thermals.now()
+        bar.isIndeterminate = false // nothing moves but what is measured
+        bar.progress = 0
         session.startBenchmark(plan)
         return true
     }
@@ -254,7 +207,6 @@ class BenchmarkActivity : Activity() {
     private fun showProgress(outcome: JSONObject) {
         val done = outcome.getInt("done")
         val all = outcome.getInt("all")
-        bar.isIndeterminate = all == 0
         if (all == 0) return
         bar.max = all
         bar.progress = done
@@ -265,7 +217,7 @@ class BenchmarkActivity : Activity() {
 
     private fun finishWith(outcome: JSONObject, state: SessionState): Boolean {
         val found = report!!.result(
-            outcome, state, session.driver(), name, before, thermals.now(), selfTest,
+            outcome, state, session.driver(), name, before, thermals.now(), selfTest!!.get(),
         )
         result = found
         session.close() // another app may want the memory
@@ -344,6 +296,7 @@ class BenchmarkActivity : Activity() {
             "${device.getString("manufacturer")} ${device.getString("model")}, " +
                 "Android ${device.getString("android")}",
             driver?.let { "${it.getString("renderer")}, ${it.getString("version")}" } ?: "",
+            found.blendedIn?.let { getString(R.string.blended_in, it) } ?: "",
             thermalLine(
                 thermal.getJSONObject("before").getInt("status"),
                 thermal.getJSONObject("after").getInt("status"),
@@ -409,7 +362,6 @@ class BenchmarkActivity : Activity() {
         main.removeCallbacks(look)
         if (report != null && result == null) Log.e(TAG, "failed the app was left")
         opening?.cancel()
-        closeCopy()
         session.close()
         super.onDestroy()
     }
@@ -419,7 +371,6 @@ class BenchmarkActivity : Activity() {
         private const val LOOK_EVERY_MS = 100L
         private const val LOOK_WHILE_MEASURING_MS = 1000L
         private const val RESULT = "result"
-        private const val SELF_TEST_BYTES = 32L shl 20
         private val CONDITION_NAMES = mapOf(
             "protocol.warmup" to R.string.condition_frames,
             "protocol.frames" to R.string.condition_frames,

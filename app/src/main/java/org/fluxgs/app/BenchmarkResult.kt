@@ -36,6 +36,9 @@ internal class BenchmarkResult(val json: JSONObject) {
     val sceneName: String get() = json.getJSONObject("scene").getString("name")
     val splats: Long get() = json.getJSONObject("scene").getLong("splats")
     val stopped: String get() = json.getString("stopped")
+    /** What the layers are blended in: of numbers half as long less is moved. */
+    val blendedIn: String? get() =
+        json.getJSONArray("rows").optJSONObject(0)?.optString("blended_in")?.ifEmpty { null }
     val started: String get() = json.getString("started")
 
     /** For people, in their time zone. */
@@ -105,7 +108,7 @@ internal class BenchmarkResult(val json: JSONObject) {
         private val ROW = listOf(
             "width", "height", "views", "sorter", "draw_ms.median", "draw_ms.p95",
             "sort_to_photon_ms.median", "sort_to_photon_ms.p95", "pipelined_ms", "splats_drawn",
-            "fragments", "bytes_per_frame", "gpu_memory_bytes",
+            "fragments", "blended_in", "bytes_per_frame", "gpu_memory_bytes",
         )
 
         fun of(text: String): BenchmarkResult? = try {
@@ -191,7 +194,7 @@ internal class BenchmarkReport(
 
     fun result(
         outcome: JSONObject, state: SessionState, driver: JSONObject?, name: String, before: Heat,
-        after: Heat, selfTest: JSONObject?,
+        after: Heat, selfTest: JSONObject,
     ) = BenchmarkResult(
         JSONObject()
             .put("version", BenchmarkResult.VERSION)
@@ -208,7 +211,7 @@ internal class BenchmarkReport(
             .put("multi_window", besideAnother)
             .put("started", started)
             .put("seconds", (System.nanoTime() - since) / 1e9)
-            .put("self_test", selfTest ?: JSONObject.NULL)
+            .put("self_test", selfTest)
             .put("rows", outcome.optJSONArray("rows") ?: JSONArray())
             .put("stopped", outcome.getString("stopped")),
     )

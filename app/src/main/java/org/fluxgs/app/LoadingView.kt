@@ -67,7 +67,8 @@ internal class LoadingView(
                 root.context.getString(R.string.loading, name), estimateOf(loading), -1,
             )
             state.error.isNotEmpty() -> tell(Problem(state.error))
-            loading.ready && !state.drawn -> progress(
+            // Not drawn yet, or anew: what it is drawn with was given back while nobody looked
+            loading.ready && !state.drawn || state.drawn && state.stats.memory == 0L -> progress(
                 root.context.getString(R.string.loading, name), estimateOf(loading), -1,
             )
             loading.ready || state.drawn -> root.visibility = View.GONE

@@ -4,8 +4,9 @@ import android.view.Surface
 
 /**
  * The native library (app/src/main/cpp/platform/android/jni.cpp). Sessions are numbers from [create];
- * one that does not exist is an IllegalStateException. Nothing here waits, but [surfaceDestroyed] and
- * [picture] for the GPU, and [waitForDecoding]. [Session] is what the app uses.
+ * one that does not exist is an IllegalStateException. Nothing here waits, but [waitForDecoding], and for
+ * the drawing thread [surfaceDestroyed], [picture], [selfTest] and [destroy]. [Session] is what the app
+ * uses.
  */
 internal object Native {
     init {
@@ -91,8 +92,8 @@ internal object Native {
     /** JSON, see session_json.h. */
     @JvmStatic external fun benchmark(session: Long): String
 
-    /** JSON, see self_test.h. */
-    @JvmStatic external fun selfTest(scene: ByteArray): String
+    /** JSON, see self_test.h: of the scene that is loaded. Takes seconds; from any thread. */
+    @JvmStatic external fun selfTest(session: Long): String
 
     /** JSON: version, platform ("android" or "host"), build ("release", "check" or "host"). */
     @JvmStatic external fun about(): String

@@ -73,7 +73,7 @@ data class SessionState(
     }
 }
 
-/** Owns a native session. For the main thread, but for [picture]; does nothing once it is closed. */
+/** Owns a native session. For the main thread, but for [picture] and [selfTest]; does nothing once it is closed. */
 class Session : AutoCloseable {
     @Volatile
     private var handle = Native.create()
@@ -161,6 +161,13 @@ class Session : AutoCloseable {
         return Bitmap.createBitmap(
             values, 2, values[0], values[0], values[1], Bitmap.Config.ARGB_8888,
         )
+    }
+
+    /** What the processor makes of the scene, or {"error": …}. Takes seconds: not for the main thread. */
+    fun selfTest(): JSONObject = try {
+        JSONObject(Native.selfTest(handle))
+    } catch (problem: RuntimeException) { // of memory, too: what is measured is not lost for it
+        JSONObject().put("error", problem.toString())
     }
 
     fun driver(): JSONObject? {
