@@ -47,7 +47,7 @@ Expected<TrainState> starting_state(const Settings& settings, const Dataset& dat
     if (!checkpoint) return std::unexpected(checkpoint.error());
     return std::move(checkpoint->state);
   }
-  const auto points = initial_points(data, 1);
+  const auto points = initial_points(data, 1, threads);
   if (!points) return std::unexpected(points.error());
   return initial_state(data, *points, options, threads);
 }

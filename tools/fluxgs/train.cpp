@@ -186,7 +186,6 @@ void Training::make_report() {
              {"cpu_ms_per_iteration", 1e3 * all.cpu_seconds / steps},
              {"iterations_per_second", {{"start", rates.front()}, {"end", rates.back()}}},
              {"splats", trainer_.state().parameters.size()},
-             {"peak_memory_bytes", peak_memory()},
              {"rejected_gradients", all.rejected_gradients},
              {"stages", stages},
              {"curves", all.curves},
@@ -269,6 +268,7 @@ Expected<void> Training::write_scenes() {
   const auto cloud = write_out();
   if (!cloud) return std::unexpected(cloud.error());
   if (auto scored = score(*cloud); !scored) return scored;
+  report_["peak_memory_bytes"] = peak_memory();
   tell(fmt::format("{}: {} splats, {:.1f} s\n", one_line(settings_.out, std::string::npos),
                    trainer_.state().parameters.size(), whole_->seconds));
   return {};
@@ -316,7 +316,8 @@ void add_train(CLI::App& app, Action& action) {
       ->check(CLI::IsMember(preset_names()))
       ->capture_default_str();
   command->add_option("--exact", settings->exact,
-                      "also write the scene as it was before it was made compact, such as a .ply");
+                      "also write the scene as floats, such as a .ply: what training ended with,\n"
+                      "which --rounding has made to what the compact file holds");
   add_data_options(*command, settings->data);
   command->add_option("--backend", settings->backend, "auto, cpu or cuda")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))

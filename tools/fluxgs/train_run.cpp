@@ -5,7 +5,9 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <opencv2/core/utility.hpp>
 
+#include "fluxgs/io/scene.h"
 #include "tools/fluxgs/console.h"
 #include "tools/fluxgs/progress.h"
 #include "trainer/train/checkpoint.h"
@@ -19,6 +21,9 @@ Expected<TrainOptions> options_from(const TrainSettings& settings) {
   if (!options) return options;
   apply(settings.method, *options);
   options->render.background = settings.data.background_color();
+  // Only compact files hold rounded numbers
+  if (const auto format = scene_format_for(settings.out); format && (*format)->name != "glb")
+    options->rounding = Switch::off;
   if (auto valid = validate(*options); !valid) return std::unexpected(valid.error());
   return options;
 }
@@ -62,7 +67,8 @@ Expected<Run> new_run(const TrainSettings& settings, const Threads& threads) {
   auto data = load(settings.data);
   if (!data) return std::unexpected(data.error());
   if (auto room = check_memory(*data, *options); !room) return std::unexpected(room.error());
-  auto points = initial_points(*data, options->seed, show_progress("pairs"));
+  cv::setNumThreads(threads.count());  // it looks for features
+  auto points = initial_points(*data, options->seed, threads, show_progress("pairs"));
   if (!points) return std::unexpected(points.error());
   thin_out(*points, most_initial(*data, *options));
   spdlog::info("{} initial splats ({})", points->positions.size(), points->source);

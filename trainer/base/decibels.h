@@ -11,6 +11,11 @@ inline double psnr_of_mse(double mse) {
   return mse == 0 ? std::numeric_limits<double>::infinity() : -10 * std::log10(mse);
 }
 
+/// A picture that is nearer to its photo, such as an all black one, is as good as the photo: this
+/// is the error of rounding to its 8 bits, 1/(12·255²). Without such a limit one would make means
+/// infinite.
+inline const double kAsGoodAsThePhoto = psnr_of_mse(1 / (12 * 255.0 * 255.0));
+
 inline double mse_of_psnr(double psnr) { return std::pow(10, -psnr / 10); }
 
 /// The mean square error that costs `decibels` (≥ 0) of PSNR when it is added to `mse`.

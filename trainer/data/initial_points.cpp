@@ -17,12 +17,12 @@ PointCloud sparse_points(const Dataset& dataset) {
 }  // namespace
 
 Expected<PointCloud> initial_points(const Dataset& dataset, std::uint64_t seed,
-                                    const ProgressReport& progress) {
+                                    const Threads& threads, const ProgressReport& progress) {
   constexpr std::size_t kFewest = 500, kRandom = 20'000;
   if (!dataset.points.empty()) return sparse_points(dataset);
   if (dataset.train.empty())
     return fail("", "initial points", "no training photos, expected at least one");
-  PointCloud cloud = triangulate_features(dataset.train, progress);
+  PointCloud cloud = triangulate_features(dataset.train, threads, progress);
   return cloud.positions.size() >= kFewest ? cloud : random_points(dataset.train, kRandom, seed);
 }
 

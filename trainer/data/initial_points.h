@@ -8,6 +8,7 @@
 #include <glm/vec3.hpp>
 
 #include "fluxgs/error.h"
+#include "trainer/base/parallel.h"
 #include "trainer/data/dataset.h"
 
 namespace fluxgs {
@@ -20,9 +21,8 @@ struct PointCloud {
 
 /// The data set's sparse points; without any, image features triangulated from the training photos'
 /// known poses; where fewer than 500 of those are found, random points in the cameras' frustums.
-/// Deterministic for a seed, whatever the number of threads (TBB's; limit it with a
-/// tbb::global_control or task_arena). Errors: no training photos.
+/// Deterministic for a seed, whatever the number of threads. Errors: no training photos.
 Expected<PointCloud> initial_points(const Dataset& dataset, std::uint64_t seed,
-                                    const ProgressReport& progress = {});
+                                    const Threads& threads, const ProgressReport& progress = {});
 
 }  // namespace fluxgs

@@ -7,7 +7,6 @@
 #include <numeric>
 #include <optional>
 
-#include <tbb/parallel_for.h>
 #include <glm/geometric.hpp>
 
 #include "trainer/data/features.h"
@@ -133,19 +132,25 @@ glm::vec3 mean_color(const Track& track, const std::vector<Photo>& photos,
   return sum / static_cast<float>(track.size());
 }
 
-Features find_all_features(const std::vector<Photo>& photos) {
+/// Calls work(i) for every i below size.
+template <class Work>
+void for_each_index(std::size_t size, const Threads& threads, const Work& work) {
+  threads.for_pieces(size, 1, [&](std::size_t i, std::size_t) { work(i); });
+}
+
+Features find_all_features(const std::vector<Photo>& photos, const Threads& threads) {
   Features features(photos.size());
-  tbb::parallel_for(std::size_t{0}, photos.size(),
-                    [&](std::size_t i) { features[i] = find_features(photos[i]); });
+  for_each_index(photos.size(), threads,
+                 [&](std::size_t i) { features[i] = find_features(photos[i]); });
   return features;
 }
 
 std::vector<Matches> match_all(const std::vector<Photo>& photos, const Features& features,
                                const std::vector<std::pair<int, int>>& pairs,
-                               const ProgressReport& progress) {
+                               const Threads& threads, const ProgressReport& progress) {
   ProgressCounter counter(progress, pairs.size());
   std::vector<Matches> matches(pairs.size());
-  tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) {
+  for_each_index(pairs.size(), threads, [&](std::size_t i) {
     const auto a = static_cast<std::size_t>(pairs[i].first);
     const auto b = static_cast<std::size_t>(pairs[i].second);
     matches[i] = match_features(photos[a], features[a], photos[b], features[b]);
@@ -179,10 +184,11 @@ std::vector<std::pair<int, int>> choose_pairs(const std::vector<Photo>& photos) 
   return pairs;
 }
 
-PointCloud triangulate_features(const std::vector<Photo>& photos, const ProgressReport& progress) {
-  const Features features = find_all_features(photos);
+PointCloud triangulate_features(const std::vector<Photo>& photos, const Threads& threads,
+                                const ProgressReport& progress) {
+  const Features features = find_all_features(photos, threads);
   const auto pairs = choose_pairs(photos);
-  const auto matches = match_all(photos, features, pairs, progress);
+  const auto matches = match_all(photos, features, pairs, threads, progress);
   Tracks joined(features);
   for (std::size_t i = 0; i < pairs.size(); ++i)
     for (const auto& [a, b] : matches[i]) joined.join(pairs[i].first, a, pairs[i].second, b);

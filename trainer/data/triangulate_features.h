@@ -12,7 +12,7 @@ namespace fluxgs {
 /// of all its cameras, reprojects within feature_tolerance() (2 px) of every feature of the track,
 /// and is seen under at least 1° of parallax. Its colour is the mean of the photos' pixels.
 /// Deterministic, whatever the number of threads; may find nothing. Progress counts pairs matched.
-PointCloud triangulate_features(const std::vector<Photo>& photos,
+PointCloud triangulate_features(const std::vector<Photo>& photos, const Threads& threads,
                                 const ProgressReport& progress = {});
 
 /// The pairs of photos (i < j, sorted) worth matching: for each photo the few whose directions to

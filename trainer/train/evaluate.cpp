@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "trainer/base/decibels.h"
 #include "trainer/loss/photometric.h"
 #include "trainer/raster/rasterizer.h"
 
@@ -43,8 +44,8 @@ Expected<Evaluation> evaluate(const std::vector<Photo>& photos, const ViewRender
     if (!picture) return std::unexpected(picture.error());
     limit_to_displayable(*picture);
     to_planar(photo.rgb, threads, target);
-    result.views.push_back(
-        {photo.camera.name, psnr(*picture, target), loss.run(*picture, target, 0).ssim});
+    result.views.push_back({photo.camera.name, std::min(psnr(*picture, target), kAsGoodAsThePhoto),
+                            loss.run(*picture, target, 0).ssim});
     result.psnr += result.views.back().psnr / static_cast<double>(photos.size());
     result.ssim += result.views.back().ssim / static_cast<double>(photos.size());
     counter.add_one();

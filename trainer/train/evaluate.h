@@ -17,7 +17,7 @@ namespace fluxgs {
 
 struct ViewScore {
   std::string name;
-  double psnr = 0;  ///< dB; infinity for a picture that is its photo
+  double psnr = 0;  ///< dB, at most kAsGoodAsThePhoto
   double ssim = 0;
 };
 

@@ -38,15 +38,17 @@ double fixed_bytes(const Dataset& data, const TrainOptions& options) {
 }
 
 double bytes_per_splat(const Dataset& data, const TrainOptions& options, double pairs) {
-  // Parameters, two moments, gradients, and a copy of one of them; what the file's encoder knows
-  // of the views, and a copy of that
+  // Parameters, two moments, gradients, and a copy of one of them. While the scene is stored: it
+  // as it was trained, shown, in the file's order, with one attribute rounded, and read back, twice
+  // what the coder makes of it, and gradients again; what the file's encoder knows of the views,
+  // and a copy of that
   const int degree = degree_before_switch(options);
   const double floats =
-      5.0 * row::count(degree) + 2.0 * static_cast<double>(error_costs_size(degree));
+      (5.0 + 8.0) * row::count(degree) + 2.0 * static_cast<double>(error_costs_size(degree));
   double bytes = floats * sizeof(float) + kPerSplat + kPerPair * pairs;
-  // Now and then another rasterizer and the splats' weights in all views (ViewWeights)
-  if (options.rounding == Switch::on || reduces_appearance(options))
-    bytes += kPerSplat + kPerPair * pairs + sizeof(float) * static_cast<double>(data.train.size());
+  // Now and then, and when the scene is stored, another rasterizer and the splats' weights in all
+  // views (ViewWeights)
+  bytes += kPerSplat + kPerPair * pairs + sizeof(float) * static_cast<double>(data.train.size());
   return bytes;
 }
 

@@ -32,10 +32,6 @@ double psnr_of_file(double psnr, const TrainOptions& options) {
   return options.store_psnr > 0 ? std::min(asked, options.store_psnr) : asked;
 }
 
-/// A picture that is nearer to its photo, such as an all black one, is as good as the photo: this
-/// is the error of rounding to its 8 bits, 1/(12·255²).
-const double kAsGoodAsThePhoto = psnr_of_mse(1 / (12 * 255.0 * 255.0));
-
 }  // namespace
 
 double scene_extent(const std::vector<Photo>& photos) {
@@ -307,8 +303,10 @@ SwitchReport Trainer::switch_appearance() {
   report.bytes_before = compact_bytes();
   const ViewWeights views =
       view_weights(state_.parameters, cameras_of(data_.train), render_options(), threads_);
+  // Of the photos that it has seen: full-size ones have details that nothing knows of yet
+  const double trained_psnr = mean_psnr(photos_.at(coarse_level()));
   report.reduction =
-      reduce_appearance(state_, options_, views, mse_of_psnr(report.train_psnr_before), threads_);
+      reduce_appearance(state_, options_, views, mse_of_psnr(trained_psnr), threads_);
   state_.switched_at = state_.iteration;
   report.train_psnr_after = mean_psnr(data_.train);
   report.test_psnr_after = mean_psnr(data_.test);

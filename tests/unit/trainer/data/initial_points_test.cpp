@@ -3,7 +3,6 @@
 #include <cmath>
 #include <optional>
 
-#include <tbb/global_control.h>
 #include <glm/geometric.hpp>
 
 #include "test_files.h"
@@ -52,7 +51,7 @@ TEST(InitialPoints, SparsePointsComeFirst) {
   Dataset dataset;
   dataset.points = {{1, 2, 3}, {4, 5, 6}};
   dataset.point_colors = {{255, 0, 51}, {0, 255, 0}};
-  const auto cloud = initial_points(dataset, 1);
+  const auto cloud = initial_points(dataset, 1, Threads(2));
   ASSERT_TRUE(cloud);
   EXPECT_EQ(cloud->source, "sparse points");
   EXPECT_EQ(cloud->positions, dataset.points);
@@ -60,7 +59,7 @@ TEST(InitialPoints, SparsePointsComeFirst) {
 }
 
 TEST(InitialPoints, NothingToSeeIsAnError) {
-  expect_failure(initial_points(Dataset{}, 1), "no training photos");
+  expect_failure(initial_points(Dataset{}, 1, Threads(2)), "no training photos");
 }
 
 TEST(InitialPoints, BlankPhotosGetRandomPointsInTheirFrustums) {
@@ -68,7 +67,7 @@ TEST(InitialPoints, BlankPhotosGetRandomPointsInTheirFrustums) {
   const glm::dvec3 target(100, 50, -20);
   for (const glm::dvec3& from : {glm::dvec3(5, 1, 0), glm::dvec3(0, -1, 5), glm::dvec3(-4, 2, 1)})
     dataset.train.push_back(blank_photo(target + from, target));
-  const auto cloud = initial_points(dataset, 7);
+  const auto cloud = initial_points(dataset, 7, Threads(2));
   ASSERT_TRUE(cloud);
   EXPECT_EQ(cloud->source, "random");
   ASSERT_EQ(cloud->positions.size(), 20'000U);
@@ -85,8 +84,8 @@ TEST(InitialPoints, BlankPhotosGetRandomPointsInTheirFrustums) {
     });
     ASSERT_TRUE(seen);
   }
-  EXPECT_EQ(initial_points(dataset, 7)->positions, cloud->positions);
-  EXPECT_NE(initial_points(dataset, 8)->positions, cloud->positions);
+  EXPECT_EQ(initial_points(dataset, 7, Threads(2))->positions, cloud->positions);
+  EXPECT_NE(initial_points(dataset, 8, Threads(2))->positions, cloud->positions);
 }
 
 TEST(SceneFocus, IsWhereTheCamerasLook) {
@@ -161,7 +160,7 @@ std::optional<double> surface_distance(const capture::Scene& scene, const glm::v
 
 TEST(Triangulation, PointsLieOnTheSurfacesOfAKnownScene) {
   const Dataset dataset = captured(16);
-  const auto cloud = initial_points(dataset, 1);
+  const auto cloud = initial_points(dataset, 1, Threads(2));
   ASSERT_TRUE(cloud);
   EXPECT_EQ(cloud->source, "triangulated features");
   EXPECT_GT(cloud->positions.size(), 500U);
@@ -178,9 +177,8 @@ TEST(Triangulation, PointsLieOnTheSurfacesOfAKnownScene) {
 
 TEST(Triangulation, IsTheSameForAnyNumberOfThreads) {
   const Dataset dataset = captured(6);
-  const PointCloud many = triangulate_features(dataset.train);
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
-  const PointCloud one = triangulate_features(dataset.train);
+  const PointCloud many = triangulate_features(dataset.train, Threads(4));
+  const PointCloud one = triangulate_features(dataset.train, Threads(1));
   EXPECT_GT(one.positions.size(), 50U);
   EXPECT_EQ(one.positions, many.positions);
   EXPECT_EQ(one.colors, many.colors);

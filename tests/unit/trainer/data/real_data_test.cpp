@@ -42,7 +42,7 @@ TEST_F(RealData, Fox) {
   EXPECT_EQ(data->train[0].camera.height, 400);
   // Mutual matches near each other's epipolar lines that intersect in front of every camera and
   // reproject within 2 px exist in numbers only if poses and lens were read rightly.
-  const auto cloud = initial_points(*data, 1);
+  const auto cloud = initial_points(*data, 1, Threads(2));
   ASSERT_TRUE(cloud);
   EXPECT_EQ(cloud->source, "triangulated features");
   EXPECT_GT(cloud->positions.size(), 1500U);
@@ -110,7 +110,7 @@ TEST_F(RealData, TriangulatedFeaturesAgreeWithColmapsPoints) {
   auto data = load_dataset(need("banana"), {});
   ASSERT_TRUE(data) << data.error().message();
   const auto sparse = std::exchange(data->points, {});
-  const auto cloud = initial_points(*data, 1);
+  const auto cloud = initial_points(*data, 1, Threads(2));
   ASSERT_TRUE(cloud);
   ASSERT_EQ(cloud->source, "triangulated features");
   EXPECT_GT(cloud->positions.size(), 2000U);

@@ -31,7 +31,7 @@ inline const Dataset& small_capture() {
 
 /// Every eighth of the points, so that many runs take little time.
 inline PointCloud points_of(const Dataset& data) {
-  const auto points = initial_points(data, 1);
+  const auto points = initial_points(data, 1, Threads(2));
   if (!points) throw std::runtime_error(points.error().message());
   PointCloud few;
   few.source = points->source;

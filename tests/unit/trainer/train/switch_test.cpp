@@ -88,6 +88,18 @@ TEST(Switch, AdaptiveDegreesKeepTheirPromise) {
       ASSERT_EQ(told.state.parameters.row(r)[i], 0) << i << ", row " << r;
 }
 
+// The error in the full photos is mostly of details that are not trained yet: a share of that would
+// be more than all harmonics are worth.
+TEST(Switch, HalvedPhotosSayHowMuchMayBeMissedOfThem) {
+  TrainOptions options = curriculum(ShTarget::adaptive, ShReduction::view_ls);
+  options.coarse_levels = 1;
+  options.coarse_until = options.iterations;
+  const Told told = run(options);
+  ASSERT_TRUE(told.switched);
+  const auto& degrees = told.switched->reduction.degrees;
+  EXPECT_GT(4 * degrees[3], degrees[0]);  // 726 and 974; by the full photos 24 and 2,195
+}
+
 TEST(Switch, EveryReductionTrainsOn) {
   for (const ShReduction reduce : {ShReduction::none, ShReduction::uniform_ls, ShReduction::energy})
     for (const Switch psi : {Switch::off, Switch::on}) {
