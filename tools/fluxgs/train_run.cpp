@@ -19,11 +19,11 @@ namespace {
 Expected<TrainOptions> options_from(const TrainSettings& settings) {
   auto options = preset(settings.preset);
   if (!options) return options;
-  apply(settings.method, *options);
-  options->render.background = settings.data.background_color();
   // Only compact files hold rounded numbers
   if (const auto format = scene_format_for(settings.out); format && (*format)->name != "glb")
     options->rounding = Switch::off;
+  apply(settings.method, *options);
+  options->render.background = settings.data.background_color();
   if (auto valid = validate(*options); !valid) return std::unexpected(valid.error());
   return options;
 }

@@ -77,11 +77,11 @@ const Photo& Trainer::next_photo() {
     shuffle(state_.view_order, state_.random);
     state_.next_view = 0;
   }
-  return photos_.at(coarse_level())[state_.view_order[state_.next_view++]];
+  return photos_.at(coarse_level(state_.iteration))[state_.view_order[state_.next_view++]];
 }
 
-int Trainer::coarse_level() const {
-  const int left = options_.coarse_until - state_.iteration;
+int Trainer::coarse_level(int done) const {
+  const int left = options_.coarse_until - done;
   if (left <= 0) return 0;
   // Each size for the same number of iterations
   return static_cast<int>(
@@ -303,8 +303,8 @@ SwitchReport Trainer::switch_appearance() {
   report.bytes_before = compact_bytes();
   const ViewWeights views =
       view_weights(state_.parameters, cameras_of(data_.train), render_options(), threads_);
-  // Of the photos that it has seen: full-size ones have details that nothing knows of yet
-  const double trained_psnr = mean_psnr(photos_.at(coarse_level()));
+  // Of the photos of the last step: full-size ones have details that nothing may know of yet
+  const double trained_psnr = mean_psnr(photos_.at(coarse_level(state_.iteration - 1)));
   report.reduction =
       reduce_appearance(state_, options_, views, mse_of_psnr(trained_psnr), threads_);
   state_.switched_at = state_.iteration;

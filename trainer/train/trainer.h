@@ -93,7 +93,7 @@ class Trainer {
   SwitchReport switch_appearance();
   std::optional<RoundingReport> round();
   RoundingReport begin_rounding();
-  int coarse_level() const;
+  int coarse_level(int done) const;  ///< of the step after so many
   LearningRates rates() const;
   RenderOptions render_options() const;
   bool due(int from, int until, int interval) const;

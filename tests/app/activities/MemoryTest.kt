@@ -2,6 +2,10 @@ package org.fluxgs.app
 
 import android.content.ComponentCallbacks2
 import android.content.Intent
+import android.view.ContextThemeWrapper
+import android.view.LayoutInflater
+import android.view.View
+import android.widget.TextView
 import java.io.File
 import java.nio.ByteBuffer
 import java.nio.ByteOrder
@@ -12,6 +16,7 @@ import org.junit.Assert.assertTrue
 import org.junit.Test
 import org.junit.runner.RunWith
 import org.robolectric.RobolectricTestRunner
+import org.robolectric.RuntimeEnvironment
 import org.robolectric.annotation.Config
 import org.robolectric.annotation.GraphicsMode
 import org.robolectric.shadows.ShadowToast
@@ -181,5 +186,24 @@ class MemoryTest : ViewerScreen() {
         pump(GraphicsBudget.ASK_EVERY_MS)
         assertTrue(budget.look(little, true))
         assertTrue(budget.bytes > 4 * little)
+    }
+
+    @Test
+    fun aSceneThatIsDrawnAnewSaysSo() {
+        fun drawn(memory: Long) = SessionState(
+            Loading("ready", 0, 0, "", "", 0, 0), true, true, 1, false, "", 1, 0, 0.0,
+            Stats(0.0, 0.0, 0.0, 0, 0, 0, 0, 0, 1.0, memory, false, 1.0),
+        )
+        val themed = ContextThemeWrapper(RuntimeEnvironment.getApplication(), R.style.App_Viewer)
+        val root = LayoutInflater.from(themed).inflate(R.layout.viewer, null).findViewById<View>(R.id.loading)
+        val view = LoadingView(root, {}, {}, {})
+        view.show(drawn(0), "fox.glb")
+        assertEquals("not for the moment that a small one takes", View.GONE, root.visibility)
+        view.show(drawn(0), "fox.glb")
+        assertEquals(View.VISIBLE, root.visibility)
+        assertTrue("fox.glb" in root.findViewById<TextView>(R.id.loading_title).text)
+        assertEquals(View.GONE, root.findViewById<View>(R.id.loading_cancel).visibility)
+        view.show(drawn(1), "fox.glb")
+        assertEquals(View.GONE, root.visibility)
     }
 }

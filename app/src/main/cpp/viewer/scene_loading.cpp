@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include "fluxgs/io/scene.h"
+#include "viewer/scene_hold.h"
 
 namespace fluxgs::viewer {
 namespace {
@@ -32,19 +33,6 @@ std::string megabytes(std::uint64_t bytes) {
   return fmt::format("{:.1f} MB", static_cast<double>(bytes) / kMegabyte);
 }
 
-constinit std::atomic<int> decoding_now = 0;  // loadings, of any owner
-
-/// One of decoding_now.
-struct Decoding {
-  Decoding() { ++decoding_now; }
-  Decoding(const Decoding&) = delete;
-  Decoding& operator=(const Decoding&) = delete;
-  ~Decoding() {
-    --decoding_now;
-    decoding_now.notify_all();
-  }
-};
-
 }  // namespace
 
 /// What the thread and the owner share.
@@ -57,7 +45,6 @@ struct SceneLoading::Job {
   LoadState state;
   std::optional<Clock::time_point> last_came;  ///< bytes, or the wish for the first
   std::optional<SceneFile> scene;
-  std::optional<Decoding> decoding;
 
   Job() = default;
   Job(const Job&) = delete;
@@ -175,11 +162,12 @@ struct SceneLoading::Job {
     return {};
   }
 
-  Expected<SceneFile> load() {
+  /// Has a hold from when the file is read.
+  Expected<SceneFile> load(std::optional<SceneHold>& hold) {
     const auto bytes = read_all();
     if (!bytes) return std::unexpected(bytes.error());
     if (cancelled) return SceneFile{};
-    decoding.emplace();
+    hold.emplace();
     const auto estimate = estimate_scene(*bytes, name);
     if (!estimate) return std::unexpected(estimate.error());
     update([&](LoadState& s) {
@@ -209,14 +197,13 @@ struct SceneLoading::Job {
     });
   }
 
-  void run() {
+  void run(std::optional<SceneHold>& hold) {
     try {
-      finish(load());
+      finish(load(hold));
     } catch (const std::exception& problem) {  // of memory
       finish(
           fail(name, "memory", fmt::format("not enough to open the scene ({})", problem.what())));
     }
-    decoding.reset();  // the file's bytes are gone, and what nobody wants
   }
 };
 
@@ -230,19 +217,19 @@ void SceneLoading::begin(int descriptor, const std::string& name, const LoadLimi
   job_ = job;
   // Not waited for: reading from a provider that stalls may take as long as it likes
   try {
-    std::thread([job] { job->run(); }).detach();
+    std::thread([job = std::move(job)]() mutable {
+      std::optional<SceneHold> hold;
+      job->run(hold);
+      job.reset();  // with it what nobody wants, before the hold
+    }).detach();
   } catch (const std::system_error& problem) {
-    job->finish(fail(name, "thread", problem.what()));
+    job_->finish(fail(name, "thread", problem.what()));
   }
 }
 
 void SceneLoading::cancel() {
   if (job_) job_->cancelled = true;
   job_.reset();
-}
-
-void SceneLoading::wait_for_decoding() {
-  for (int now = decoding_now; now != 0; now = decoding_now) decoding_now.wait(now);
 }
 
 LoadState SceneLoading::state() const {

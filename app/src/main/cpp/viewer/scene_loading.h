@@ -45,12 +45,8 @@ class SceneLoading {
   void begin(int descriptor, const std::string& name, const LoadLimits& limits);
 
   /// What was begun is forgotten: its thread ends by itself, as soon as it notices. It does not
-  /// while it decodes, and holds its memory till then.
+  /// while it decodes, and has a SceneHold till then.
   void cancel();
-
-  /// Returns once nothing is being decoded, by whatever loading, cancelled or not: what is free
-  /// then is free. From any thread.
-  static void wait_for_decoding();
 
   LoadState state() const;
 

@@ -370,7 +370,8 @@ bool Session::report_progress(int done, int all) {
 
 Expected<bench::SceneBenchmark> Session::measure(const bench::SceneBenchmarkPlan& plan) {
   take_scene();
-  if (!cloud_) return fail("benchmark", "", "there is no scene to measure");
+  const auto cloud = cloud_;  // progress runs tasks, one of which may take up another
+  if (!cloud) return fail("benchmark", "", "there is no scene to measure");
   viewer_.close();  // its memory is needed
   if (screen_->api() == nullptr || gl::context_lost(*screen_->api())) {
     const auto api = screen_->make_context();
@@ -379,7 +380,7 @@ Expected<bench::SceneBenchmark> Session::measure(const bench::SceneBenchmarkPlan
     driver_ = bench::driver_json(**api);
     ++state_.contexts;
   }
-  return bench::benchmark_scene(*screen_->api(), *cloud_, start_, plan,
+  return bench::benchmark_scene(*screen_->api(), *cloud, start_, plan,
                                 [this](int done, int all) { return report_progress(done, all); });
 }
 

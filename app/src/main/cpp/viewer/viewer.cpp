@@ -109,7 +109,6 @@ void Viewer::close() {
   scene_.reset();
   presented_.reset();
   measured_.reset();
-  stats_.memory = 0;
 }
 
 /// Whether GL objects were made for other settings.

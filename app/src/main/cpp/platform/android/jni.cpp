@@ -21,7 +21,7 @@
 #include "bench/self_test.h"
 #include "platform/android/platform.h"
 #include "platform/android/session_json.h"
-#include "viewer/scene_loading.h"
+#include "viewer/scene_hold.h"
 #include "viewer/session.h"
 
 namespace fluxgs::android {
@@ -373,14 +373,15 @@ FLUXGS_JNI(jstring, benchmark)(JNIEnv* env, jclass, jlong session) {
 
 FLUXGS_JNI(jstring, selfTest)(JNIEnv* env, jclass, jlong session) {
   return guarded(env, [&] {
-    const auto scene = sessions().find(session)->scene();  // and the session may end meanwhile
+    const viewer::SceneHold hold;  // the session may end meanwhile
+    const auto scene = sessions().find(session)->scene();
     if (!scene) throw std::logic_error("there is no scene");
     return to_java(env, bench::to_json(bench::self_test(*scene)));
   });
 }
 
-FLUXGS_JNI(void, waitForDecoding)(JNIEnv* env, jclass) {
-  guarded(env, [] { viewer::SceneLoading::wait_for_decoding(); });
+FLUXGS_JNI(void, waitForHeldScenes)(JNIEnv* env, jclass) {
+  guarded(env, [] { viewer::SceneHold::wait_for_none(); });
 }
 
 FLUXGS_JNI(jstring, about)(JNIEnv* env, jclass) {

@@ -121,7 +121,6 @@ class BenchmarkActivity : Activity() {
         if (opening != null) dropScene()
         result = null
         preparing = true
-        val unfinished = selfTest // still has the scene
         selfTest = null
         findViewById<View>(R.id.results).visibility = View.GONE
         findViewById<View>(R.id.retry).visibility = View.GONE
@@ -135,7 +134,7 @@ class BenchmarkActivity : Activity() {
         opening = SceneOpening(this, uri, { descriptor, facts ->
             name = intent.getStringExtra("name") ?: facts.name
             load(descriptor, facts.bytes)
-        }, { fail(it) }, { status.text = getString(R.string.provider_slow) }, unfinished)
+        }, { fail(it) }, { status.text = getString(R.string.provider_slow) })
         opening?.start()
     }
 
@@ -192,6 +191,7 @@ class BenchmarkActivity : Activity() {
         report = BenchmarkReport(this, plan, isInMultiWindowMode)
         began = System.nanoTime()
         before = thermals.now()
+        status.text = getString(R.string.benchmark_begins, name)
         bar.isIndeterminate = false // nothing moves but what is measured
         bar.progress = 0
         session.startBenchmark(plan)

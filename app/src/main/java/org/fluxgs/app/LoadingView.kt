@@ -19,6 +19,7 @@ internal class LoadingView(
     private val retry = root.findViewById<Button>(R.id.loading_retry)
     private val leave = root.findViewById<Button>(R.id.loading_leave)
     private var problem: Problem? = null // of opening, which the session does not know of
+    private var looksAnew = 0 // at a scene whose graphics were given back while nobody saw it
     private var asks = false // whoever keeps the scene; what the session says is of the one before
 
     init {
@@ -56,8 +57,10 @@ internal class LoadingView(
         root.visibility = View.GONE
     }
 
+    /** [name]: of what is loaded; of what is drawn, while nothing is. */
     fun show(state: SessionState, name: String) {
         val loading = state.loading
+        looksAnew = if (state.drawn && state.stats.memory == 0L) looksAnew + 1 else 0
         when {
             problem != null -> tell(problem!!)
             asks -> return
@@ -67,12 +70,17 @@ internal class LoadingView(
                 root.context.getString(R.string.loading, name), estimateOf(loading), -1,
             )
             state.error.isNotEmpty() -> tell(Problem(state.error))
-            // Not drawn yet, or anew: what it is drawn with was given back while nobody looked
-            loading.ready && !state.drawn || state.drawn && state.stats.memory == 0L -> progress(
+            loading.ready && !state.drawn -> progress(
                 root.context.getString(R.string.loading, name), estimateOf(loading), -1,
             )
+            looksAnew > 1 -> showAnew(name)
             loading.ready || state.drawn -> root.visibility = View.GONE
         }
+    }
+
+    private fun showAnew(name: String) {
+        progress(root.context.getString(R.string.loading, name), "", -1)
+        cancel.visibility = View.GONE
     }
 
     private fun showReading(loading: Loading, name: String) {

@@ -4,7 +4,7 @@ import android.view.Surface
 
 /**
  * The native library (app/src/main/cpp/platform/android/jni.cpp). Sessions are numbers from [create];
- * one that does not exist is an IllegalStateException. Nothing here waits, but [waitForDecoding], and for
+ * one that does not exist is an IllegalStateException. Nothing here waits, but [waitForHeldScenes], and for
  * the drawing thread [surfaceDestroyed], [picture], [selfTest] and [destroy]. [Session] is what the app
  * uses.
  */
@@ -36,8 +36,11 @@ internal object Native {
     /** One that is being decoded is decoded to its end all the same, and holds its memory till then. */
     @JvmStatic external fun cancelLoading(session: Long)
 
-    /** Returns once no scene is being decoded, cancelled or not, of any session. Not for the main thread. */
-    @JvmStatic external fun waitForDecoding()
+    /**
+     * Returns once nothing is being decoded or tested, of any session, cancelled or closed: what is free
+     * then is free for another scene. Not for the main thread.
+     */
+    @JvmStatic external fun waitForHeldScenes()
 
     /** Whether others are wanted: no longer once all is at rest, until something else is called. */
     @JvmStatic external fun frame(session: Long, nanoseconds: Long): Boolean

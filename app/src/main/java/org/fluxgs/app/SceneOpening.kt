@@ -50,7 +50,7 @@ internal class SceneOpening(
             val facts = Scene.factsOf(context, uri)
             val descriptor = descriptorOf(uri)
             before?.get()
-            Native.waitForDecoding() // or what a cancelled scene still holds would count as taken
+            Native.waitForHeldScenes() // or what a cancelled one still has would count as taken
             main.post { finish({ descriptor.close() }) { onOpened(descriptor, facts) } }
         } catch (problem: Exception) {
             main.post { finish { onFailed(messageOf(problem)) } }

@@ -166,7 +166,7 @@ class Session : AutoCloseable {
     /** What the processor makes of the scene, or {"error": …}. Takes seconds: not for the main thread. */
     fun selfTest(): JSONObject = try {
         JSONObject(Native.selfTest(handle))
-    } catch (problem: RuntimeException) { // of memory, too: what is measured is not lost for it
+    } catch (problem: Throwable) { // of memory, too: what is measured is not lost for it
         JSONObject().put("error", problem.toString())
     }
 

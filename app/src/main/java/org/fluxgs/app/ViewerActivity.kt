@@ -175,7 +175,7 @@ class ViewerActivity : Activity() {
         if (frameSeconds() != appliedFrameSeconds) apply(settings)
         tellHeat()
         fitMemory { budget.look(state.stats.memory, state.stats.reduced) }
-        loadingView.show(state, name)
+        loadingView.show(state, if (busy) name else shown?.name ?: name)
         if (state.drawn && state.shown != shown?.number) opened[state.shown]?.let { appeared(it, state) }
         val hud = findViewById<TextView>(R.id.hud)
         hud.visibility = if (settings.hud && state.drawn) View.VISIBLE else View.GONE
