@@ -84,12 +84,11 @@ std::vector<Camera> views_of(const SplatCloud& cloud) {
 }
 
 std::vector<glm::vec3> positions_of(render::ScenePacker& packer) {
-  constexpr std::size_t kSplatsOfAPart = 16384;
   render::PackedSplats part;
   std::vector<glm::vec3> positions;
   positions.reserve(packer.constants().count);
   while (positions.size() < packer.constants().count) {
-    packer.next(kSplatsOfAPart, part);
+    packer.next(render::kSplatsOfAPart, part);
     render::add_positions(part, positions);
   }
   return positions;

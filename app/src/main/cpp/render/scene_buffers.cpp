@@ -13,7 +13,6 @@ namespace {
 constexpr std::uint64_t kVec4 = 16;
 constexpr std::uint64_t kWord = sizeof(PackedSplats::harmonics[0]);
 constexpr std::uint64_t kMostHarmonics = kWord << 30;  // what harmonics_word() can point into
-constexpr std::size_t kSplatsOfAPart = 16384;          // 2.6 MB at degree 3
 
 /// How many of largest_of() have all their coefficients in that many bytes.
 std::uint64_t with_harmonics_in(std::uint64_t bytes, const DegreeCounts& scene) {

@@ -36,10 +36,11 @@ internal class BenchmarkResult(val json: JSONObject) {
     val sceneName: String get() = json.getJSONObject("scene").getString("name")
     val splats: Long get() = json.getJSONObject("scene").getLong("splats")
     val stopped: String get() = json.getString("stopped")
+    val started: String get() = json.getString("started")
+
     /** What the layers are blended in: of numbers half as long less is moved. */
     val blendedIn: String? get() =
         json.getJSONArray("rows").optJSONObject(0)?.optString("blended_in")?.ifEmpty { null }
-    val started: String get() = json.getString("started")
 
     /** For people, in their time zone. */
     val startedHere: String get() {

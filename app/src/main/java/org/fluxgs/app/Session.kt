@@ -73,7 +73,10 @@ data class SessionState(
     }
 }
 
-/** Owns a native session. For the main thread, but for [picture] and [selfTest]; does nothing once it is closed. */
+/**
+ * Owns a native session. For the main thread, but for [picture] and [selfTest]; does nothing once it is
+ * closed.
+ */
 class Session : AutoCloseable {
     @Volatile
     private var handle = Native.create()
