@@ -7,7 +7,6 @@
 #include <Eigen/Cholesky>
 
 #include "trainer/appearance/sh_fit.h"
-#include "trainer/appearance/sh_reduction.h"
 #include "trainer/compress/error_curvature.h"
 
 namespace fluxgs {
@@ -15,12 +14,12 @@ namespace {
 
 constexpr std::size_t kPiece = 256;  // splats per piece of parallel work
 
-/// Views that span few directions leave a Gram matrix that is not positive definite; the sphere
-/// counts a little, as where degrees are reduced. Alone it makes the identity.
+/// Views that span few directions leave a Gram matrix that is not positive definite, which the
+/// sphere mends. Alone it makes the identity.
 ShGram factor_of(const SplatViews& views) {
   ShGram weighted = ShGram::Identity();
   if (views.weight > 0)
-    weighted = 4 * std::numbers::pi * views.gram + kSpherePrior * ShGram::Identity();
+    weighted = 4 * std::numbers::pi * views.gram + kSphereShare * ShGram::Identity();
   return weighted.llt().matrixL();
 }
 

@@ -102,21 +102,22 @@ ReductionReport reduce_appearance(TrainState& state, const TrainOptions& options
                                   const ViewWeights& views, double train_mse,
                                   const Threads& threads) {
   const std::size_t size = state.parameters.size();
-  const Unexplained unexplained =
-      unexplained_variance(state.parameters, views, kSpherePrior, threads);
+  const bool adaptive = options.sh_target == ShTarget::adaptive;
+  const double prior = adaptive ? kAdaptiveSpherePrior : kSpherePrior;
+  const Unexplained unexplained = unexplained_variance(state.parameters, views, prior, threads);
   Unexplained dropped = unexplained;
   dropped.fitted = dropped.truncated;
   ReductionReport report;
   std::vector<std::uint8_t> degrees(size, static_cast<std::uint8_t>(target_degree(options)));
-  if (options.sh_target == ShTarget::adaptive)
+  if (adaptive)
     degrees = least_degrees(unexplained, threshold_for(unexplained, views.pixels,
                                                        added_mse(train_mse, options.sh_loss)));
   report.dropped = degree_loss(dropped, degrees, views.pixels);
   report.unexplained = degree_loss(unexplained, degrees, views.pixels);
   for (std::uint8_t d : degrees) ++report.degrees[d];
 
-  if (options.sh_target == ShTarget::adaptive) {
-    state.parameters = fit_to_views(state.parameters, degrees, views, kSpherePrior, threads);
+  if (adaptive) {
+    state.parameters = fit_to_views(state.parameters, degrees, views, prior, threads);
     state.degrees = std::move(degrees);
   } else {
     reduce_to_one_degree(state, options, views, threads, report);

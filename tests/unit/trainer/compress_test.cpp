@@ -114,7 +114,7 @@ TEST(SeenSplats, FactorsAreThoseOfTheDirections) {
     const SplatViews seen = splat_views(views, parameters, i);
     Eigen::MatrixXd expected = Eigen::MatrixXd::Identity(9, 9);
     if (seen.weight > 0)
-      expected = 4 * std::numbers::pi * seen.gram.topLeftCorner(9, 9) + kSpherePrior * expected;
+      expected = 4 * std::numbers::pi * seen.gram.topLeftCorner(9, 9) + kSphereShare * expected;
     EXPECT_LT((factor * factor.transpose() - expected).cwiseAbs().maxCoeff(), 1e-5) << i;
   }
   EXPECT_EQ(splat_views(views, parameters, 0).weight, 0);
