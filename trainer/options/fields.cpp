@@ -177,7 +177,8 @@ const std::vector<OptionField>& option_fields() {
            "limit)",
            &O::store_psnr, 0, 100),
       choice<&O::rounding, kSwitchNames>("rounding",
-                                         "train on with the numbers that a compact file holds"),
+                                         "train on with the numbers that a compact file holds "
+                                         "(a preset's choice counts only where OUT is a .glb)"),
       whole("round-from", "from this step on (0: 9/10 of the steps)", &O::round_from, 0, kMany),
       whole("round-interval",
             "steps until they are rounded anew (0: a thousandth of the steps, at least 20)",
