@@ -44,6 +44,7 @@ void TrainLog::add_switch(int iteration, const SwitchReport& report) {
              {"bytes", {report.bytes_before, report.bytes_after}},
              {"mse_if_truncated", report.reduction.dropped},
              {"mse_if_fitted", report.reduction.unexplained},
+             {"sphere_prior", report.reduction.sphere_prior},
              {"splats_of_degree", report.reduction.degrees}};
   psnr_.push_back({iteration, report.test_psnr_before});
   psnr_.push_back({iteration, report.test_psnr_after});

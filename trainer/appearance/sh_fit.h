@@ -20,8 +20,10 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include <Eigen/Core>
+#include <glm/vec3.hpp>
 
 #include "trainer/appearance/quadrature.h"
 #include "trainer/appearance/view_weights.h"
@@ -38,8 +40,20 @@ struct SplatViews {
   ShGram gram = ShGram::Zero();  ///< G; its trace is 16/4π, or 0 where the splat is not seen
 };
 
-/// The views of splat i. Weights that are not positive and finite, and cameras in whose centre the
+/// A direction from a camera to a splat.
+struct WeightedDirection {
+  double weight;
+  glm::dvec3 direction;
+};
+
+/// Those of splat i. Weights that are not positive and finite, and cameras in whose centre the
 /// splat lies, do not count.
+std::vector<WeightedDirection> directions_of(const ViewWeights& views,
+                                             const PlanarFloats& parameters, std::size_t i);
+
+SplatViews views_along(const std::vector<WeightedDirection>& directions);
+
+/// views_along(directions_of(…)).
 SplatViews splat_views(const ViewWeights& views, const PlanarFloats& parameters, std::size_t i);
 
 /// The whole sphere by a rule's directions: G is I/4π where the rule is exact for products of two
@@ -59,5 +73,12 @@ ShCoefficients truncated(const ShCoefficients& c, int degree);
 
 /// Σ (w_v/W)·|a(d_v) − b(d_v)|², the channels added up.
 double square_error(const SplatViews& views, const ShCoefficients& a, const ShCoefficients& b);
+
+/// Σ (w_v/W)·|c(d_v) − a(d_v)|², the channels added up, where a is fitted, with W and `prior` the
+/// same, to all `directions` but d_v. `views`: of these directions; `prior` > 0. As the fit is
+/// linear in its data, that difference is the one with v taken into the fit, over 1 −
+/// (w_v/W)·yᵀ·N⁻¹·y with the normal matrix N (Allen 1974, PRESS).
+double left_out_error(const SplatViews& views, const std::vector<WeightedDirection>& directions,
+                      const ShCoefficients& c, int degree, double prior);
 
 }  // namespace fluxgs

@@ -12,17 +12,10 @@
 
 namespace fluxgs {
 
-/// How much the whole sphere counts beside the views (sh_fit.h) where all splats get one degree. On
-/// two trained captures (fox: 43 photos; snowmiku: 84) the loss over photos that were not fitted to
-/// is least between 3e-4 and 3e-3, for degree 1 and 2 alike; at 1e-6 it is up to 35% larger (fox,
-/// degree 2).
+/// How much the whole sphere counts beside the views (sh_fit.h), at least. On two trained captures
+/// (fox: 43 photos; snowmiku: 84) the loss over photos that were not fitted to is least between 3e-4
+/// and 3e-3, for degree 1 and 2 alike; at 1e-6 it is up to 35% larger (fox, degree 2).
 inline constexpr double kSpherePrior = 1e-3;
-
-/// How much it counts where each splat gets the degree that it needs: one that could only be fitted
-/// by colours far from its own elsewhere keeps a higher degree instead. On five captures files are
-/// 0.2 to 6% smaller than with 1e-3 at the same loss over the training views, and where these are
-/// few (banana: 12) others gain up to 0.27 dB. 0.1 does no better.
-inline constexpr double kAdaptiveSpherePrior = 0.03;
 
 /// The first rows of parameters, or of gradients or moments laid out like them, up to a degree that
 /// they have: ShReduction::truncate.

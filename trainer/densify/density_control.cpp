@@ -41,9 +41,10 @@ std::size_t room(const TrainState& state, const TrainOptions& options, std::size
   return static_cast<std::size_t>(std::max(limit, 0.0));
 }
 
-/// Splats that are to grow, the first by rank if there is room for some only.
+/// Of the splats that stay those that are to grow, the first by rank if there is room for some
+/// only.
 std::vector<std::uint32_t> growing(const TrainState& state, const TrainOptions& options,
-                                   const SplatScores* scores, std::size_t pruned) {
+                                   const SplatScores* scores, const std::vector<Fate>& fates) {
   const float least =
       options.target_splats > 0 ? 0.0f : static_cast<float>(options.densify_gradient);
   const float quantile =
@@ -51,8 +52,10 @@ std::vector<std::uint32_t> growing(const TrainState& state, const TrainOptions& 
              : 0.0f;
   std::vector<std::uint32_t> chosen;
   for (std::uint32_t i = 0; i < state.parameters.size(); ++i)
-    if (mean_gradient(state, i) >= least && (!scores || scores->plus[i] > quantile))
+    if (fates[i] == Fate::keep && mean_gradient(state, i) >= least &&
+        (!scores || scores->plus[i] > quantile))
       chosen.push_back(i);
+  const auto pruned = static_cast<std::size_t>(std::ranges::count(fates, Fate::prune));
   const std::size_t most = room(state, options, pruned);
   if (chosen.size() <= most) return chosen;
   const auto rank = [&](std::uint32_t i) {
@@ -96,13 +99,11 @@ std::vector<Fate> decide(const TrainState& state, const TrainOptions& options, d
   std::vector<Fate> fates(p.size(), Fate::keep);
   mark_pruned(state, options, extent, scores, fates);
   const bool by_views = options.densify == Densify::multiview;
-  const auto pruned = static_cast<std::size_t>(std::ranges::count(fates, Fate::prune));
-  for (std::uint32_t i : growing(state, options, by_views ? scores : nullptr, pruned))
-    if (fates[i] != Fate::prune)
-      fates[i] = options.split == Split::long_axis ||
-                         static_cast<double>(largest_scale(p, i)) > options.densify_size * extent
-                     ? Fate::split
-                     : Fate::clone;
+  for (std::uint32_t i : growing(state, options, by_views ? scores : nullptr, fates))
+    fates[i] = options.split == Split::long_axis ||
+                       static_cast<double>(largest_scale(p, i)) > options.densify_size * extent
+                   ? Fate::split
+                   : Fate::clone;
   return fates;
 }
 
@@ -227,11 +228,15 @@ DensifyCounts prune_late(TrainState& state, const TrainOptions& options,
   std::size_t left = size > options.target_splats ? size - options.target_splats : 0;
   if (options.late_prune == LatePrune::opacity) {
     const auto least = static_cast<float>(logit(std::max(options.late_prune_opacity, 1e-9)));
+    // No pixel has these, so that they have no score either
+    const auto undrawn = static_cast<float>(logit(std::max(options.render.alpha_min, 1e-9)));
     const float quantile =
         score_quantile(scores.minus, scores, options.quantile_minus, options.score_share);
-    for (std::size_t i = 0; i < size && left > 0; ++i)
-      if (state.parameters.row(row::opacity)[i] < least && scores.minus[i] > quantile)
+    for (std::size_t i = 0; i < size && left > 0; ++i) {
+      const float opacity = state.parameters.row(row::opacity)[i];
+      if (opacity < least && (opacity < undrawn || scores.minus[i] > quantile))
         fates[i] = Fate::prune, --left;
+    }
   } else if (options.late_prune == LatePrune::contribution) {
     double total = 0;
     for (float c : scores.contribution) total += static_cast<double>(c);

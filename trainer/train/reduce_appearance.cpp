@@ -7,6 +7,7 @@
 #include "trainer/appearance/adaptive_degree.h"
 #include "trainer/appearance/energy_moments.h"
 #include "trainer/appearance/sh_reduction.h"
+#include "trainer/appearance/sphere_prior.h"
 #include "trainer/base/decibels.h"
 
 namespace fluxgs {
@@ -73,14 +74,14 @@ PsiFitReport introduce_networks(TrainState& state, const TrainOptions& options, 
 }
 
 void reduce_to_one_degree(TrainState& state, const TrainOptions& options, const ViewWeights& views,
-                          const Threads& threads, ReductionReport& report) {
+                          double prior, const Threads& threads, ReductionReport& report) {
   const int degree = target_degree(options);
   PlanarFloats energy;
   if (options.sh_reduce == ShReduction::energy)
     energy = energy_moments(state.parameters, options.residual, rule_of(options), threads);
   switch (options.sh_reduce) {
     case ShReduction::view_ls:
-      state.parameters = fit_to_views(state.parameters, degree, views, kSpherePrior, threads);
+      state.parameters = fit_to_views(state.parameters, degree, views, prior, threads);
       break;
     case ShReduction::uniform_ls:
       state.parameters = fit_to_sphere(state.parameters, degree, rule_of(options), threads);
@@ -103,11 +104,12 @@ ReductionReport reduce_appearance(TrainState& state, const TrainOptions& options
                                   const Threads& threads) {
   const std::size_t size = state.parameters.size();
   const bool adaptive = options.sh_target == ShTarget::adaptive;
-  const double prior = adaptive ? kAdaptiveSpherePrior : kSpherePrior;
+  const double prior = best_sphere_prior(state.parameters, views, threads);
   const Unexplained unexplained = unexplained_variance(state.parameters, views, prior, threads);
   Unexplained dropped = unexplained;
   dropped.fitted = dropped.truncated;
   ReductionReport report;
+  report.sphere_prior = prior;
   std::vector<std::uint8_t> degrees(size, static_cast<std::uint8_t>(target_degree(options)));
   if (adaptive)
     degrees = least_degrees(unexplained, threshold_for(unexplained, views.pixels,
@@ -120,7 +122,7 @@ ReductionReport reduce_appearance(TrainState& state, const TrainOptions& options
     state.parameters = fit_to_views(state.parameters, degrees, views, prior, threads);
     state.degrees = std::move(degrees);
   } else {
-    reduce_to_one_degree(state, options, views, threads, report);
+    reduce_to_one_degree(state, options, views, prior, threads, report);
   }
   return report;
 }

@@ -17,6 +17,7 @@ struct ReductionReport {
   double dropped = 0;           ///< MSE bound (adaptive_degree.h) if the higher bands were dropped
   double unexplained = 0;       ///< … and what fits of the chosen degrees leave
   std::size_t degrees[4] = {};  ///< splats by degree
+  double sphere_prior = 0;      ///< of the fits (sphere_prior.h)
   PsiFitReport psi;             ///< energy with Ψ
 };
 

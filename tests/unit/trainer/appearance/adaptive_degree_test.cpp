@@ -111,44 +111,6 @@ TEST(AdaptiveDegree, PicturesLoseLessThanTheBound) {
   }
 }
 
-/// Bands of harmonics get smaller with the degree, as those of trained scenes do.
-PlanarFloats smooth_harmonics(std::size_t count) {
-  PlanarFloats p = test::random_harmonics(count, 8);
-  for (int r = row::sh_rest; r < p.rows(); ++r) {
-    const int function = 1 + (r - row::sh_rest) / 3;
-    const float degree = function < 4 ? 1 : function < 9 ? 2 : 3;
-    for (std::size_t i = 0; i < count; ++i) p.row(r)[i] /= degree * degree;
-  }
-  return p;
-}
-
-// Fitted to a few views only, colours elsewhere may become anything.
-TEST(AdaptiveDegree, TheSphereKeepsColoursBetweenFewViews) {
-  constexpr std::size_t kCount = 500;
-  const PlanarFloats p = smooth_harmonics(kCount);
-  Random random(9);
-  std::vector<glm::dvec3> few, many;
-  for (int v = 0; v < 10; ++v) few.push_back(test::in_cone(test::degrees(40), random));
-  for (int v = 0; v < 100; ++v) many.push_back(test::in_cone(test::degrees(40), random));
-  const ViewWeights views = test::views_along(few, kCount, random);
-  const ViewWeights judges = test::views_along(many, kCount, random);
-  const auto mean_losses = [&](double prior) {
-    const Unexplained u = unexplained_variance(p, views, prior, Threads(1));
-    const Degrees degrees = least_degrees(u, threshold_for(u, views.pixels, 1e-4));
-    const PlanarFloats fitted = fit_to_views(p, degrees, views, prior, Threads(1));
-    glm::dvec2 losses(0);
-    for (std::size_t i = 0; i < kCount; ++i)
-      losses += glm::dvec2(test::square_loss(views, p, fitted, i) / few.size(),
-                           test::square_loss(judges, p, fitted, i) / many.size());
-    std::printf("prior %g: loss of a view fitted to %.4f, of another %.4f\n", prior, losses.x,
-                losses.y);
-    return losses;
-  };
-  const glm::dvec2 weak = mean_losses(kSpherePrior), strong = mean_losses(kAdaptiveSpherePrior);
-  EXPECT_NEAR(strong.x / weak.x, 1, 0.05);
-  EXPECT_LT(strong.y, 0.9 * weak.y);
-}
-
 // The bound is reached where one splat makes up every pixel, but for α ≤ 0.99.
 TEST(AdaptiveDegree, TheBoundIsSharp) {
   const Threads threads(1);

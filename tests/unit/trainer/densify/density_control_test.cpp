@@ -176,7 +176,7 @@ TEST(Densify, WhatIsPrunedAtLastIsMadeUpForByATarget) {
   options.densify_from = options.densify_until = options.densify_interval = 100;
   options.target_splats = 10;
   std::vector<float> gradients(8, 1e-9f);
-  gradients[0] = gradients[1] = 0;  // do not grow
+  gradients[0] = gradients[1] = 1;  // would be the first to grow if they stayed
   TrainState state = state_of(gradients, std::vector<float>(8, 0.005f));
   state.iteration = 100;
   for (std::size_t i = 0; i < 2; ++i) state.parameters.row(row::opacity)[i] = -9;
@@ -244,6 +244,19 @@ TEST(LatePrune, RemovesFaintSplatsOfGoodPixels) {
   EXPECT_EQ(prune_late(state, options, scores).pruned, 2u);
   options.target_splats = 3;  // never below
   EXPECT_EQ(prune_late(target, options, scores).pruned, 1u);
+}
+
+// What is too faint to be drawn covers no pixel and has no score.
+TEST(LatePrune, RemovesWhatIsNotDrawn) {
+  TrainOptions options;
+  options.late_prune = LatePrune::opacity;
+  TrainState state = state_of({0, 0}, std::vector<float>(2, 0.005f));
+  state.parameters.row(row::opacity)[0] = -6;  // 0.0025 < 1/255
+  const float stays = state.parameters.row(row::position)[1];
+  const SplatScores scores = scores_of({0, 0}, {0, 0.5f}, {0, 1});
+  EXPECT_EQ(prune_late(state, options, scores).pruned, 1u);
+  ASSERT_EQ(state.parameters.size(), 1u);
+  EXPECT_EQ(state.parameters.row(row::position)[0], stays);
 }
 
 TEST(LatePrune, RemovesTheLeastPartOfThePictures) {
