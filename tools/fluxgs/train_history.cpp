@@ -38,7 +38,8 @@ TrainHistory history_of(const std::string& text) {
     all.at("rejected_gradients").get_to(history.rejected_gradients);
     all.at("stages").get_to(history.stages.seconds);
     history.curves = all.at("curves");
-    return history;
+    const bool known = history.curves.is_object() || history.curves.is_null();
+    return known ? history : TrainHistory{};
   } catch (const json::exception&) {
     return {};
   }

@@ -36,6 +36,23 @@ void warn_of_options(const TrainOptions& options) {
                  at, options.iterations);
 }
 
+/// What the user has asked of --rounding but will not get.
+void warn_of_rounding(const TrainOptions& options) {
+  if (options.rounding == Switch::off) return;
+  const int from = resolved(options).round_from;
+  if (makes_psi(options) || makes_phi(options))
+    spdlog::warn("warning: --rounding on does nothing, as networks make the colours");
+  else if (from > options.iterations)
+    spdlog::warn(
+        "warning: nothing is rounded, as densification or the reduction of harmonics lasts to the "
+        "end");
+  else if (options.round_from > 0 && from > options.round_from)
+    spdlog::warn(
+        "warning: rounding begins at step {} instead of {}, after densification and the reduction "
+        "of harmonics",
+        from, options.round_from);
+}
+
 std::size_t most_initial(const Dataset& data, const TrainOptions& options) {
   std::size_t most = std::numeric_limits<std::size_t>::max();
   for (const std::uint64_t limit :
@@ -64,6 +81,7 @@ Expected<Run> new_run(const TrainSettings& settings, const Threads& threads) {
   const auto options = options_from(settings);
   if (!options) return std::unexpected(options.error());
   warn_of_options(*options);
+  warn_of_rounding(*options);
   auto data = load(settings.data);
   if (!data) return std::unexpected(data.error());
   if (auto room = check_memory(*data, *options); !room) return std::unexpected(room.error());

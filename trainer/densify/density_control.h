@@ -26,9 +26,9 @@ void gather_statistics(TrainState& state, const Rasterizer& rasterizer);
 DensifyCounts densify_and_prune(TrainState& state, const TrainOptions& options, double extent,
                                 const SplatScores* scores);
 
-/// Removes splats once no more are added, by `late_prune`; for LatePrune::contribution, which
-/// removes those first that contribute the least for their place in a file and the pixels that are
-/// drawn for them, the scores must be of all training views. Never below `target_splats`.
+/// Removes splats between or after densifications, by `late_prune`; for LatePrune::contribution,
+/// which removes those first that contribute the least for their place in a file and the pixels
+/// that are drawn for them, the scores must be of all training views. Never below `target_splats`.
 DensifyCounts prune_late(TrainState& state, const TrainOptions& options, const SplatScores& scores);
 
 /// Limits every opacity to `opacity_reset_to` and clears the optimiser's memory of it.

@@ -52,7 +52,8 @@ const std::vector<OptionField>& option_fields() {
       natural("seed", "random seed", &O::seed),
       whole("sh-degree", "spherical-harmonics degree", &O::sh_degree, 0, 3),
       whole("sh-degree-interval",
-            "steps until the degree in use grows by one (0: an eighth of the steps, at most 1000)",
+            "steps until the degree in use grows by one (0: an eighth of the steps, at most 1000 "
+            "and a quarter of those before harmonics are reduced)",
             &O::sh_degree_interval, 0, kMany),
       choice<&O::sh_target, kShTargetNames>(
           "sh-target", "degree of the finished scene; adaptive: each splat its own"),
@@ -137,7 +138,8 @@ const std::vector<OptionField>& option_fields() {
            &O::quantile_plus, 0, 1),
       real("quantile-minus", "transparent splats above this quantile of S- are removed",
            &O::quantile_minus, 0, 1),
-      choice<&O::prune, kPruneNames>("prune", "which splats are removed"),
+      choice<&O::prune, kPruneNames>(
+          "prune", "which splats are removed at densifications (mcmc: moves the faint instead)"),
       real("prune-opacity", "splats below this opacity are removed", &O::prune_opacity, 0, 1),
       real("prune-screen-radius",
            "px; larger splats are removed after the first opacity reset (0: never)",
@@ -146,11 +148,12 @@ const std::vector<OptionField>& option_fields() {
            "x scene extent; larger splats are removed after the first opacity reset (0: never)",
            &O::prune_world_size, 0, kMany),
       whole("opacity-reset-interval",
-            "steps between opacity resets, until the last densification (0: never)",
+            "steps between opacity resets, until the last densification (0: never; mcmc: never)",
             &O::opacity_reset_interval, 0, kMany),
       real("opacity-reset-to", "opacity after a reset", &O::opacity_reset_to, 1e-4, 0.99),
-      real("opacity-cap", "opacities are limited to this after each densification", &O::opacity_cap,
-           0.01, 1),
+      real("opacity-cap",
+           "opacities are limited to this after each densification but those of mcmc",
+           &O::opacity_cap, 0.01, 1),
       choice<&O::late_prune, kLatePruneNames>("late-prune",
                                               "which splats go now and then, late in the training"),
       whole(
@@ -179,7 +182,10 @@ const std::vector<OptionField>& option_fields() {
       choice<&O::rounding, kSwitchNames>("rounding",
                                          "train on with the numbers that a compact file holds "
                                          "(a preset's choice counts only where OUT is a .glb)"),
-      whole("round-from", "from this step on (0: 9/10 of the steps)", &O::round_from, 0, kMany),
+      whole("round-from",
+            "from this step on, or from when densification and the reduction of harmonics are over "
+            "(0: 9/10 of the steps)",
+            &O::round_from, 0, kMany),
       whole("round-interval",
             "steps until they are rounded anew (0: a thousandth of the steps, at least 20)",
             &O::round_interval, 0, kMany),

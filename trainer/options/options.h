@@ -28,7 +28,8 @@ struct TrainOptions {
   // Appearance
   int sh_degree = 3;           ///< 0…3, until the switch
   int sh_degree_interval = 0;  ///< iterations until the degree in use grows by one; 0: an eighth
-                               ///< of the run, at most 1,000 (3DGS)
+                               ///< of the run, at most 1,000 (3DGS) and a
+                               ///< quarter of the time before the switch
 
   /// Harmonics of the finished scene (paper, "Training Curriculum"). Until the switch sh_degree.
   ShTarget sh_target = ShTarget::degree_3;
@@ -105,7 +106,7 @@ struct TrainOptions {
   double prune_world_size = 0.1;      ///< × scene extent; after the first opacity reset; 0: never
   int opacity_reset_interval = 3000;  ///< iterations, before the last densification; 0: never
   double opacity_reset_to = 0.01;     ///< 0…1, at most
-  double opacity_cap = 1;             ///< opacities are limited to this after each densification
+  double opacity_cap = 1;  ///< opacities are limited to this after each densification but MCMC's
 
   // Late pruning, now and then; by opacity when no splats are added any more
   LatePrune late_prune = LatePrune::off;
@@ -149,6 +150,10 @@ bool reduces_appearance(const TrainOptions& options);
 
 /// The highest degree that is trained before that.
 int degree_before_switch(const TrainOptions& options);
+
+/// Whether Ψ, and Φ, make the colours after it; of options that validate() takes.
+bool makes_psi(const TrainOptions& options);
+bool makes_phi(const TrainOptions& options);
 
 /// Names of the presets, the default one first.
 std::vector<std::string> preset_names();

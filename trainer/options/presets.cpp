@@ -19,7 +19,7 @@ TrainOptions flux() {
   o.sh_rest_rate = 5e-4;
   // Twelve photos: +1.1 dB on the test views, a third fewer bytes
   o.dropout = 2.4;
-  // A few new splats at a time, where several views see the most error, for half of the run
+  // A few new splats at a time, where several views see the most error, for a third of the run
   o.densify = Densify::multiview;
   o.growth_rank = GrowthRank::error;
   o.score_weight = ScoreWeight::alpha_transmittance;
@@ -128,6 +128,13 @@ bool reduces_appearance(const TrainOptions& options) {
          (options.sh_reduce != ShReduction::none && target_degree(options) < options.sh_degree) ||
          options.phi == Switch::on;
 }
+
+bool makes_psi(const TrainOptions& options) {
+  return reduces_appearance(options) && options.sh_reduce == ShReduction::energy &&
+         options.psi == Switch::on;
+}
+
+bool makes_phi(const TrainOptions& options) { return options.phi == Switch::on; }
 
 int degree_before_switch(const TrainOptions& options) {
   return options.sh_reduce == ShReduction::none ? target_degree(options) : options.sh_degree;

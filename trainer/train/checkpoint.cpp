@@ -1,13 +1,18 @@
 #include "trainer/train/checkpoint.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <limits>
+#include <optional>
 #include <sstream>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "fluxgs/io/file.h"
+#include "trainer/train/state_bytes.h"
 
 namespace fluxgs {
 namespace {
@@ -31,25 +36,20 @@ void append(std::vector<std::byte>& out, const T& value) {
   out.insert(out.end(), p, p + sizeof(T));
 }
 
-void append_rows(std::vector<std::byte>& out, const PlanarFloats& planes) {
-  for (int r = 0; r < planes.rows(); ++r) {
-    const auto* p = reinterpret_cast<const std::byte*>(planes.row(r));
-    out.insert(out.end(), p, p + planes.size() * sizeof(float));
-  }
-}
-
-const std::byte* take_rows(const std::byte* in, PlanarFloats& planes) {
-  const std::size_t bytes = planes.size() * sizeof(float);
-  for (int r = 0; r < planes.rows(); ++r, in += bytes)
-    if (bytes > 0) std::memcpy(planes.row(r), in, bytes);
-  return in;
-}
-
 /// The steps in the order of CompactSteps; null for none.
 json rounding_header(const std::optional<RoundingState>& rounding) {
   if (!rounding) return nullptr;
   const CompactSteps& s = rounding->steps;
   return {s.position, s.log_scale, s.rotation, s.opacity, s.sh_dc, s.sh_rest, s.energy};
+}
+
+/// A whole number, which get<>() would make of any other. Throws what read_checkpoint() catches.
+std::int64_t whole(const json& value) { return value.get_ref<const json::number_integer_t&>(); }
+
+/// The nearest int: what is beyond that is out of every range here, too.
+int whole_int(const json& value) {
+  return static_cast<int>(std::clamp<std::int64_t>(whole(value), std::numeric_limits<int>::min(),
+                                                   std::numeric_limits<int>::max()));
 }
 
 std::optional<RoundingState> read_rounding(const json& header) {
@@ -93,126 +93,71 @@ int choice_named(const OptionField& f, const std::string& name) {
 }
 
 void read_header(const json& header, Checkpoint& c) {
+  const auto& options = header.at("options").get_ref<const json::object_t&>();
   for (const OptionField& f : option_fields()) {
     // What a checkpoint of an older version does not know is as in TrainOptions
-    if (!header.at("options").contains(f.name)) continue;
-    const json& value = header.at("options").at(f.name);
-    if (f.integer) c.options.*f.integer = value.get<int>();
+    const auto found = options.find(f.name);
+    if (found == options.end()) continue;
+    const json& value = found->second;
+    if (f.integer) c.options.*f.integer = whole_int(value);
     if (f.real) c.options.*f.real = value.get<double>();
-    if (f.natural) c.options.*f.natural = value.get<std::uint64_t>();
+    if (f.natural) c.options.*f.natural = static_cast<std::uint64_t>(whole(value));
     if (f.choice.set) f.choice.set(c.options, choice_named(f, value.get<std::string>()));
   }
   for (int i = 0; i < 3; ++i)
     c.options.render.background[i] =
         header.at("background").at(static_cast<std::size_t>(i)).get<double>();
   c.preset = header.at("preset").get<std::string>();
-  c.downscale = header.at("downscale").get<int>();
-  c.train_photos = header.at("train_photos").get<std::size_t>();
-  c.photos_hash = header.at("photos_hash").get<std::uint64_t>();
-  c.state.iteration = header.at("iteration").get<int>();
-  std::istringstream(header.at("random").get<std::string>()) >> c.state.random;
-  c.state.view_order = header.at("view_order").get<std::vector<std::uint32_t>>();
-  c.state.next_view = header.at("next_view").get<std::uint32_t>();
-  c.state.switched_at = header.at("switched_at").get<int>();
+  c.downscale = whole_int(header.at("downscale"));
+  c.train_photos = static_cast<std::size_t>(whole(header.at("train_photos")));
+  c.photos_hash = static_cast<std::uint64_t>(whole(header.at("photos_hash")));
+  c.state.iteration = whole_int(header.at("iteration"));
+  for (const json& view : header.at("view_order"))
+    c.state.view_order.push_back(static_cast<std::uint32_t>(whole_int(view)));
+  c.state.next_view = static_cast<std::uint32_t>(whole_int(header.at("next_view")));
+  c.state.switched_at = whole_int(header.at("switched_at"));
   c.state.most_pairs = header.value("most_pairs", 0.0);
   c.state.rounding = read_rounding(header);
   c.history = header.value("history", "");
 }
 
-/// What follows the header, by the header's word.
-struct Layout {
-  std::uint64_t splats = 0;
-  int sh_degree = 0;
-  bool own_degrees = false, psi = false, phi = false, rounding = false;
-
-  bool networks() const { return psi || phi; }
-  std::size_t model_floats() const { return networks() ? appearance_floats(psi, phi) : 0; }
-  /// Bytes, or 0 where that cannot be (too many splats).
-  std::uint64_t size() const {
-    if (splats > (std::uint64_t{1} << 40)) return 0;
-    const int rows = 3 * row::count(sh_degree) + statistic::count +
-                     (networks() ? 3 * networks::kShColumns : 0) +
-                     (rounding ? row::count(sh_degree) : 0);
-    const std::uint64_t floats =
-        static_cast<std::uint64_t>(rows) + (rounding ? error_costs_size(sh_degree) : 0);
-    return splats * (floats * sizeof(float) + (own_degrees ? 1 : 0)) +
-           model_floats() * sizeof(float);
-  }
-};
-
-Layout layout_of(const TrainState& state) {
-  const auto& n = state.networks;
-  return {state.parameters.size(), sh_degree_of(state.parameters),
-          !state.degrees.empty(),  n && n->model.psi,
-          n && n->model.phi,       state.rounding.has_value()};
+StateLayout read_layout(const json& header) {
+  return {static_cast<std::uint64_t>(whole(header.at("splats"))),
+          whole_int(header.at("sh_degree")),
+          header.at("own_degrees").get<bool>(),
+          header.at("psi").get<bool>(),
+          header.at("phi").get<bool>(),
+          read_rounding(header).has_value()};
 }
 
-Layout read_layout(const json& header) {
-  const Layout layout{header.at("splats").get<std::uint64_t>(),
-                      header.at("sh_degree").get<int>(),
-                      header.at("own_degrees").get<bool>(),
-                      header.at("psi").get<bool>(),
-                      header.at("phi").get<bool>(),
-                      read_rounding(header).has_value()};
-  return layout.sh_degree >= 0 && layout.sh_degree <= 3 ? layout : Layout{~std::uint64_t{0}};
+/// What arrays a training with these options has. Without rounding, which may have failed.
+bool fits(const StateLayout& layout, const TrainOptions& options, bool switched) {
+  const bool adaptive = options.sh_target == ShTarget::adaptive;
+  return layout.sh_degree == (switched ? target_degree(options) : degree_before_switch(options)) &&
+         layout.own_degrees == (switched && adaptive) &&
+         layout.psi == (switched && makes_psi(options)) &&
+         layout.phi == (switched && makes_phi(options));
 }
 
-void append_state(std::vector<std::byte>& out, const TrainState& state) {
-  append_rows(out, state.parameters);
-  append_rows(out, state.adam.first);
-  append_rows(out, state.adam.second);
-  append_rows(out, state.statistics);
-  if (state.rounding) {
-    const ErrorCosts& costs = state.rounding->costs;
-    for (const auto* numbers : {&costs.weights, &costs.sh_factors, &costs.scale, &costs.rotation})
-      for (const float number : *numbers) append(out, number);
-    append_rows(out, state.rounding->offsets);
-  }
-  for (std::uint8_t degree : state.degrees) out.push_back(static_cast<std::byte>(degree));
-  if (!state.networks) return;
-  append_rows(out, state.networks->latents);
-  append_rows(out, state.networks->adam.first);
-  append_rows(out, state.networks->adam.second);
-  for (float value : to_floats(state.networks->model)) append(out, value);
-}
-
-/// `in` has layout.size() bytes.
-Expected<void> take_state(const std::byte* in, const Layout& layout, TrainState& state) {
-  const auto take = [&](int rows, std::initializer_list<PlanarFloats*> all) {
-    for (PlanarFloats* planes : all) {
-      *planes = PlanarFloats(rows, layout.splats);
-      in = take_rows(in, *planes);
-    }
-  };
-  take(row::count(layout.sh_degree), {&state.parameters, &state.adam.first, &state.adam.second});
-  take(statistic::count, {&state.statistics});
-  if (state.rounding) {
-    ErrorCosts& costs = state.rounding->costs;
-    costs.weights.resize(layout.splats);
-    costs.sh_factors.resize(layout.splats * sh_factor_size(layout.sh_degree));
-    costs.scale.resize(layout.splats * kTriangle3);
-    costs.rotation.resize(layout.splats * kTriangle3);
-    for (auto* numbers : {&costs.weights, &costs.sh_factors, &costs.scale, &costs.rotation}) {
-      std::memcpy(numbers->data(), in, numbers->size() * sizeof(float));
-      in += numbers->size() * sizeof(float);
-    }
-    take(row::count(layout.sh_degree), {&state.rounding->offsets});
-  }
-  if (layout.own_degrees) {
-    state.degrees.resize(layout.splats);
-    for (std::uint8_t& degree : state.degrees)
-      degree = std::min<std::uint8_t>(std::to_integer<std::uint8_t>(*in++),
-                                      static_cast<std::uint8_t>(layout.sh_degree));
-  }
-  if (!layout.networks()) return {};
-  NetworkState networks;
-  take(networks::kShColumns, {&networks.latents, &networks.adam.first, &networks.adam.second});
-  std::vector<float> floats(layout.model_floats());
-  std::memcpy(floats.data(), in, floats.size() * sizeof(float));
-  auto model = model_from_floats(layout.psi, layout.phi, floats);
-  if (!model) return std::unexpected(model.error());
-  networks.model = std::move(*model);
-  state.networks = std::move(networks);
+/// The field of a header that cannot be, and what was expected; nothing if all can.
+std::optional<std::pair<const char*, std::string>> impossible(const Checkpoint& c,
+                                                              const StateLayout& layout) {
+  const TrainState& s = c.state;
+  if (c.downscale < 1) return {{"downscale", "expected 1 or more"}};
+  if (!(s.iteration >= 0 && s.iteration <= c.options.iterations))
+    return {{"iteration", fmt::format("expected 0 to {}", c.options.iterations)}};
+  if (!(s.switched_at >= 0 && s.switched_at <= s.iteration))
+    return {{"switched_at", fmt::format("expected 0 to {}", s.iteration)}};
+  if (!(s.most_pairs >= 0 && std::isfinite(s.most_pairs)))
+    return {{"most_pairs", "expected 0 or more"}};
+  if (!fits(layout, c.options, s.switched_at > 0))
+    return {{"sh_degree", "harmonics or networks are not those of the options"}};
+  if (s.view_order.size() != c.train_photos)
+    return {{"view_order", fmt::format("expected {} photos", c.train_photos)}};
+  if (s.next_view > s.view_order.size())
+    return {{"next_view", fmt::format("expected 0 to {}", s.view_order.size())}};
+  for (const std::uint32_t view : s.view_order)
+    if (view >= c.train_photos) return {{"view_order", "names a photo that is not there"}};
   return {};
 }
 
@@ -247,7 +192,8 @@ std::uint64_t hash_photos(const std::vector<Photo>& photos) {
 Expected<void> write_checkpoint(const std::filesystem::path& path, const Checkpoint& c) {
   const std::string header = header_of(c).dump();
   std::vector<std::byte> out;
-  out.reserve(kPrefix + header.size() + layout_of(c.state).size() + sizeof(std::uint64_t));
+  out.reserve(kPrefix + header.size() + layout_of(c.state).size().value_or(0) +
+              sizeof(std::uint64_t));
   for (std::size_t i = 0; i < kMagicSize; ++i) out.push_back(static_cast<std::byte>(kMagic[i]));
   append(out, kVersion);
   append(out, static_cast<std::uint32_t>(header.size()));
@@ -278,22 +224,25 @@ Expected<Checkpoint> read_checkpoint(const std::filesystem::path& path) {
     return bad("checksum", "does not match: the file is truncated or damaged");
 
   Checkpoint c;
-  Layout layout;
+  StateLayout layout;
+  std::string random;
   try {
     const char* text = reinterpret_cast<const char*>(bytes->data() + kPrefix);
     const json header = json::parse(text, text + header_size);
     read_header(header, c);
     layout = read_layout(header);
+    random = header.at("random").get<std::string>();
   } catch (const json::exception& e) {
     return bad("header", fmt::format("is not the expected JSON ({})", e.what()));
   }
   if (auto valid = validate(c.options); !valid) return std::unexpected(valid.error());
-  if (c.state.view_order.size() != c.train_photos || layout.size() != body - header_size)
-    return bad("header", "counts disagree with the size of the file");
+  if (const auto field = impossible(c, layout)) return bad(field->first, field->second);
+  if (!(std::istringstream(random) >> c.state.random))
+    return bad("random", "is no state of a random generator");
+  if (layout.size() != body - header_size)
+    return bad("splats", "their number disagrees with the size of the file");
   if (auto taken = take_state(bytes->data() + kPrefix + header_size, layout, c.state); !taken)
     return bad("networks", taken.error().what);
-  for (std::uint32_t view : c.state.view_order)
-    if (view >= c.train_photos) return bad("view_order", "names a photo that is not there");
   return c;
 }
 

@@ -32,12 +32,13 @@ std::uint64_t hash_photos(const std::vector<Photo>& photos);
 
 /// File layout (little-endian): "FLUXGSCK", u32 version, u32 size of a JSON header, the header
 /// (options, counts, random state, history), then as float32 the rows of parameters, both moments
-/// and statistics, and of what the state has of degrees, networks (model, latents, their moments)
-/// and rounding (costs, offsets); then a 64-bit FNV-1a hash of everything before it. Written whole
-/// or not at all.
+/// and statistics, and what the state has of rounding (costs, offsets), degrees (a byte each) and
+/// networks (latents, their moments, model); then a 64-bit FNV-1a hash of everything before it.
+/// Written whole or not at all.
 Expected<void> write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
 
-/// Errors: not a checkpoint, another version, sizes that disagree with the file's, damaged content.
+/// Errors: not a checkpoint, another version, damaged content, numbers that no training with its
+/// options has, sizes that disagree with the file's.
 Expected<Checkpoint> read_checkpoint(const std::filesystem::path& path);
 
 }  // namespace fluxgs

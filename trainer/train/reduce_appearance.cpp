@@ -90,9 +90,9 @@ void reduce_to_one_degree(TrainState& state, const TrainOptions& options, const 
       state.parameters = rows_of_degree(state.parameters, degree);
   }
   keep_rows(state, degree);
-  const bool psi = energy.rows() > 0 && options.psi == Switch::on;
+  const bool psi = makes_psi(options);
   if (energy.rows() > 0 && !psi) add_projection(energy, state.parameters);
-  if (psi || options.phi == Switch::on)
+  if (psi || makes_phi(options))
     report.psi =
         introduce_networks(state, options, psi ? std::move(energy) : PlanarFloats(), threads);
 }

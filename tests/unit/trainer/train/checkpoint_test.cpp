@@ -1,7 +1,10 @@
 // Runs that stop and go on: exactly as if they had never stopped.
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <initializer_list>
+
+#include <nlohmann/json.hpp>
 
 #include "fluxgs/io/file.h"
 #include "trainer/train/checkpoint.h"
@@ -88,18 +91,24 @@ TEST(Checkpoint, HashTellsPhotosApart) {
   EXPECT_NE(before, hash_photos(photos));
 }
 
-TEST(Checkpoint, DamageIsAnErrorThatNamesTheFile) {
+/// A checkpoint with three splats.
+std::vector<std::byte> small_checkpoint(const std::filesystem::path& path,
+                                        const TrainOptions& options) {
   const Dataset& data = small_capture();
-  TrainOptions options = short_run(10);
-  options.max_splats = 10;
   TrainState state = fresh(data, options);
   state.parameters = state.parameters.gather({0, 1, 2});
   state.adam = {state.adam.first.gather({0, 1, 2}), state.adam.second.gather({0, 1, 2})};
   state.statistics = state.statistics.gather({0, 1, 2});
+  EXPECT_TRUE(write_checkpoint(path, {options, "3dgs", 1, data.train.size(), 7, state}));
+  return *read_file(path);
+}
+
+TEST(Checkpoint, DamageIsAnErrorThatNamesTheFile) {
+  TrainOptions options = short_run(10);
+  options.max_splats = 10;
   const TempFolder folder;
   const auto path = folder / "run.ckpt";
-  ASSERT_TRUE(write_checkpoint(path, {options, "3dgs", 1, data.train.size(), 7, state}));
-  const std::vector<std::byte> good = *read_file(path);
+  const std::vector<std::byte> good = small_checkpoint(path, options);
   for (std::size_t size = 0; size < good.size(); size += 61) {
     ASSERT_TRUE(write_file_atomic(path, std::span(good).first(size)));
     const auto read = read_checkpoint(path);
@@ -113,6 +122,126 @@ TEST(Checkpoint, DamageIsAnErrorThatNamesTheFile) {
     ASSERT_FALSE(read_checkpoint(path)) << at;
   }
   ASSERT_FALSE(read_checkpoint(folder / "missing.ckpt"));
+}
+
+constexpr std::size_t kHeaderSizeAt = 12, kHeaderAt = 16;
+
+nlohmann::json header_of(const std::vector<std::byte>& file) {
+  std::uint32_t size;
+  std::memcpy(&size, &file[kHeaderSizeAt], sizeof size);
+  const char* text = reinterpret_cast<const char*>(&file[kHeaderAt]);
+  return nlohmann::json::parse(text, text + size);
+}
+
+/// The file with another header, and a checksum that is right.
+std::vector<std::byte> with_header(const std::vector<std::byte>& file, const std::string& header) {
+  std::uint32_t old_size;
+  std::memcpy(&old_size, &file[kHeaderSizeAt], sizeof old_size);
+  const auto size = static_cast<std::uint32_t>(header.size());
+  std::vector<std::byte> result(file.begin(), file.begin() + kHeaderAt);
+  std::memcpy(&result[kHeaderSizeAt], &size, sizeof size);
+  for (char c : header) result.push_back(static_cast<std::byte>(c));
+  result.insert(result.end(), file.begin() + kHeaderAt + old_size, file.end() - 8);
+  std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a
+  for (std::byte b : result) hash = (hash ^ static_cast<std::uint64_t>(b)) * 0x100000001b3u;
+  for (int i = 0; i < 8; ++i) result.push_back(static_cast<std::byte>(hash >> (8 * i)));
+  return result;
+}
+
+std::string error_for(const std::filesystem::path& path, const std::vector<std::byte>& file) {
+  EXPECT_TRUE(write_file_atomic(path, file));
+  const auto read = read_checkpoint(path);
+  return read ? "" : read.error().message();
+}
+
+// Bytes from strangers, whose checksum is right.
+TEST(Checkpoint, WhatNoTrainingHasIsAnErrorThatNamesTheField) {
+  const TempFolder folder;
+  const auto path = folder / "run.ckpt";
+  const std::vector<std::byte> good = small_checkpoint(path, short_run(10));
+  const nlohmann::json header = header_of(good);
+  EXPECT_EQ(error_for(path, with_header(good, header.dump())), "");
+  const struct {
+    const char *change, *field;
+  } cases[] = {
+      {R"({"sh_degree": 7})", "sh_degree"},
+      {R"({"sh_degree": 0})", "sh_degree"},
+      {R"({"sh_degree": -1})", "sh_degree"},
+      {R"({"psi": true})", "sh_degree"},
+      {R"({"own_degrees": true})", "sh_degree"},
+      {R"({"switched_at": 5})", "switched_at"},
+      {R"({"switched_at": -1})", "switched_at"},
+      {R"({"iteration": -1})", "iteration"},
+      {R"({"iteration": 11})", "iteration"},
+      {R"({"iteration": 1099511627776})", "iteration"},
+      {R"({"iteration": 1e300})", "header"},
+      {R"({"splats": 4611686018427387904})", "splats"},
+      {R"({"splats": -1})", "splats"},
+      {R"({"splats": 2})", "splats"},
+      {R"({"downscale": 0})", "downscale"},
+      {R"({"most_pairs": -1})", "most_pairs"},
+      {R"({"random": ""})", "random"},
+      {R"({"next_view": 1000})", "next_view"},
+      {R"({"next_view": -1})", "next_view"},
+      {R"({"view_order": []})", "view_order"},
+      {R"({"train_photos": -1})", "view_order"},
+      {R"({"rounding": [1]})", "header"},
+      {R"({"rounding": [1, 1, 1, 1, 1, 1, 1]})", "splats"},
+      {R"({"options": {"iterations": -5}})", "--iterations"},
+      {R"({"options": {"iterations": 4294967297}})", "--iterations"},
+      {R"({"options": 3})", "header"},
+  };
+  for (const auto& [change, field] : cases) {
+    nlohmann::json changed = header;
+    changed.merge_patch(nlohmann::json::parse(change));
+    const std::string error = error_for(path, with_header(good, changed.dump()));
+    EXPECT_NE(error.find(field), std::string::npos) << change << ": " << error;
+  }
+  // Nothing behind the header, and a size that is none
+  nlohmann::json empty = header;
+  empty["sh_degree"] = 7;
+  std::vector<std::byte> file = with_header(good, empty.dump());
+  file.resize(kHeaderAt + empty.dump().size() + 8);
+  EXPECT_NE(error_for(path, with_header(file, empty.dump())), "");
+}
+
+// Whatever one value of the header becomes: an error, or a training that goes on.
+TEST(Checkpoint, AnyValueOfTheHeaderIsRefusedOrTrainsOn) {
+  const Dataset& data = small_capture();
+  const TempFolder folder;
+  const auto path = folder / "run.ckpt";
+  const TrainOptions options = short_run(10);
+  const std::vector<std::byte> good = small_checkpoint(path, options);
+  const nlohmann::json header = header_of(good);
+  const nlohmann::json values = {-1,
+                                 0,
+                                 1,
+                                 7,
+                                 1LL << 40,
+                                 1e300,
+                                 "",
+                                 nullptr,
+                                 true,
+                                 nlohmann::json::array(),
+                                 nlohmann::json::object()};
+  int refused = 0, trained = 0;
+  for (const auto& [key, old] : header.items())
+    for (const auto& value : values) {
+      nlohmann::json changed = header;
+      changed[key] = value;
+      ASSERT_TRUE(write_file_atomic(path, with_header(good, changed.dump())));
+      auto read = read_checkpoint(path);
+      if (!read) {
+        ++refused;
+        continue;
+      }
+      SCOPED_TRACE(key + " = " + value.dump());
+      ASSERT_EQ(read->train_photos, data.train.size());
+      train(data, read->options, std::move(read->state), 1, read->state.iteration + 2);
+      ++trained;
+    }
+  EXPECT_GT(refused, 100);
+  EXPECT_GT(trained, 10);
 }
 
 }  // namespace
