@@ -38,10 +38,19 @@ CLI::Validator in_range(double least, double most) {
           "FLOAT:" + name};
 }
 
-void print_json(const nlohmann::json& object) { fmt::print("{}\n", object.dump(2)); }
+namespace {
+
+/// Names of files need not be UTF-8: what is not becomes U+FFFD.
+std::string text_of(const nlohmann::json& object) {
+  return object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
+void print_json(const nlohmann::json& object) { fmt::print("{}", text_of(object)); }
 
 Expected<void> write_json(const std::string& path, const nlohmann::json& object) {
-  const std::string text = object.dump(2) + "\n";
+  const std::string text = text_of(object);
   return write_file_atomic(path, std::as_bytes(std::span(text)));
 }
 

@@ -63,10 +63,10 @@ std::string script_of(const Plot& plot, const fs::path& out) {
   const bool svg = out.extension() == ".svg";
   std::string script = fmt::format(
       "set terminal {} size 960,600 noenhanced {}\nset output {}\nset title {}\nset xlabel {}\n"
-      "set ylabel {}\nset grid\nset key {}\nset encoding utf8\n",
+      "set ylabel {}\nset grid\nset key outside right top\nset encoding utf8\n"
+      "set offsets graph 0.03, graph 0.03, graph 0.03, graph 0.03\n",
       svg ? "svg" : "pngcairo", svg ? "background 'white'" : "", quoted(out.string()),
-      quoted(plot.title), quoted(plot.x_label), quoted(plot.y_label),
-      plot.legend_outside ? "outside right top" : "bottom right");
+      quoted(plot.title), quoted(plot.x_label), quoted(plot.y_label));
   if (plot.log_x) script += "set logscale x 2\n";
   if (plot.y_from) script += fmt::format("set yrange [{}:]\n", *plot.y_from);
   std::string commands;
@@ -77,12 +77,6 @@ std::string script_of(const Plot& plot, const fs::path& out) {
                             i, style_of(series), point_type(i), quoted(series.name));
   }
   return script + "plot " + commands + "\n";
-}
-
-bool has_points(const Plot& plot) {
-  return std::ranges::any_of(plot.series, [](const PlotSeries& series) {
-    return std::ranges::any_of(series.points, is_drawn);
-  });
 }
 
 /// The last line that gnuplot said.
@@ -114,6 +108,12 @@ Expected<std::vector<std::byte>> draw(const Plot& plot, const std::string& path)
 }
 
 }  // namespace
+
+bool has_points(const Plot& plot) {
+  return std::ranges::any_of(plot.series, [](const PlotSeries& series) {
+    return std::ranges::any_of(series.points, is_drawn);
+  });
+}
 
 Expected<void> check_plot(const std::string& path) {
   const std::string extension = fs::path(path).extension().string();

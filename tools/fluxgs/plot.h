@@ -20,10 +20,12 @@ struct PlotSeries {
 struct Plot {
   std::string title, x_label, y_label;
   bool log_x = false;
-  bool legend_outside = false;        ///< for many series
   std::optional<double> y_from = {};  ///< what is below is cut off; none: nothing is
   std::vector<PlotSeries> series;
 };
+
+/// Whether there is anything to draw: a finite point.
+bool has_points(const Plot& plot);
 
 /// Whether a chart of this name can be drawn: .png or .svg, and gnuplot is installed.
 Expected<void> check_plot(const std::string& path);

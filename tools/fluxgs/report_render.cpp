@@ -291,7 +291,6 @@ Plot plot_of(const std::vector<Row>& rows, const std::string& scene, const std::
   Plot plot{.title = fmt::format("{} on {}", scene, gl),
             .x_label = "milliseconds a frame, sorted for its own view (median)",
             .y_label = "PSNR to the float64 reference, dB",
-            .legend_outside = true,
             .series = {}};
   PlotSeries front{.name = "Pareto front", .points = {}};
   for (const Row& r : rows) {

@@ -60,11 +60,17 @@ void list_rows(const std::vector<SweepRow>& rows) {
 }
 
 /// What is not measured at all.
-std::vector<std::string> general_notes(const TrainReport& s, const Expected<void>& flip) {
+std::vector<std::string> general_notes(const TrainReport& s, const SweepTable& table,
+                                       const Expected<void>& flip) {
   std::vector<std::string> notes{
       "LPIPS is missing: its packages need PyTorch and download the weights of a network"};
-  if (!flip) notes.push_back("FLIP is missing: " + flip.error().message());
-  if (s.measures.frames == 0) notes.push_back("frame times are missing: --frames 0");
+  const auto lacks = [&](const char* key) {
+    return std::ranges::none_of(table.outcomes,
+                                [&](const RunOutcome& o) { return o.values.contains(key); });
+  };
+  if (!flip && lacks("stored_flip")) notes.push_back("FLIP is missing: " + flip.error().message());
+  if (s.measures.frames == 0 && lacks("frame_ms"))
+    notes.push_back("frame times are missing: --frames 0");
   return notes;
 }
 
@@ -72,36 +78,34 @@ Expected<void> write_text(const fs::path& path, const std::string& text) {
   return write_file_atomic(path, std::as_bytes(std::span(text)));
 }
 
-/// Pictures of each group that has a number to show. Returns their names.
-Expected<std::vector<std::string>> write_pictures(const TrainReport& s, const SweepTable& table) {
+/// Pictures of each group that has a number to show; returns their names. One that cannot be drawn
+/// costs neither the others nor the numbers.
+std::vector<std::string> write_pictures(const TrainReport& s, const SweepTable& table) {
   std::vector<std::string> names;
   if (!find_program("gnuplot")) {
     spdlog::warn("warning: no pictures: gnuplot is not installed (tools/setup has it)");
     return names;
   }
-  const auto draw = [&](const std::string& name, const Plot& plot) -> Expected<void> {
-    if (plot.series.empty()) return {};
-    names.push_back(name + ".png");
-    return write_plot((fs::path(s.out) / names.back()).string(), plot);
+  const auto draw = [&](const std::string& name, const Plot& plot) {
+    if (!has_points(plot)) return;
+    const std::string file = name + ".png";
+    if (const auto drawn = write_plot((fs::path(s.out) / file).string(), plot); drawn)
+      names.push_back(file);
+    else
+      spdlog::warn("warning: {}", drawn.error().message());
   };
   for (const SweepGroup& group : sweep_groups()) {
-    if (auto drawn = draw(group.name, sweep_plot(table, group)); !drawn)
-      return std::unexpected(drawn.error());
-    if (auto drawn = draw(group.name + "-curves", sweep_curves(table, group)); !drawn)
-      return std::unexpected(drawn.error());
+    draw(group.name, sweep_plot(table, group));
+    draw(group.name + "-curves", sweep_curves(table, group));
   }
   return names;
 }
 
 Expected<void> write_results(const TrainReport& s, const SweepTable& table) {
   const fs::path out = s.out;
-  // Pictures that cannot be drawn do not cost the numbers
-  const auto pictures = write_pictures(s, table);
-  const std::vector<std::string> shown = pictures.value_or(std::vector<std::string>{});
-  if (auto ok = write_text(out / "report.md", sweep_markdown(table, shown)); !ok) return ok;
-  if (auto ok = write_json((out / "report.json").string(), sweep_json(table)); !ok) return ok;
-  if (!pictures) return std::unexpected(pictures.error());
-  return {};
+  const std::vector<std::string> pictures = write_pictures(s, table);
+  if (auto ok = write_text(out / "report.md", sweep_markdown(table, pictures)); !ok) return ok;
+  return write_json((out / "report.json").string(), sweep_json(table));
 }
 
 /// The first failure stands for all where nothing succeeded.
@@ -146,7 +150,7 @@ Expected<void> report(const TrainReport& s) {
   auto table = run_sweep(settings);
   if (!table) return std::unexpected(table.error());
   table->command = command_of(s);
-  std::ranges::move(general_notes(s, flip), std::back_inserter(table->notes));
+  std::ranges::move(general_notes(s, *table, flip), std::back_inserter(table->notes));
   if (auto written = write_results(s, *table); !written) return written;
   if (auto good = judge(s, *table); !good) return good;
   if (s.as_json)

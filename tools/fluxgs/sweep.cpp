@@ -124,7 +124,11 @@ Expected<SweepTable> run_sweep(const SweepSettings& s) {
   if (!scenes) return std::unexpected(scenes.error());
   const auto lock = FolderLock::take(s.out);
   if (!lock) return std::unexpected(lock.error());
-  SweepTable table{.command = "", .scenes = std::move(*scenes), .rows = s.rows, .seeds = s.seeds};
+  SweepTable table{.command = "",
+                   .build = hash_of_file(s.program).value_or(""),
+                   .scenes = std::move(*scenes),
+                   .rows = s.rows,
+                   .seeds = s.seeds};
   table.outcomes.resize(table.scenes.size() * table.rows.size() * table.seeds.size());
 
   std::vector<std::pair<std::size_t, SweepRun>> runs;  // places in the table

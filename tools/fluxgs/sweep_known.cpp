@@ -37,7 +37,7 @@ std::map<std::string, RunOutcome> runs_of(const json& report) {
     const auto hash = hashes.find(row.at("scene").get<std::string>());
     if (hash == hashes.end()) continue;
     for (const json& run : row.at("runs"))
-      if (run.at("state") == "finished")
+      if (run.at("state") == "finished" && !run.at("values").empty())
         runs[key_of(hash->second, row.at("meaning"), run.at("seed"))] = outcome_of(run);
   }
   return runs;

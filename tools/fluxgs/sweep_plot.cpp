@@ -35,12 +35,17 @@ CurvePoints curve_points(const std::vector<const RunOutcome*>& runs) {
   return points;
 }
 
+/// The runs of the seeds that have finished on every scene, as scenes differ more than rows do.
 std::vector<const RunOutcome*> finished_runs(const SweepTable& table, std::size_t row) {
   std::vector<const RunOutcome*> runs;
-  for (std::size_t scene = 0; scene < table.scenes.size(); ++scene)
-    for (std::size_t seed = 0; seed < table.seeds.size(); ++seed)
+  for (std::size_t seed = 0; seed < table.seeds.size(); ++seed) {
+    std::vector<const RunOutcome*> of_seed;
+    for (std::size_t scene = 0; scene < table.scenes.size(); ++scene)
       if (const RunOutcome& o = table.at(scene, row, seed); o.state == RunState::finished)
-        runs.push_back(&o);
+        of_seed.push_back(&o);
+    if (of_seed.size() == table.scenes.size())
+      runs.insert(runs.end(), of_seed.begin(), of_seed.end());
+  }
   return runs;
 }
 
@@ -68,7 +73,6 @@ Plot sweep_plot(const SweepTable& table, const SweepGroup& group) {
       .x_label = by_option ? group.x_label : "compact .glb (MB)",
       .y_label = by_option ? "PSNR of test photos (dB)" : "PSNR of test photos, compact scene (dB)",
       .log_x = group.log_x,
-      .legend_outside = !by_option,
       .series = {}};
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     const SweepRow& row = table.rows[i];
@@ -89,7 +93,6 @@ Plot sweep_curves(const SweepTable& table, const SweepGroup& group) {
   Plot plot{.title = fmt::format("{} ({})", group.title, scenes_of(table)),
             .x_label = "iteration",
             .y_label = "PSNR of test photos (dB)",
-            .legend_outside = true,
             .series = {}};
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     if (table.rows[i].group != group.name) continue;

@@ -67,7 +67,7 @@ void add_parts(std::vector<SweepRow>& rows) {
 /// What `flux` adds to 3DGS and to the paper, each taken away from the whole.
 void add_ours(std::vector<SweepRow>& rows) {
   add_named(rows, "ours", kOurs,
-            {{"ours-full", "flux", {}},
+            {{"ours-full", "full", {}},
              {"ours-no-dropout", "without dropout", {"--dropout", "0"}},
              {"ours-no-coarse-start", "without halved photos first", {"--coarse-levels", "0"}},
              {"ours-no-error-rank", "growth by gradients only", {"--densify", "grad"}},
@@ -101,7 +101,7 @@ void add_quadratures(std::vector<SweepRow>& rows) {
 /// How what is between views and scores is chosen, each different from the whole.
 void add_scores(std::vector<SweepRow>& rows) {
   add_named(rows, "score", kOurs,
-            {{"score-full", "flux", {}},
+            {{"score-full", "full", {}},
              {"score-random-views", "views at random", {"--camera-sampling", "random"}},
              {"score-alpha", "α instead of αT", {"--score", "alpha"}},
              {"score-l1", "L1 instead of L1 and D-SSIM", {"--score-loss", "l1"}},
@@ -206,7 +206,10 @@ Options picked_options(const Options& options, std::initializer_list<std::string
   for (const std::string& word : options) {
     if (word.starts_with("--"))
       keep = std::ranges::count(names, std::string_view(word).substr(0, word.find('='))) > 0;
-    if (keep) kept.push_back(word);
+    if (!keep) continue;
+    const std::size_t value = word.starts_with("--") ? word.find('=') : std::string::npos;
+    kept.push_back(word.substr(0, value));
+    if (value != std::string::npos) kept.push_back(word.substr(value + 1));
   }
   return kept;
 }

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using Options = std::vector<std::string>;
 
-/// A child's work, which is done when its product is there.
+/// A child's work, which is done when its product is there: JSON.
 struct Step {
   std::string name = {};
   json meaning = {};       ///< what the product depends on, besides the steps before
@@ -35,7 +35,10 @@ struct Step {
   bool optional = false;  ///< a failure is something missing, not a failed run
 };
 
-constexpr const char *kTrain = "train", *kScore = "score", *kFrames = "frame time";
+constexpr const char *kTrain = "train", *kScore = "score of the compact scene",
+                     *kFrames = "frame time";
+
+const Options kWithFlip = {"--json", "--flip"};
 
 Options joined(std::initializer_list<Options> parts) {
   Options all;
@@ -78,9 +81,8 @@ std::vector<Step> measuring_steps(const SweepRun& run, const SweepMeasures& meas
     return step;
   };
   std::vector<Step> steps;
-  steps.push_back(add(kScore, {"eval", stored},
-                      joined({{"--json"}, measures.flip ? Options{"--flip"} : Options{}}),
-                      {.product = run.folder / "score.json", .prints = true}));
+  steps.push_back(add(kScore, {"eval", stored}, measures.flip ? kWithFlip : Options{"--json"},
+                      {.product = run.folder / "score.json", .prints = true, .optional = true}));
   if (measures.frames > 0)
     steps.push_back(add(kFrames, {"bench", stored},
                         {"--json", "--frames", fmt::format("{}", measures.frames)},
@@ -104,7 +106,7 @@ Record read_record(const SweepRun& run) {
              .version = found->at("version"),
              .build = found->at("build"),
              .steps = found->at("steps")};
-    return r;
+    return r.steps.is_object() ? r : Record{};
   } catch (const json::exception&) {  // not ours, or an old one
     return {};
   }
@@ -220,17 +222,25 @@ class Execution {
 
   /// Whether the run goes on.
   bool step(const Step& s) {
-    std::error_code ignored;
     const json known = record_.steps.value(s.name, json::object());
-    const bool same = known.value("meaning", json()) == s.meaning;
+    const json meaning = known.value("meaning", json());
+    // A score with FLIP is one without, too
+    const bool same = meaning == s.meaning || (s.name == kScore && meaning == json(kWithFlip));
     const json error = known.value("error", json());
-    if (same && error.is_string() && !tools_.retry) return tell_failure(s, error);
-    if (same && error.is_null() && fs::exists(s.product, ignored)) return true;
+    // What failed because of options that mean nothing to the scene, such as --threads, may not now
+    const bool same_words = known.value("options", json(run_.options)) == json(run_.options);
+    if (same && same_words && error.is_string() && !tools_.retry) return tell_failure(s, error);
+    if (same && error.is_null() && is_done(s)) return true;
     if (s.name == kScore && !has_test_photos()) {
       outcome_.remarks.push_back("no PSNR and SSIM: the data set has no test photos");
       return true;
     }
     return s.name == kTrain ? train(s) : run_step(s);
+  }
+
+  bool is_done(const Step& s) const {
+    const auto product = read_json(s.product);
+    return product && product->is_object() && (s.name != kTrain || has("scene.glb"));
   }
 
   bool has_test_photos() const {
@@ -267,13 +277,14 @@ class Execution {
       return false;
     }
     const fs::path log = run_.folder / "log.txt";
-    record_.steps[s.name] = {{"meaning", s.meaning}, {"error", nullptr}};
+    std::error_code ignored;
+    fs::remove(s.product, ignored);  // or it would stand for the new one after an interruption
+    record_.steps[s.name] = {{"meaning", s.meaning}, {"options", run_.options}, {"error", nullptr}};
     if (auto written = write_record(run_, record_); !written) {
       give_up(written.error().message());
       return false;
     }
-    std::error_code ignored;
-    std::uintmax_t from = fs::exists(log, ignored) ? fs::file_size(log, ignored) : 0;
+    const std::uintmax_t from = fs::exists(log, ignored) ? fs::file_size(log, ignored) : 0;
     const fs::path partial = s.product.string() + ".part";
     const auto end = run_child({tools_.program, s.arguments, log, s.prints ? partial : fs::path()},
                                &tools_.interrupts, watch(s, log));
@@ -315,8 +326,8 @@ class Execution {
       take(*score, "/ssim", "stored_ssim");
       take(*score, "/flip", "stored_flip");
     }
-    if (const auto frames = read_json(run_.folder / "frames.json"))
-      take(*frames, "/draw_ms/median", "draw_ms");
+    if (tools_.measures.frames > 0)
+      if (const auto frames = read_json(run_.folder / "frames.json")) collect_frames(*frames);
     for (const auto& [file, key] :
          {std::pair("scene.ply", "ply_bytes"), {"scene.glb", "stored_bytes"}}) {
       std::error_code error;
@@ -331,12 +342,21 @@ class Execution {
       outcome_.values[as] = from.at(at).get<double>();
   }
 
+  void collect_frames(const json& frames) {
+    take(frames, "/sort_to_photon_ms/median", "frame_ms");
+    outcome_.remarks.push_back(fmt::format(
+        "frame times: projecting, sorting and drawing, medians of {} frames of {}x{}, {}",
+        frames.at("frames").get<int>(), frames.at("size").at(0).get<int>(),
+        frames.at("size").at(1).get<int>(), frames.at("gl_renderer").get<std::string>()));
+  }
+
   void collect_training(const json& report) {
     take(report, "/psnr_before_storing", "psnr");
     take(report, "/ssim_before_storing", "ssim");
     take(report, "/splats", "splats");
     take(report, "/seconds", "seconds");
     take(report, "/cpu_seconds", "cpu_seconds");
+    take(report, "/threads", "threads");
     if (report.contains("networks_error"))
       outcome_.remarks.push_back("stored without networks: " +
                                  report.at("networks_error").get<std::string>());
@@ -361,7 +381,12 @@ class Execution {
 }  // namespace
 
 RunOutcome execute_run(const SweepRun& run, const SweepTools& tools) {
-  return Execution(run, tools).to_end();
+  try {
+    return Execution(run, tools).to_end();
+  } catch (const json::exception& error) {  // of a file in its folder that others have written
+    return {.state = RunState::failed,
+            .error = fmt::format("{}: {}", run.folder.string(), error.what())};
+  }
 }
 
 }  // namespace fluxgs::cli

@@ -31,7 +31,7 @@ Statistic statistic_of(std::span<const double> values) {
 std::span<const SweepMetric> sweep_metrics() {
   static constexpr SweepMetric kMetrics[] = {{"psnr", "PSNR (dB)", 1, 2},
                                              {"ssim", "SSIM", 1, 4},
-                                             {"switch_psnr", "at the switch (dB)", 1, 2},
+                                             {"switch_psnr", "at the switch (dB)", 1, 2, false},
                                              {"stored_psnr", "compact: PSNR (dB)", 1, 2},
                                              {"stored_ssim", "compact: SSIM", 1, 4},
                                              {"stored_flip", "compact: FLIP", 1, 4},
@@ -40,7 +40,7 @@ std::span<const SweepMetric> sweep_metrics() {
                                              {"ply_bytes", ".ply (MB)", 1e-6, 2},
                                              {"seconds", "time (min)", 1.0 / 60, 2},
                                              {"cpu_seconds", "CPU (min)", 1.0 / 60, 2},
-                                             {"draw_ms", "frame (ms)", 1, 1}};
+                                             {"frame_ms", "frame (ms)", 1, 1}};
   return kMetrics;
 }
 

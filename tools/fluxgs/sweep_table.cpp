@@ -155,17 +155,45 @@ std::string group_section(const SweepTable& t, const SweepGroup& group,
   return shown.empty() ? text : text + fmt::format("{}\n\n", fmt::join(shown, " "));
 }
 
+/// What some finished runs have and others lack, the number of threads, and who made the runs.
+std::vector<std::string> notes_on_runs(const SweepTable& t) {
+  int finished = 0, others = 0;
+  std::map<std::string, int> having;
+  std::set<double> threads;
+  std::set<std::string> builds;
+  for (const RunOutcome& o : t.outcomes) {
+    if (o.state != RunState::finished) continue;
+    ++finished;
+    builds.insert(o.build);
+    others += o.build != t.build;
+    for (const auto& [key, value] : o.values) ++having[key];
+    if (const auto found = o.values.find("threads"); found != o.values.end())
+      threads.insert(found->second);
+  }
+  std::vector<std::string> notes;
+  for (const SweepMetric& metric : sweep_metrics())
+    if (const int n = having[metric.key]; n > 0 && n < finished && metric.of_all)
+      notes.push_back(fmt::format("{}: of {} of {} finished runs", metric.title, n, finished));
+  if (!threads.empty())
+    notes.push_back(
+        fmt::format("times are of trainings with {} threads", fmt::join(threads, " or ")));
+  if (others > 0)
+    notes.push_back(
+        fmt::format("{} of {} finished runs were made by {} builds of fluxgs {} other "
+                    "than the one that wrote this",
+                    others, finished, builds.size() - builds.count(t.build), FLUXGS_VERSION));
+  return notes;
+}
+
 /// Failures and what is missing, the same of several runs in one line.
 std::vector<std::string> notes_of(const SweepTable& t) {
   std::map<std::string, int> remarks;
   std::vector<std::string> failures;
-  std::set<std::string> builds;
   for (std::size_t scene = 0; scene < t.scenes.size(); ++scene)
     for (std::size_t row = 0; row < t.rows.size(); ++row)
       for (std::size_t seed = 0; seed < t.seeds.size(); ++seed) {
         const RunOutcome& o = t.at(scene, row, seed);
         for (const std::string& line : o.remarks) ++remarks[line];
-        if (o.state == RunState::finished) builds.insert(o.build);
         if (o.state == RunState::failed)
           failures.push_back(fmt::format("{}, {}, seed {} failed: {}", t.scenes[scene].name,
                                          t.rows[row].name, t.seeds[seed], o.error));
@@ -174,9 +202,8 @@ std::vector<std::string> notes_of(const SweepTable& t) {
   for (const auto& [line, runs] : remarks)
     notes.push_back(fmt::format("{} ({} of {} runs)", line, runs, t.outcomes.size()));
   notes.insert(notes.end(), failures.begin(), failures.end());
-  if (builds.size() > 1)
-    notes.push_back(fmt::format("the runs were made by {} different builds of fluxgs {}",
-                                builds.size(), FLUXGS_VERSION));
+  const std::vector<std::string> more = notes_on_runs(t);
+  notes.insert(notes.end(), more.begin(), more.end());
   return notes;
 }
 
@@ -204,7 +231,7 @@ json sweep_json(const SweepTable& t) {
     means.push_back(std::move(mean));
   }
   return {{"command", t.command},
-          {"versions", {{"fluxgs", FLUXGS_VERSION}, {"compiler", __VERSION__}}},
+          {"versions", {{"fluxgs", FLUXGS_VERSION}, {"compiler", __VERSION__}, {"build", t.build}}},
           {"scenes", std::move(scenes)},
           {"seeds", t.seeds},
           {"rows", std::move(results)},
@@ -216,7 +243,8 @@ std::string sweep_markdown(const SweepTable& t, std::span<const std::string> pic
   std::string text = fmt::format(
       "# Ablation\n\nMean ± standard deviation over {} seeds, on photos that the training did not "
       "see. \"compact\" is the scene as its compact .glb stores it; 1 MB = 10⁶ bytes; time is that "
-      "of the training.\n\n    {}\n\nfluxgs {}, compiler {}. Data:",
+      "of the training. Minutes and frame times mean something on an idle machine only.\n\n    "
+      "{}\n\nfluxgs {}, compiler {}. Data:",
       t.seeds.size(), one_line(t.command, std::string::npos), FLUXGS_VERSION, __VERSION__);
   for (const SweepScene& s : t.scenes)
     text += fmt::format(" {} (files' hash {}){}", cell(s.name), s.hash,

@@ -25,10 +25,11 @@ Statistic statistic_of(std::span<const double> values);
 
 /// Something measured of every run.
 struct SweepMetric {
-  const char* key;    ///< in JSON and RunOutcome::values
-  const char* title;  ///< with the unit that is shown
-  double shown;       ///< units shown for one of those stored
-  int digits;         ///< after the point
+  const char* key;     ///< in JSON and RunOutcome::values
+  const char* title;   ///< with the unit that is shown
+  double shown;        ///< units shown for one of those stored
+  int digits;          ///< after the point
+  bool of_all = true;  ///< false: not of every kind of training
 };
 std::span<const SweepMetric> sweep_metrics();
 
@@ -37,7 +38,8 @@ struct SweepScene {
 };
 
 struct SweepTable {
-  std::string command;  ///< that made it
+  std::string command;     ///< that made it
+  std::string build = {};  ///< a hash of the program that did
   std::vector<std::string> notes = {};
   std::vector<SweepScene> scenes = {};
   std::vector<SweepRow> rows = {};

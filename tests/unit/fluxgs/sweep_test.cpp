@@ -113,7 +113,7 @@ TEST(SweepStatistics, FailedRunsDoNotCount) {
   EXPECT_EQ(s.count, 2);
   EXPECT_DOUBLE_EQ(s.mean, 31);
   EXPECT_DOUBLE_EQ(s.deviation, std::sqrt(2.0));
-  EXPECT_EQ(over_seeds(table, 0, 0, "draw_ms").count, 0);
+  EXPECT_EQ(over_seeds(table, 0, 0, "frame_ms").count, 0);
 }
 
 TEST(SweepStatistics, OverScenesTheDeviationIsThatOfSeeds) {
@@ -139,6 +139,21 @@ TEST(SweepTable, SaysOfHowManyRunsANumberIs) {
   outcomes[1].values["stored_flip"] = 0.05;
   EXPECT_THAT(sweep_markdown(table_of(outcomes)),
               HasSubstr("| flux | 31.00 ± 1.41 | 0.0500 (1) | 1000 ± 0 | 2 |\n"));
+  EXPECT_THAT(sweep_markdown(table_of(outcomes)),
+              HasSubstr("- compact: FLIP: of 1 of 2 finished runs\n"));
+}
+
+TEST(SweepTable, SaysWhoMadeTheRunsAndWithHowManyThreads) {
+  std::vector<RunOutcome> outcomes{finished(30), finished(32), failed("x")};
+  outcomes[0].build = "this", outcomes[1].build = "that";
+  outcomes[0].values["threads"] = 1, outcomes[1].values["threads"] = 2;
+  SweepTable table = table_of(outcomes);
+  table.build = "this";
+  const std::string text = sweep_markdown(table);
+  EXPECT_THAT(text, HasSubstr("- times are of trainings with 1 or 2 threads\n"));
+  EXPECT_THAT(text, HasSubstr("- 1 of 2 finished runs were made by 1 builds of fluxgs"));
+  table.outcomes[1].build = "this";
+  EXPECT_THAT(sweep_markdown(table), Not(HasSubstr("builds of fluxgs")));
 }
 
 TEST(SweepTable, MarkdownShowsThePicturesOfItsGroups) {
@@ -167,6 +182,20 @@ TEST(SweepTable, CurvesAreMeansWhereAllRunsHaveMeasured) {
   ASSERT_EQ(plot.series.size(), 1u);
   EXPECT_THAT(plot.series[0].points, ElementsAre(std::pair(20.0, 32.0), std::pair(20.0, 31.0)));
   EXPECT_EQ(plot.y_from, 26.0);
+}
+
+TEST(SweepTable, CurvesLeaveOutSeedsThatLackAScene) {
+  SweepTable table = table_of({finished(20), finished(22), finished(30), failed("x")}, 2);
+  for (RunOutcome& o : table.outcomes)
+    if (o.state == RunState::finished) o.curve = {{10, o.values.at("psnr")}};
+  const Plot plot = sweep_curves(table, {"presets", "Presets"});
+  ASSERT_EQ(plot.series.size(), 1u);
+  EXPECT_THAT(plot.series[0].points, ElementsAre(std::pair(10.0, 25.0)));
+}
+
+TEST(SweepRows, OptionsOfTheDataAreTheSameInOneWordOrTwo) {
+  EXPECT_EQ(training_meaning(row("a", {}), {"--downscale=2"}),
+            training_meaning(row("a", {}), {"--downscale", "2"}));
 }
 
 TEST(SweepRows, NamesAreUniqueAndChosenByGroupOrName) {
@@ -237,6 +266,44 @@ TEST(Sweep, AFailingRowDoesNotLoseTheOthersAndIsTriedAgainWhenAsked) {
   EXPECT_NE(time_of(report), trained);
   EXPECT_EQ(time_of(folder / "spheres/good/seed-1.old-1/train.json"), trained);
   EXPECT_THAT(changed->at(0, 0, 0).remarks, ElementsAre(HasSubstr("put aside")));
+}
+
+void write(const fs::path& file, const std::string& text) { std::ofstream(file) << text; }
+
+// After a power failure, say
+TEST(Sweep, WhatCannotBeReadIsMadeAgainAndOddFilesCostOneRun) {
+  const test::TempFolder folder;
+  SweepSettings settings = tiny_settings(folder.path(), {row("good", {})});
+  const auto first = run_sweep(settings);
+  ASSERT_TRUE(first) << first.error().message();
+  const fs::path run = folder / "spheres/good/seed-1";
+  write(run / "score.json", "");
+  const auto scored = run_sweep(settings);
+  ASSERT_TRUE(scored);
+  EXPECT_EQ(scored->at(0, 0, 0).values, first->at(0, 0, 0).values);
+  for (const char* text : {"{\"psnr\": ", "[]"}) {
+    write(run / "train.json", text);
+    const auto trained = run_sweep(settings);
+    ASSERT_TRUE(trained);
+    EXPECT_EQ(trained->at(0, 0, 0).values.at("stored_psnr"),
+              first->at(0, 0, 0).values.at("stored_psnr"));
+  }
+  fs::remove(run / "scene.glb");
+  const auto again = run_sweep(settings);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->count(RunState::finished), 2);
+  for (const char* odd :
+       {R"({"psnr": 1})", R"({"psnr": 1, "curves": {"switch": null, "psnr": [null]}})"}) {
+    write(run / "train.json", odd);
+    const auto table = run_sweep(settings);
+    ASSERT_TRUE(table) << odd;
+    EXPECT_EQ(table->count(RunState::failed), 1) << odd;
+    EXPECT_EQ(table->count(RunState::finished), 1) << odd;
+    EXPECT_THAT(table->at(0, 0, 0).error, HasSubstr("seed-1")) << odd;
+  }
+  write(run / "run.json",
+        "{\"data_hash\": \"\", \"version\": \"\", \"build\": \"\", \"steps\": []}");
+  EXPECT_EQ(run_sweep(settings)->count(RunState::finished), 2);
 }
 
 /// A run that was stopped at step 40 of 60, by what its record tells.
@@ -443,7 +510,7 @@ TEST(Sweep, WithoutGlOnlyTheFrameTimeIsMissing) {
   const Outcome o = fluxgs(call, "__EGL_VENDOR_LIBRARY_FILENAMES=/none");
   ASSERT_EQ(o.status, 0) << o.err;
   const json report = json::parse(o.out);
-  EXPECT_EQ(report.at("rows")[0].at("statistics").at("draw_ms").at("count"), 0);
+  EXPECT_EQ(report.at("rows")[0].at("statistics").at("frame_ms").at("count"), 0);
   EXPECT_EQ(report.at("rows")[0].at("statistics").at("psnr").at("count"), 1);
   EXPECT_THAT(report.at("notes").dump(), HasSubstr("no frame time: "));
 }
