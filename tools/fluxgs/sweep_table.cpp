@@ -175,8 +175,7 @@ std::vector<std::string> notes_on_runs(const SweepTable& t) {
     if (const int n = having[metric.key]; n > 0 && n < finished && metric.of_all)
       notes.push_back(fmt::format("{}: of {} of {} finished runs", metric.title, n, finished));
   if (!threads.empty())
-    notes.push_back(
-        fmt::format("times are of trainings with {} threads", fmt::join(threads, " or ")));
+    notes.push_back(fmt::format("threads of the trainings: {}", fmt::join(threads, " or ")));
   if (others > 0)
     notes.push_back(
         fmt::format("{} of {} finished runs were made by {} builds of fluxgs {} other "

@@ -150,7 +150,7 @@ TEST(SweepTable, SaysWhoMadeTheRunsAndWithHowManyThreads) {
   SweepTable table = table_of(outcomes);
   table.build = "this";
   const std::string text = sweep_markdown(table);
-  EXPECT_THAT(text, HasSubstr("- times are of trainings with 1 or 2 threads\n"));
+  EXPECT_THAT(text, HasSubstr("- threads of the trainings: 1 or 2\n"));
   EXPECT_THAT(text, HasSubstr("- 1 of 2 finished runs were made by 1 builds of fluxgs"));
   table.outcomes[1].build = "this";
   EXPECT_THAT(sweep_markdown(table), Not(HasSubstr("builds of fluxgs")));
