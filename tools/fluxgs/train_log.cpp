@@ -18,7 +18,8 @@ void TrainLog::add(int iteration, const StepReport& step, std::size_t splats) {
   if (step.rounded) add_rounding(iteration, *step.rounded);
   loss_ += step.loss;
   l1_ += step.sums.l1;
-  if (++count_ < stretch_) return;
+  ++count_;
+  if (iteration % stretch_ != 0) return;
   iteration_.push_back(iteration);
   losses_.push_back(loss_ / count_);
   l1s_.push_back(l1_ / count_);

@@ -15,7 +15,8 @@ class TrainLog {
  public:
   explicit TrainLog(int iterations);  ///< of the whole training
 
-  /// Takes a step in, and tells the user of what happened in it.
+  /// Takes a step in, and tells the user of what happened in it. Stretches end at the same steps
+  /// wherever a training was interrupted; of one cut in two, the curves have the second part.
   void add(int iteration, const StepReport& step, std::size_t splats);
 
   /// Twenty times in all, halfway between the even marks, at many of which opacities are reset.
