@@ -63,10 +63,12 @@ std::string script_of(const Plot& plot, const fs::path& out) {
   const bool svg = out.extension() == ".svg";
   std::string script = fmt::format(
       "set terminal {} size 960,600 noenhanced {}\nset output {}\nset title {}\nset xlabel {}\n"
-      "set ylabel {}\nset grid\nset key outside right top\nset encoding utf8\n"
-      "set offsets graph 0.03, graph 0.03, graph 0.03, graph 0.03\n",
+      "set ylabel {}\nset grid\nset key outside right top\nset encoding utf8\n",
       svg ? "svg" : "pngcairo", svg ? "background 'white'" : "", quoted(out.string()),
       quoted(plot.title), quoted(plot.x_label), quoted(plot.y_label));
+  // Bars need room at the edges
+  if (std::ranges::any_of(plot.series, [](const PlotSeries& s) { return !s.y_errors.empty(); }))
+    script += "set offsets graph 0.03, graph 0.03, graph 0.03, graph 0.03\n";
   if (plot.log_x) script += "set logscale x 2\n";
   if (plot.y_from) script += fmt::format("set yrange [{}:]\n", *plot.y_from);
   std::string commands;
