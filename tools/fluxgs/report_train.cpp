@@ -108,7 +108,7 @@ Expected<void> write_results(const TrainReport& s, const SweepTable& table) {
   return write_json((out / "report.json").string(), sweep_json(table));
 }
 
-/// The first failure stands for all where nothing succeeded.
+/// Of a sweep whose report is written. The first failure stands for all where nothing succeeded.
 Expected<void> judge(const TrainReport& s, const SweepTable& table) {
   const int all = static_cast<int>(table.outcomes.size());
   const int finished = table.count(RunState::finished), failed = table.count(RunState::failed);
@@ -121,8 +121,10 @@ Expected<void> judge(const TrainReport& s, const SweepTable& table) {
                 fmt::format("none of the {} runs succeeded; the first failed: {}", all,
                             table.outcomes.front().error));
   if (failed > 0)
-    spdlog::warn("warning: {} of {} runs failed; {} says why, --retry tries again", failed, all,
-                 (fs::path(s.out) / "report.md").string());
+    return fail((fs::path(s.out) / "report.md").string(), "",
+                fmt::format("{} of {} runs failed, for the reasons it gives; the others are in it; "
+                            "--retry tries again",
+                            failed, all));
   return {};
 }
 
@@ -152,12 +154,13 @@ Expected<void> report(const TrainReport& s) {
   table->command = command_of(s);
   std::ranges::move(general_notes(s, *table, flip), std::back_inserter(table->notes));
   if (auto written = write_results(s, *table); !written) return written;
-  if (auto good = judge(s, *table); !good) return good;
-  if (s.as_json)
-    print_json(sweep_json(*table));
-  else
-    fmt::print("{}", sweep_markdown(*table));
-  return {};
+  if (!table->interrupted && table->count(RunState::finished) > 0) {
+    if (s.as_json)
+      print_json(sweep_json(*table));
+    else
+      fmt::print("{}", sweep_markdown(*table));
+  }
+  return judge(s, *table);
 }
 
 /// Everything from the first option on came after "--" and is for `train`.

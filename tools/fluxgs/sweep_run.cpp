@@ -240,7 +240,19 @@ class Execution {
 
   bool is_done(const Step& s) const {
     const auto product = read_json(s.product);
-    return product && product->is_object() && (s.name != kTrain || has("scene.glb"));
+    return product && product->is_object() && (s.name != kTrain || has_whole_scene(*product));
+  }
+
+  /// In both formats, of the sizes that training wrote.
+  bool has_whole_scene(const json& report) const {
+    for (const auto& [name, key] :
+         {std::pair("scene.glb", "bytes"), {"scene.ply", "exact_bytes"}}) {
+      std::error_code error;
+      const std::uintmax_t bytes = fs::file_size(run_.folder / name, error);
+      const auto written = report.find(key);
+      if (written != report.end() && (error || *written != bytes)) return false;
+    }
+    return report.contains("bytes");
   }
 
   bool has_test_photos() const {

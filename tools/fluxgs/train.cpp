@@ -4,6 +4,7 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 #include <opencv2/core/version.hpp>
 
@@ -54,6 +55,14 @@ Expected<void> check_outputs(const TrainSettings& settings) {
     return fail(settings.report, "--json",
                 "expected a name that ends in .json, outside of the data set");
   return check_writable(settings.report);
+}
+
+/// Points that a training begins with are not overwritten by its result.
+Expected<void> check_inputs_stay(const TrainSettings& settings, const Dataset& data) {
+  for (const std::string& path : {settings.out, settings.exact})
+    if (same_file(path, data.points_file))
+      return fail(path, "", "holds the points of the data set, expected another name to write to");
+  return {};
 }
 
 /// A run at work: steps, then its scene, then its report.
@@ -172,6 +181,9 @@ void Training::make_report() {
   json rates = all.curves.at("iterations_per_second");
   if (rates.empty()) rates = {0.0};
   report_ = {{"data", settings_.data.folder},
+             {"out", settings_.out},
+             {"exact", settings_.exact.empty() ? json() : json(settings_.exact)},
+             {"checkpoint_every", settings_.checkpoint_every},
              {"preset", settings_.preset},
              {"options", options_json(resolved(run_.options))},
              {"downscale", settings_.data.downscale},
@@ -227,14 +239,20 @@ Expected<StoredScene> Training::store() {
 
 /// Writes a compact .glb or another format, and returns the scene that the file holds.
 Expected<SplatCloud> Training::write_out() {
-  SplatCloud cloud = trainer_.cloud();
-  if (!settings_.exact.empty())
-    if (auto written = write_scene(settings_.exact, cloud); !written)
+  if (!settings_.exact.empty()) {
+    if (auto written = write_scene(settings_.exact, trainer_.cloud()); !written)
       return std::unexpected(written.error());
+    std::error_code error;
+    const std::uintmax_t bytes = std::filesystem::file_size(settings_.exact, error);
+    if (!error) report_["exact_bytes"] = bytes;
+  }
   if ((*scene_format_for(settings_.out))->name != "glb") {
-    if (auto written = write_scene(settings_.out, cloud); !written)
+    if (auto written = write_scene(settings_.out, trainer_.cloud()); !written)
       return std::unexpected(written.error());
-    return cloud;
+    auto stored = read_scene(settings_.out);
+    if (!stored) return std::unexpected(stored.error());
+    report_["bytes"] = stored->bytes;
+    return std::move(stored->cloud);
   }
   auto stored = store();
   if (!stored) return std::unexpected(stored.error());
@@ -252,8 +270,7 @@ Expected<void> Training::score(const SplatCloud& cloud) {
                     show_progress("views"));
   };
   const auto score = score_of(cloud);
-  const bool stored = report_.contains("bytes");
-  const auto before = stored ? score_of(trainer_.cloud()) : score;
+  const auto before = score_of(trainer_.cloud());
   if (!score) return std::unexpected(score.error());
   if (!before) return std::unexpected(before.error());
   report_["psnr"] = score->psnr;
@@ -271,6 +288,9 @@ Expected<void> Training::write_scenes() {
   report_["peak_memory_bytes"] = peak_memory();
   tell(fmt::format("{}: {} splats, {:.1f} s\n", one_line(settings_.out, std::string::npos),
                    trainer_.state().parameters.size(), whole_->seconds));
+  if (run_.options.render.background != glm::dvec3(0))
+    spdlog::info("scene files have no background: eval, render and view need --background {}, too",
+                 fmt::join(settings_.data.background, ","));
   return {};
 }
 
@@ -284,6 +304,7 @@ Expected<void> train(TrainSettings settings) {
   const Threads threads(settings.data.threads);
   auto run = settings.resume.empty() ? new_run(settings, threads) : resume_run(settings);
   if (!run) return std::unexpected(run.error());
+  if (auto ok = check_inputs_stay(settings, run->data); !ok) return ok;
   warn_of_lost_degrees(settings.out, **format, target_degree(run->options));
 
   Training training(settings, std::move(*run), threads);
@@ -331,11 +352,13 @@ void add_train(CLI::App& app, Action& action) {
                       "write a report of the run here (-: standard output)");
   add_method_options(*command, settings->method);
   command->callback([settings, command, &action] {
-    for (const CLI::Option* option : command->get_options())
+    for (const CLI::Option* option : command->get_options()) {
+      if (option->count() > 0) settings->given.insert(option->get_single_name());
       if (!settings->resume.empty() && option->count() > 0 &&
           !stays_free_on_resume(option->get_single_name()))
         throw CLI::ValidationError("--" + option->get_single_name(),
                                    "cannot be changed with --resume");
+    }
     if (same_file(settings->exact, settings->out))
       throw CLI::ValidationError("--exact", "is the same file as --out");
     action = [settings] { return train(*settings); };

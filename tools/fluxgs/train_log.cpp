@@ -32,6 +32,7 @@ void TrainLog::add(int iteration, const StepReport& step, std::size_t splats) {
 
 void TrainLog::measure_psnr(int iteration, const Trainer& trainer,
                             const std::vector<Photo>& photos) {
+  if (photos.empty()) return;
   const double start = wall_seconds(), cpu_start = cpu_seconds();
   psnr_.push_back({iteration, trainer.mean_psnr(photos)});
   measuring_ += wall_seconds() - start;
@@ -39,21 +40,24 @@ void TrainLog::measure_psnr(int iteration, const Trainer& trainer,
 }
 
 void TrainLog::add_switch(int iteration, const SwitchReport& report) {
+  const auto& test = report.test_psnr;
   switch_ = {{"iteration", iteration},
              {"train_psnr", {report.train_psnr_before, report.train_psnr_after}},
-             {"test_psnr", {report.test_psnr_before, report.test_psnr_after}},
+             {"test_psnr", test ? nlohmann::json(*test) : nlohmann::json()},
              {"bytes", {report.bytes_before, report.bytes_after}},
              {"mse_if_truncated", report.reduction.dropped},
              {"mse_if_fitted", report.reduction.unexplained},
              {"sphere_prior", report.reduction.sphere_prior},
              {"splats_of_degree", report.reduction.degrees}};
-  psnr_.push_back({iteration, report.test_psnr_before});
-  psnr_.push_back({iteration, report.test_psnr_after});
+  std::string on_test;
+  if (test) {
+    for (const double psnr : *test) psnr_.push_back({iteration, psnr});
+    on_test = fmt::format(", {:.2f} to {:.2f} on test", test->front(), test->back());
+  }
   spdlog::info(
-      "harmonics reduced: {:.2f} to {:.2f} dB on training views, {:.2f} to {:.2f} on test; a file "
-      "of {} bytes to {}",
-      report.train_psnr_before, report.train_psnr_after, report.test_psnr_before,
-      report.test_psnr_after, report.bytes_before, report.bytes_after);
+      "harmonics reduced: {:.2f} to {:.2f} dB on training views{}; a file of {} bytes to {}",
+      report.train_psnr_before, report.train_psnr_after, on_test, report.bytes_before,
+      report.bytes_after);
   const auto& degrees = report.reduction.degrees;
   if (degrees[0] + degrees[1] + degrees[2] > 0)
     spdlog::info("splats of degree 0 to 3: {}", fmt::join(degrees, ", "));

@@ -21,7 +21,7 @@ class TrainLog {
 
   /// Twenty times in all, halfway between the even marks, at many of which opacities are reset.
   bool psnr_is_due(int iteration) const { return iteration % (10 * stretch_) == 5 * stretch_; }
-  /// Measures the test views; the time that takes is not part of the training's.
+  /// Measures the test views, if there are any; the time that takes is not part of the training's.
   void measure_psnr(int iteration, const Trainer& trainer, const std::vector<Photo>& photos);
   double measuring_seconds() const { return measuring_; }
   double measuring_cpu_seconds() const { return measuring_cpu_; }

@@ -9,6 +9,7 @@
 
 #include "fluxgs/io/scene.h"
 #include "tools/fluxgs/console.h"
+#include "tools/fluxgs/idle_options.h"
 #include "tools/fluxgs/progress.h"
 #include "trainer/train/checkpoint.h"
 #include "trainer/train/memory_budget.h"
@@ -29,7 +30,9 @@ Expected<TrainOptions> options_from(const TrainSettings& settings) {
 }
 
 /// What the user has asked for but will not get.
-void warn_of_options(const TrainOptions& options) {
+void warn_of_options(const TrainSettings& settings, const TrainOptions& options) {
+  for (const std::string& line : idle_options(settings.given, options))
+    spdlog::warn("warning: {}", line);
   const int at = resolved(options).switch_iteration;
   if (reduces_appearance(options) && at > options.iterations)
     spdlog::warn("warning: --switch-iter {} is behind the last step, {}: harmonics are not reduced",
@@ -42,6 +45,9 @@ void warn_of_rounding(const TrainOptions& options) {
   const int from = resolved(options).round_from;
   if (makes_psi(options) || makes_phi(options))
     spdlog::warn("warning: --rounding on does nothing, as networks make the colours");
+  else if (options.round_from > options.iterations)
+    spdlog::warn("warning: nothing is rounded: --round-from {} is behind the last step, {}",
+                 options.round_from, options.iterations);
   else if (from > options.iterations)
     spdlog::warn(
         "warning: nothing is rounded, as densification or the reduction of harmonics lasts to the "
@@ -80,7 +86,7 @@ void thin_out(PointCloud& points, std::size_t most) {
 Expected<Run> new_run(const TrainSettings& settings, const Threads& threads) {
   const auto options = options_from(settings);
   if (!options) return std::unexpected(options.error());
-  warn_of_options(*options);
+  warn_of_options(settings, *options);
   warn_of_rounding(*options);
   auto data = load(settings.data);
   if (!data) return std::unexpected(data.error());
@@ -126,9 +132,16 @@ Expected<void> save_checkpoint(const TrainSettings& settings, const Run& run,
 }
 
 std::string how_to_go_on(const TrainSettings& settings) {
-  return fmt::format("saved; go on with: fluxgs train {} -o {} --resume {}",
-                     shell_quoted(settings.data.folder), shell_quoted(settings.out),
-                     shell_quoted(checkpoint_of(settings)));
+  std::string line = fmt::format("saved; go on with: fluxgs train {} -o {} --resume {}",
+                                 shell_quoted(settings.data.folder), shell_quoted(settings.out),
+                                 shell_quoted(checkpoint_of(settings)));
+  // What a checkpoint does not hold
+  if (!settings.exact.empty()) line += " --exact " + shell_quoted(settings.exact);
+  if (!settings.report.empty()) line += " --json " + shell_quoted(settings.report);
+  if (settings.data.threads > 0) line += fmt::format(" --threads {}", settings.data.threads);
+  if (settings.checkpoint_every > 0)
+    line += fmt::format(" --checkpoint-every {}", settings.checkpoint_every);
+  return line;
 }
 
 }  // namespace fluxgs::cli

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 
 #include "fluxgs/error.h"
@@ -20,6 +21,7 @@ struct TrainSettings {
   DataOptions data;
   int checkpoint_every = 0;
   MethodOptions method;
+  std::set<std::string> given;  ///< names of all options on the command line, without dashes
 };
 
 struct Run {

@@ -39,6 +39,7 @@ struct Dataset {
   std::vector<Photo> train, test;         ///< each sorted by name; train is never empty
   std::vector<glm::vec3> points;          ///< sparse points, finite; may be empty
   std::vector<glm::u8vec3> point_colors;  ///< sRGB, one per point
+  std::filesystem::path points_file;      ///< the .ply that they came from, if it was one
   std::size_t skipped_images = 0;         ///< listed, but without an image file
   std::vector<std::string> warnings;      ///< one line each, for the user
 };

@@ -22,9 +22,10 @@ Expected<void> check_lens(const Lens& lens, const std::string& file, const std::
   const bool focal_ok = std::isfinite(lens.fx) && std::isfinite(lens.fy) && lens.fx > 0 &&
                         lens.fy > 0 && lens.fx < 1e9 && lens.fy < 1e9;
   if (!focal_ok)
-    return fail(file, field,
-                fmt::format("focal length {:g}, {:g}, expected positive numbers of pixels", lens.fx,
-                            lens.fy));
+    return fail(
+        file, field,
+        fmt::format("focal length {:g}, {:g}, expected pixels, more than 0 and less than 1e9",
+                    lens.fx, lens.fy));
   if (!(std::abs(lens.cx) < 1e9) || !(std::abs(lens.cy) < 1e9))
     return fail(
         file, field,

@@ -29,6 +29,7 @@ struct Source {
   std::vector<SourceFrame> test_frames;
   std::vector<glm::vec3> points;  ///< finite
   std::vector<glm::u8vec3> point_colors;
+  std::filesystem::path points_file;  ///< the .ply that the points came from, if it was one
   std::size_t skipped_images = 0;
   std::vector<std::string> warnings;
 };

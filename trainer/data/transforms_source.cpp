@@ -174,6 +174,7 @@ Expected<void> read_ply(const Json& json, const fs::path& file, Source& source) 
         fmt::format("{}: ply_file_path: no such file: {}", file.string(), one_line(ply.string())));
     return {};
   }
+  source.points_file = ply;
   return read_ply_points(ply, source);
 }
 

@@ -173,8 +173,11 @@ const std::vector<OptionField>& option_fields() {
       real("mcmc-growth", "x the splats there are, added at each densification", &O::mcmc_growth, 0,
            10),
       real("mcmc-noise", "noise of positions, x their rate", &O::mcmc_noise, 0, 1e12),
-      real("store-loss", "dB of PSNR that a compact file costs before training makes up for it",
-           &O::store_loss, 0.001, 10),
+      real(
+          "store-loss",
+          "dB of PSNR that a compact file costs before training makes up for it (an estimate: what "
+          "rounding changes is taken to be independent of the scene's own errors)",
+          &O::store_loss, 0.001, 10),
       real("store-psnr",
            "dB that the file's pictures need be from the scene's, whatever --store-loss (0: no "
            "limit)",
@@ -203,10 +206,13 @@ namespace {
 /// What the parts of the method ask of each other.
 Expected<void> validate_together(const TrainOptions& o) {
   const bool first_order = o.sh_target == ShTarget::degree_1 && o.sh_degree >= 1;
+  const char* expected =
+      o.sh_degree >= 1 ? "expected --sh-target 1" : "expected a --sh-degree of 1 or more";
   if (o.phi == Switch::on && !first_order)
-    return fail("", "--phi", "makes colours of degree 1 only, expected --sh-target 1");
+    return fail("", "--phi", fmt::format("makes colours of degree 1 only, {}", expected));
   if (o.sh_reduce == ShReduction::energy && !first_order)
-    return fail("", "--sh-reduce", "energy makes colours of degree 1 only, expected --sh-target 1");
+    return fail("", "--sh-reduce",
+                fmt::format("energy makes colours of degree 1 only, {}", expected));
   if (o.sh_target == ShTarget::adaptive && o.sh_reduce != ShReduction::view_ls)
     return fail("", "--sh-target", "adaptive degrees are fitted, expected --sh-reduce view-ls");
   const bool integrates =
@@ -215,6 +221,9 @@ Expected<void> validate_together(const TrainOptions& o) {
     return fail("", "--samples",
                 fmt::format("{} are too many for --quadrature lebedev, expected {} at most",
                             o.samples, kMaxLebedevSamples));
+  if (o.max_splats > 0 && o.target_splats > o.max_splats)
+    return fail("", "--target-splats",
+                fmt::format("{} are more than --max-splats {}", o.target_splats, o.max_splats));
   return {};
 }
 

@@ -299,7 +299,7 @@ SwitchReport Trainer::switch_appearance() {
   StageTimer timer(times_, Stage::appearance);
   SwitchReport report;
   report.train_psnr_before = mean_psnr(data_.train);
-  report.test_psnr_before = mean_psnr(data_.test);
+  const double test_psnr_before = mean_psnr(data_.test);
   report.bytes_before = compact_bytes();
   const ViewWeights views =
       view_weights(state_.parameters, cameras_of(data_.train), render_options(), threads_);
@@ -309,7 +309,7 @@ SwitchReport Trainer::switch_appearance() {
       reduce_appearance(state_, options_, views, mse_of_psnr(trained_psnr), threads_);
   state_.switched_at = state_.iteration;
   report.train_psnr_after = mean_psnr(data_.train);
-  report.test_psnr_after = mean_psnr(data_.test);
+  if (!data_.test.empty()) report.test_psnr = {test_psnr_before, mean_psnr(data_.test)};
   report.bytes_after = compact_bytes();
   return report;
 }

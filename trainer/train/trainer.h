@@ -1,6 +1,7 @@
 // The training loop, one step at a time.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 
@@ -24,8 +25,8 @@ namespace fluxgs {
 struct SwitchReport {
   ReductionReport reduction;
   double train_psnr_before = 0, train_psnr_after = 0;  ///< dB, means over the views
-  double test_psnr_before = 0, test_psnr_after = 0;    ///< 0 without test views
-  std::size_t bytes_before = 0, bytes_after = 0;       ///< of compact files with the usual steps
+  std::optional<std::array<double, 2>> test_psnr;  ///< before and after, if there are test views
+  std::size_t bytes_before = 0, bytes_after = 0;   ///< of compact files with the usual steps
 };
 
 /// What splats that were removed late were worth.

@@ -327,6 +327,19 @@ TEST(Command, InputIsNeverOverwritten) {
   expect_error(fluxgs(train(folder / "x.glb", "--iterations 1 --json " + quoted(poses))),
                {"transforms_train.json"});
   EXPECT_EQ(text_of(poses), before);
+  const test::TempFolder own;  // a data set with points in a .ply
+  std::filesystem::copy(capture_folder(), own.path(), std::filesystem::copy_options::recursive);
+  ASSERT_TRUE(write_scene(own / "points.ply", test::random_cloud(10, 0, 1)));
+  json with_points = json::parse(before);
+  with_points["ply_file_path"] = "points.ply";
+  write_text(own / "transforms_train.json", with_points.dump());
+  const std::string points = text_of(own / "points.ply");
+  for (const char* option : {"-o", "-o x.glb --exact"})
+    expect_error(fluxgs(fmt::format("train {} {} {}", quoted(own.path()), option,
+                                    quoted(own / "points.ply"))),
+                 {"points.ply", "points of the data set"});
+  EXPECT_EQ(text_of(own / "points.ply"), points);
+
   const auto photo = capture_folder() / "test/r_000.png";
   const std::string pixels = text_of(photo);
   expect_error(
@@ -457,6 +470,33 @@ TEST(Command, SaysWhenRoundingIsNotAsAskedFor) {
   EXPECT_THAT(said(""), Not(HasSubstr("warning: ")));
 }
 
+TEST(Command, SaysWhichOptionsDoNothing) {
+  const test::TempFolder folder;
+  const auto said = [&](const std::string& options) {
+    return fluxgs(train(folder / "scene.glb", "--iterations 20 " + options)).err;
+  };
+  EXPECT_THAT(said("--psi off --samples 64"), HasSubstr("no effect of --psi, expected"));
+  EXPECT_THAT(said("--target-splats 1500"), HasSubstr("no splats are added"));
+  expect_error(fluxgs(train(folder / "x.glb", "--target-splats 3000")),
+               {"--target-splats", "--max-splats 2000"});
+  expect_error(fluxgs(train(folder / "x.glb", "--sh-target 1 --sh-degree 0 --phi on")),
+               {"--phi", "--sh-degree"});
+}
+
+// A .splat holds bytes, and no harmonics
+TEST(Command, TheScoreIsThatOfTheFile) {
+  const test::TempFolder folder;
+  const auto scene = folder / "scene.splat";
+  const Outcome trained = fluxgs(train(scene, "--preset 3dgs --iterations 200 --json -"));
+  ASSERT_EQ(trained.status, 0) << trained.err;
+  const json run = json::parse(trained.out);
+  EXPECT_EQ(run["bytes"], std::filesystem::file_size(scene));
+  EXPECT_NE(run["psnr"], run["psnr_before_storing"]);
+  const Outcome scored =
+      fluxgs(fmt::format("eval {} --data {} --json", quoted(scene), quoted(capture_folder())));
+  EXPECT_NEAR(json::parse(scored.out)["psnr"].get<double>(), run["psnr"].get<double>(), 1e-3);
+}
+
 TEST(Command, InterruptedTrainingResumesToTheSameBytes) {
   const test::TempFolder folder;
   const std::string length = "--iterations 1000 --threads 1";
@@ -468,12 +508,13 @@ TEST(Command, InterruptedTrainingResumesToTheSameBytes) {
       fmt::format(
           "set -m\n'{}' {} --checkpoint-every 20 2>{} &\npid=$!\n"
           "while [ ! -e {} ] && kill -0 $pid; do sleep 0.02; done\nkill -INT $pid\nwait $pid\n",
-          FLUXGS_BINARY, train(folder / "stopped.ply", length), quoted(folder / "err"),
-          quoted(folder / "stopped.ply.ckpt")));
+          FLUXGS_BINARY, train(folder / "stopped.ply", length + " --json stopped.json"),
+          quoted(folder / "err"), quoted(folder / "stopped.ply.ckpt")));
   const int status = std::system(fmt::format("bash {}", quoted(folder / "interrupt.sh")).c_str());
   const std::string said = text_of(folder / "err");
   ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 1) << said;
-  EXPECT_NE(said.find("--resume"), std::string::npos) << said;
+  EXPECT_THAT(said, HasSubstr(fmt::format("--resume {}", (folder / "stopped.ply.ckpt").string())));
+  EXPECT_THAT(said, HasSubstr(" --json stopped.json --threads 1 --checkpoint-every 20\n"));
   ASSERT_TRUE(std::filesystem::exists(folder / "stopped.ply.ckpt")) << said;
   EXPECT_FALSE(std::filesystem::exists(folder / "stopped.ply"));
   const Outcome resumed =

@@ -292,8 +292,18 @@ TEST(Sweep, WhatCannotBeReadIsMadeAgainAndOddFilesCostOneRun) {
   const auto again = run_sweep(settings);
   ASSERT_TRUE(again);
   EXPECT_EQ(again->count(RunState::finished), 2);
-  for (const char* odd :
-       {R"({"psnr": 1})", R"({"psnr": 1, "curves": {"switch": null, "psnr": [null]}})"}) {
+  for (const char* scene : {"scene.glb", "scene.ply"}) {
+    fs::resize_file(run / scene, 100);
+    const auto whole = run_sweep(settings);
+    ASSERT_TRUE(whole);
+    EXPECT_EQ(whole->at(0, 0, 0).values.at("stored_bytes"),
+              first->at(0, 0, 0).values.at("stored_bytes"));
+    EXPECT_GT(fs::file_size(run / scene), 100u);
+  }
+  const std::string bytes = fmt::format("{}", fs::file_size(run / "scene.glb"));
+  for (const std::string& odd :
+       {"{\"psnr\": 1, \"bytes\": " + bytes + "}",
+        "{\"psnr\": 1, \"bytes\": " + bytes + R"(, "curves": {"switch": null, "psnr": [null]}})"}) {
     write(run / "train.json", odd);
     const auto table = run_sweep(settings);
     ASSERT_TRUE(table) << odd;

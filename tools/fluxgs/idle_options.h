@@ -1,0 +1,18 @@
+// Options of training that a user has given, and that others make ineffective.
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "trainer/options/options.h"
+
+namespace fluxgs::cli {
+
+/// One line each: which of the options in `given` (names without dashes) do nothing together with
+/// the others in `options`, and why; and what was asked for of the method but will not happen, as
+/// its first step is behind its last.
+std::vector<std::string> idle_options(const std::set<std::string>& given,
+                                      const TrainOptions& options);
+
+}  // namespace fluxgs::cli

@@ -1,0 +1,23 @@
+// Whether a data set's coordinates are of a size that single precision and the renderer's near
+// plane can do with.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "trainer/data/dataset.h"
+
+namespace fluxgs {
+
+/// Scene units from a typical camera to what it sees: the median over the cameras of their median
+/// depth of the sparse points in front of them; without points, of the distance to the point that
+/// the views meet in. Nothing where there is neither.
+std::optional<double> typical_depth(const Dataset& data);
+
+/// One line for each of the two that is wrong: positions so far from the origin that numbers of 32
+/// bits round them by more than a tenth of a pixel; a scene so near its cameras, less than five
+/// times the near plane, that parts of it are not drawn.
+std::vector<std::string> scale_warnings(const Dataset& data);
+
+}  // namespace fluxgs
