@@ -216,10 +216,10 @@ void add_report_train(CLI::App& app, Action& action) {
   command->footer(
       "Writes report.md, report.json and pictures of each group to OUT, and every run to\n"
       "OUT/SCENE/ROW/seed-N. What is finished there is not run again; Ctrl-C saves, and the same\n"
-      "command goes on. The report is of the rows of this call; --only leaves other runs be, but\n"
-      "not their report. Rows of a call that mean the same share their runs; --known takes over "
-      "what\n"
-      "other calls have finished, perhaps on other machines.\n"
+      "command goes on. A run that fails leaves the others be; the exit status is then 1.\n"
+      "The report is of the rows of this call; --only leaves other runs be, but not their report.\n"
+      "Rows of a call that mean the same share their runs; --known takes over what other calls\n"
+      "have finished, perhaps on other machines.\n"
       "Frame times and minutes mean something on an idle machine only.\n"
       "Example: fluxgs report train captures/garden -o sweep --only presets,cameras "
       "-- --iterations 7000 --downscale 2");
