@@ -11,19 +11,22 @@ namespace {
 
 using O = TrainOptions;
 
-bool reduces_by(const O& o, ShReduction how) { return reduces_appearance(o) && o.sh_reduce == how; }
-
-bool has_moments(const O& o) { return reduces_by(o, ShReduction::energy); }
-
-bool has_scores(const O& o) {
-  return o.late_prune == LatePrune::opacity ||
-         (o.densify != Densify::mcmc &&
-          (o.densify == Densify::multiview || o.prune == Prune::multiview));
+bool has_moments(const O& o) { return reduces_appearance(o) && o.sh_reduce == ShReduction::energy; }
+bool integrates(const O& o) {
+  return has_moments(o) || (reduces_appearance(o) && o.sh_reduce == ShReduction::uniform_ls);
 }
-
+bool by_gradients(const O& o) { return o.densify != Densify::mcmc; }
+bool by_views(const O& o) { return o.densify == Densify::multiview; }
 bool prunes_by_score(const O& o) {
-  return o.late_prune == LatePrune::opacity ||
-         (o.densify != Densify::mcmc && o.prune == Prune::multiview);
+  return o.late_prune == LatePrune::opacity || (by_gradients(o) && o.prune == Prune::multiview);
+}
+bool has_scores(const O& o) { return by_views(o) || prunes_by_score(o); }
+bool limits_growth(const O& o) {
+  return o.densify_growth > 0 || o.max_splats > 0 || o.target_splats > 0 || o.max_memory > 0;
+}
+bool resets_opacity(const O& o) {
+  return by_gradients(o) && o.opacity_reset_interval > 0 &&
+         o.opacity_reset_interval < o.densify_until;
 }
 
 struct Rule {
@@ -33,45 +36,58 @@ struct Rule {
 };
 
 const Rule kRules[] = {
+    {{"sh-degree-interval", "sh-rest-rate"},
+     [](const O& o) { return degree_before_switch(o) > 0; },
+     "a --sh-degree and --sh-target of more than 0"},
     {{"sh-reduce"},
      [](const O& o) { return reduces_appearance(o) || o.sh_reduce == ShReduction::none; },
      "a --sh-target below --sh-degree"},
-    {{"switch-iter"}, reduces_appearance, "a --sh-target below --sh-degree"},
+    {{"switch-iter"},
+     reduces_appearance,
+     "a --sh-target below --sh-degree and another --sh-reduce than none"},
     {{"sh-loss"},
      [](const O& o) { return o.sh_target == ShTarget::adaptive; },
      "--sh-target adaptive"},
     {{"quadrature", "samples"},
-     [](const O& o) { return has_moments(o) || reduces_by(o, ShReduction::uniform_ls); },
-     "--sh-target 1 with --sh-reduce energy or uniform-ls"},
-    {{"residual", "psi", "psi-fit-steps", "psi-rate"},
-     has_moments,
-     "--sh-target 1 --sh-reduce energy"},
-    {{"phi-rate"}, [](const O& o) { return makes_phi(o); }, "--phi on"},
-    {{"coarse-until"}, [](const O& o) { return o.coarse_levels > 0; }, "--coarse-levels"},
-    {{"densify-gradient", "densify-size", "densify-growth", "growth-rank", "split", "prune",
-      "prune-world-size", "prune-screen-radius", "opacity-reset-interval", "opacity-reset-to",
-      "opacity-cap"},
-     [](const O& o) { return o.densify != Densify::mcmc; },
+     integrates,
+     "harmonics that are reduced by --sh-reduce energy or uniform-ls"},
+    {{"residual", "psi"}, has_moments, "--sh-target 1 --sh-reduce energy"},
+    {{"psi-fit-steps", "psi-rate"}, makes_psi, "--sh-target 1 --sh-reduce energy --psi on"},
+    {{"phi-rate"}, makes_phi, "--phi on"},
+    {{"coarse-until"}, [](const O& o) { return o.coarse_levels > 0; }, "--coarse-levels 1 or more"},
+    {{"densify-growth", "prune", "split", "opacity-cap", "opacity-reset-interval"},
+     by_gradients,
      "--densify grad or multiview"},
-    {{"split-shrink"},
-     [](const O& o) { return o.densify != Densify::mcmc && o.split == Split::random; },
-     "--split random without mcmc"},
-    {{"mcmc-growth", "mcmc-noise"},
-     [](const O& o) { return o.densify == Densify::mcmc; },
-     "--densify mcmc"},
-    {{"quantile-plus", "tau-plus"},
-     [](const O& o) { return o.densify == Densify::multiview; },
-     "--densify multiview"},
+    {{"densify-gradient"},
+     [](const O& o) { return by_gradients(o) && o.target_splats == 0; },
+     "--densify grad or multiview without --target-splats"},
+    {{"densify-size", "split-shrink"},
+     [](const O& o) { return by_gradients(o) && o.split == Split::random; },
+     "--densify grad or multiview with --split random"},
+    {{"growth-rank"},
+     [](const O& o) { return by_views(o) && limits_growth(o); },
+     "--densify multiview with --densify-growth or another limit"},
+    {{"opacity-reset-to"},
+     resets_opacity,
+     "--densify grad or multiview with an --opacity-reset-interval below --densify-until"},
+    {{"prune-world-size", "prune-screen-radius"},
+     [](const O& o) { return resets_opacity(o) && o.prune != Prune::none; },
+     "--prune multiview or opacity with an --opacity-reset-interval below --densify-until"},
+    {{"prune-opacity"},
+     [](const O& o) { return !by_gradients(o) || o.prune != Prune::none; },
+     "--prune multiview or opacity"},
+    {{"mcmc-growth", "mcmc-noise"}, [](const O& o) { return !by_gradients(o); }, "--densify mcmc"},
+    {{"quantile-plus", "tau-plus"}, by_views, "--densify multiview"},
     {{"quantile-minus", "tau-minus"}, prunes_by_score, "--prune multiview or --late-prune opacity"},
     {{"cameras", "camera-sampling", "score", "score-loss", "score-unit", "score-share"},
      has_scores,
      "--densify multiview, --prune multiview or --late-prune opacity"},
     {{"azimuth-bins", "elevation-bins"},
      [](const O& o) { return has_scores(o) && o.camera_sampling == CameraSampling::stratified; },
-     "scores of stratified cameras"},
+     "--camera-sampling stratified with --densify or --prune multiview, or --late-prune opacity"},
     {{"late-prune-from", "late-prune-interval", "late-prune-until"},
      [](const O& o) { return o.late_prune != LatePrune::off; },
-     "--late-prune"},
+     "--late-prune opacity or contribution"},
     {{"late-prune-opacity"},
      [](const O& o) { return o.late_prune == LatePrune::opacity; },
      "--late-prune opacity"},
@@ -80,8 +96,20 @@ const Rule kRules[] = {
      "--late-prune contribution"},
     {{"round-from", "round-interval"},
      [](const O& o) { return o.rounding == Switch::on; },
-     "--rounding on and a .glb"},
+     "--rounding on"},
 };
+
+constexpr const char* kOfFiles[] = {"store-loss", "store-psnr"};
+
+bool any_given(const std::set<std::string>& given, std::initializer_list<const char*> names) {
+  return std::ranges::any_of(names, [&](const char* name) { return given.contains(name); });
+}
+
+/// Whether something that is due at the multiples of an interval comes to be.
+bool happens(int from, int until, int interval) {
+  const int first = (std::max(from, 1) + interval - 1) / interval * interval;
+  return first <= until;
+}
 
 /// Of --sh-target, whatever --sh-degree is.
 int asked_degree(O o) {
@@ -90,19 +118,21 @@ int asked_degree(O o) {
 }
 
 void add_stages(const std::set<std::string>& given, const O& o, std::vector<std::string>& lines) {
-  // A short run without it is what most who ask for one want
-  const bool asked = given.contains("densify-from") || given.contains("densify-until") ||
-                     given.contains("target-splats");
-  if (asked && o.densify_from > std::min(o.densify_until, o.iterations))
-    lines.push_back(
-        fmt::format("no splats are added: that would begin at step {} and ends at step {}",
-                    o.densify_from, std::min(o.densify_until, o.iterations)));
+  const auto never = [&](const char* what, int from, int until, int interval) {
+    const int last = std::min(until, o.iterations);
+    if (!happens(from, last, interval))
+      lines.push_back(fmt::format("{}: that would be every {} steps from {} to {}", what, interval,
+                                  from, last));
+  };
+  // Who has not asked for any may want a short run
+  if (any_given(given, {"densify-from", "densify-until", "densify-interval", "target-splats"}))
+    never("no splats are added", o.densify_from, o.densify_until, o.densify_interval);
   if (o.late_prune != LatePrune::off &&
-      o.late_prune_from > std::min(o.late_prune_until, o.iterations))
-    lines.push_back(
-        fmt::format("there is no late pruning: it would begin at step {} and ends at step {}",
-                    o.late_prune_from, std::min(o.late_prune_until, o.iterations)));
-  if (o.coarse_levels > 0 && o.coarse_until >= o.iterations)
+      any_given(given,
+                {"late-prune", "late-prune-from", "late-prune-until", "late-prune-interval"}))
+    never("there is no late pruning", o.late_prune_from, o.late_prune_until, o.late_prune_interval);
+  if (o.coarse_levels > 0 && o.coarse_until >= o.iterations &&
+      any_given(given, {"coarse-levels", "coarse-until"}))
     lines.push_back(fmt::format("photos are halved to the end: --coarse-until {} of {} steps",
                                 o.coarse_until, o.iterations));
   if (given.contains("sh-target") && o.sh_target != ShTarget::adaptive &&
@@ -113,20 +143,27 @@ void add_stages(const std::set<std::string>& given, const O& o, std::vector<std:
 }  // namespace
 
 std::vector<std::string> idle_options(const std::set<std::string>& given,
-                                      const TrainOptions& options) {
+                                      const TrainOptions& options, bool compact) {
   const O o = resolved(options);
   std::vector<std::string> lines;
-  for (const Rule& rule : kRules) {
-    if (rule.works(o)) continue;
+  const auto add = [&](const auto& names, const char* needed) {
     std::vector<std::string> idle;
-    for (const char* name : rule.names)
+    for (const char* name : names)
       if (given.contains(name)) idle.push_back(fmt::format("--{}", name));
     if (!idle.empty())
-      lines.push_back(
-          fmt::format("no effect of {}, expected {}", fmt::join(idle, ", "), rule.needed));
-  }
+      lines.push_back(fmt::format("no effect of {}, expected {}", fmt::join(idle, ", "), needed));
+  };
+  for (const Rule& rule : kRules)
+    if (!rule.works(o)) add(rule.names, rule.needed);
+  if (!compact && o.rounding == Switch::off) add(kOfFiles, "a .glb to write, or --rounding on");
   add_stages(given, o, lines);
   return lines;
+}
+
+std::set<std::string> options_that_may_be_idle() {
+  std::set<std::string> names(std::begin(kOfFiles), std::end(kOfFiles));
+  for (const Rule& rule : kRules) names.insert(rule.names.begin(), rule.names.end());
+  return names;
 }
 
 }  // namespace fluxgs::cli

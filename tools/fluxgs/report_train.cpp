@@ -121,10 +121,11 @@ Expected<void> judge(const TrainReport& s, const SweepTable& table) {
                 fmt::format("none of the {} runs succeeded; the first failed: {}", all,
                             table.outcomes.front().error));
   if (failed > 0)
-    return fail((fs::path(s.out) / "report.md").string(), "",
-                fmt::format("{} of {} runs failed, for the reasons it gives; the others are in it; "
-                            "--retry tries again",
-                            failed, all));
+    return fail(
+        (fs::path(s.out) / "report.md").string(), "",
+        fmt::format("{} of {} runs failed; the report says why, and has the others; --retry "
+                    "tries again",
+                    failed, all));
   return {};
 }
 

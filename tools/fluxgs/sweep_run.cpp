@@ -230,7 +230,11 @@ class Execution {
     // What failed because of options that mean nothing to the scene, such as --threads, may not now
     const bool same_words = known.value("options", json(run_.options)) == json(run_.options);
     if (same && same_words && error.is_string() && !tools_.retry) return tell_failure(s, error);
-    if (same && error.is_null() && is_done(s)) return true;
+    if (same && error.is_null()) {
+      if (is_done(s)) return true;
+      if (has(s.product.filename().c_str()))
+        outcome_.remarks.push_back(fmt::format("{} made again: files of it were damaged", s.name));
+    }
     if (s.name == kScore && !has_test_photos()) {
       outcome_.remarks.push_back("no PSNR and SSIM: the data set has no test photos");
       return true;
@@ -243,16 +247,17 @@ class Execution {
     return product && product->is_object() && (s.name != kTrain || has_whole_scene(*product));
   }
 
-  /// In both formats, of the sizes that training wrote.
+  /// Of the sizes that training wrote. The .ply, which nothing reads, may be gone.
   bool has_whole_scene(const json& report) const {
-    for (const auto& [name, key] :
-         {std::pair("scene.glb", "bytes"), {"scene.ply", "exact_bytes"}}) {
-      std::error_code error;
-      const std::uintmax_t bytes = fs::file_size(run_.folder / name, error);
-      const auto written = report.find(key);
-      if (written != report.end() && (error || *written != bytes)) return false;
-    }
-    return report.contains("bytes");
+    return report.contains("bytes") && has_size("scene.glb", report.at("bytes")) &&
+           (!has("scene.ply") || !report.contains("exact_bytes") ||
+            has_size("scene.ply", report.at("exact_bytes")));
+  }
+
+  bool has_size(const char* name, const json& bytes) const {
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(run_.folder / name, error);
+    return !error && bytes == size;
   }
 
   bool has_test_photos() const {
@@ -340,11 +345,10 @@ class Execution {
     }
     if (tools_.measures.frames > 0)
       if (const auto frames = read_json(run_.folder / "frames.json")) collect_frames(*frames);
-    for (const auto& [file, key] :
-         {std::pair("scene.ply", "ply_bytes"), {"scene.glb", "stored_bytes"}}) {
+    if (!outcome_.values.contains("ply_bytes")) {  // of a run of before it was written down
       std::error_code error;
-      const auto size = fs::file_size(run_.folder / file, error);
-      if (!error) outcome_.values[key] = static_cast<double>(size);
+      const auto size = fs::file_size(run_.folder / "scene.ply", error);
+      if (!error) outcome_.values["ply_bytes"] = static_cast<double>(size);
     }
   }
 
@@ -366,6 +370,8 @@ class Execution {
     take(report, "/psnr_before_storing", "psnr");
     take(report, "/ssim_before_storing", "ssim");
     take(report, "/splats", "splats");
+    take(report, "/bytes", "stored_bytes");
+    take(report, "/exact_bytes", "ply_bytes");
     take(report, "/seconds", "seconds");
     take(report, "/cpu_seconds", "cpu_seconds");
     take(report, "/threads", "threads");

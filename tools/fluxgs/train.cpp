@@ -57,6 +57,13 @@ Expected<void> check_outputs(const TrainSettings& settings) {
   return check_writable(settings.report);
 }
 
+/// Of a file that was just written; null if somebody took it away.
+json size_of(const std::string& path) {
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+  return error ? json() : json(bytes);
+}
+
 /// Points that a training begins with are not overwritten by its result.
 Expected<void> check_inputs_stay(const TrainSettings& settings, const Dataset& data) {
   for (const std::string& path : {settings.out, settings.exact})
@@ -104,10 +111,11 @@ class Training {
   TrainHistory history() const;
   void make_report();
   Expected<void> write_scenes();
-  Expected<SplatCloud> write_out();
+  Expected<void> write_exact();
+  Expected<std::optional<SplatCloud>> write_out();
   Expected<StoredScene> store();
   void save_once();
-  Expected<void> score(const SplatCloud& cloud);
+  Expected<void> score(const std::optional<SplatCloud>& stored);
 
   /// A result; standard output is the report's where that goes there.
   void tell(const std::string& line) const {
@@ -237,40 +245,45 @@ Expected<StoredScene> Training::store() {
   return stored;
 }
 
-/// Writes a compact .glb or another format, and returns the scene that the file holds.
-Expected<SplatCloud> Training::write_out() {
-  if (!settings_.exact.empty()) {
-    if (auto written = write_scene(settings_.exact, trainer_.cloud()); !written)
-      return std::unexpected(written.error());
-    std::error_code error;
-    const std::uintmax_t bytes = std::filesystem::file_size(settings_.exact, error);
-    if (!error) report_["exact_bytes"] = bytes;
-  }
-  if ((*scene_format_for(settings_.out))->name != "glb") {
-    if (auto written = write_scene(settings_.out, trainer_.cloud()); !written)
-      return std::unexpected(written.error());
-    auto stored = read_scene(settings_.out);
+/// --exact, if there is one.
+Expected<void> Training::write_exact() {
+  if (settings_.exact.empty()) return {};
+  if (auto written = write_scene(settings_.exact, trainer_.cloud()); !written) return written;
+  report_["exact_bytes"] = size_of(settings_.exact);
+  return {};
+}
+
+/// Writes a compact .glb or another format. Returns the scene that the file holds where it is not
+/// the trainer's to the bit and there are photos to compare it with.
+Expected<std::optional<SplatCloud>> Training::write_out() {
+  const std::string_view format = (*scene_format_for(settings_.out))->name;
+  if (format == "glb") {
+    auto stored = store();
     if (!stored) return std::unexpected(stored.error());
-    report_["bytes"] = stored->bytes;
+    const auto bytes = write_glb(settings_.out, stored->file, start_view_of(run_.data.train));
+    if (!bytes) return std::unexpected(bytes.error());
+    report_["bytes"] = *bytes;
     return std::move(stored->cloud);
   }
-  auto stored = store();
+  if (auto written = write_scene(settings_.out, trainer_.cloud()); !written)
+    return std::unexpected(written.error());
+  report_["bytes"] = size_of(settings_.out);
+  if (format == "ply" || run_.data.test.empty()) return std::nullopt;
+  auto stored = read_scene(settings_.out);
   if (!stored) return std::unexpected(stored.error());
-  const auto bytes = write_glb(settings_.out, stored->file, start_view_of(run_.data.train));
-  if (!bytes) return std::unexpected(bytes.error());
-  report_["bytes"] = *bytes;
   return std::move(stored->cloud);
 }
 
-Expected<void> Training::score(const SplatCloud& cloud) {
+/// Of the trainer's scene and, if it is another, of the one in the file.
+Expected<void> Training::score(const std::optional<SplatCloud>& stored) {
   const std::vector<Photo>& photos = run_.data.test;
   if (photos.empty()) return {};
   const auto score_of = [&](const SplatCloud& scene) {
     return evaluate(photos, cpu_view_renderer(scene, run_.options.render, threads_), threads_,
                     show_progress("views"));
   };
-  const auto score = score_of(cloud);
   const auto before = score_of(trainer_.cloud());
+  const auto score = stored ? score_of(*stored) : before;
   if (!score) return std::unexpected(score.error());
   if (!before) return std::unexpected(before.error());
   report_["psnr"] = score->psnr;
@@ -282,9 +295,10 @@ Expected<void> Training::score(const SplatCloud& cloud) {
 }
 
 Expected<void> Training::write_scenes() {
-  const auto cloud = write_out();
-  if (!cloud) return std::unexpected(cloud.error());
-  if (auto scored = score(*cloud); !scored) return scored;
+  if (auto written = write_exact(); !written) return written;
+  const auto stored = write_out();
+  if (!stored) return std::unexpected(stored.error());
+  if (auto scored = score(*stored); !scored) return scored;
   report_["peak_memory_bytes"] = peak_memory();
   tell(fmt::format("{}: {} splats, {:.1f} s\n", one_line(settings_.out, std::string::npos),
                    trainer_.state().parameters.size(), whole_->seconds));

@@ -11,27 +11,36 @@
 #include "tools/fluxgs/console.h"
 #include "tools/fluxgs/idle_options.h"
 #include "tools/fluxgs/progress.h"
+#include "trainer/data/scale_check.h"
 #include "trainer/train/checkpoint.h"
 #include "trainer/train/memory_budget.h"
 
 namespace fluxgs::cli {
 namespace {
 
+bool is_compact(const std::string& out) {
+  const auto format = scene_format_for(out);
+  return format && (*format)->name == "glb";
+}
+
 Expected<TrainOptions> options_from(const TrainSettings& settings) {
   auto options = preset(settings.preset);
   if (!options) return options;
   // Only compact files hold rounded numbers
-  if (const auto format = scene_format_for(settings.out); format && (*format)->name != "glb")
-    options->rounding = Switch::off;
+  if (!is_compact(settings.out)) options->rounding = Switch::off;
   apply(settings.method, *options);
   options->render.background = settings.data.background_color();
   if (auto valid = validate(*options); !valid) return std::unexpected(valid.error());
+  if (options->max_splats > 0 && options->target_splats > options->max_splats)
+    return fail("", "--target-splats",
+                fmt::format("{} are more than --max-splats {}", options->target_splats,
+                            options->max_splats));
   return options;
 }
 
 /// What the user has asked for but will not get.
 void warn_of_options(const TrainSettings& settings, const TrainOptions& options) {
-  for (const std::string& line : idle_options(settings.given, options))
+  for (const std::string& line : idle_options(settings.given, options, is_compact(settings.out)))
     spdlog::warn("warning: {}", line);
   const int at = resolved(options).switch_iteration;
   if (reduces_appearance(options) && at > options.iterations)
@@ -81,6 +90,11 @@ void thin_out(PointCloud& points, std::size_t most) {
   points.colors.resize(most);
 }
 
+/// A path as one would type it: one that begins with a dash would be an option.
+std::string typed(const std::string& path) {
+  return shell_quoted(path.starts_with('-') ? "./" + path : path);
+}
+
 }  // namespace
 
 Expected<Run> new_run(const TrainSettings& settings, const Threads& threads) {
@@ -90,6 +104,8 @@ Expected<Run> new_run(const TrainSettings& settings, const Threads& threads) {
   warn_of_rounding(*options);
   auto data = load(settings.data);
   if (!data) return std::unexpected(data.error());
+  for (const std::string& line : scale_warnings(*data))
+    spdlog::warn("warning: {}: {}", settings.data.folder, line);
   if (auto room = check_memory(*data, *options); !room) return std::unexpected(room.error());
   cv::setNumThreads(threads.count());  // it looks for features
   auto points = initial_points(*data, options->seed, threads, show_progress("pairs"));
@@ -132,12 +148,15 @@ Expected<void> save_checkpoint(const TrainSettings& settings, const Run& run,
 }
 
 std::string how_to_go_on(const TrainSettings& settings) {
-  std::string line = fmt::format("saved; go on with: fluxgs train {} -o {} --resume {}",
-                                 shell_quoted(settings.data.folder), shell_quoted(settings.out),
-                                 shell_quoted(checkpoint_of(settings)));
+  std::string line =
+      fmt::format("saved; go on with: fluxgs train {} -o {} --resume {}",
+                  typed(settings.data.folder), typed(settings.out), typed(checkpoint_of(settings)));
   // What a checkpoint does not hold
-  if (!settings.exact.empty()) line += " --exact " + shell_quoted(settings.exact);
-  if (!settings.report.empty()) line += " --json " + shell_quoted(settings.report);
+  if (!settings.exact.empty()) line += " --exact " + typed(settings.exact);
+  if (settings.report == "-")
+    line += " --json -";
+  else if (!settings.report.empty())
+    line += " --json " + typed(settings.report);
   if (settings.data.threads > 0) line += fmt::format(" --threads {}", settings.data.threads);
   if (settings.checkpoint_every > 0)
     line += fmt::format(" --checkpoint-every {}", settings.checkpoint_every);

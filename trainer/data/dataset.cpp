@@ -10,7 +10,6 @@
 #include "trainer/data/colmap_source.h"
 #include "trainer/data/load_photos.h"
 #include "trainer/data/run_colmap.h"
-#include "trainer/data/scale_check.h"
 #include "trainer/data/source.h"
 #include "trainer/data/transforms_source.h"
 
@@ -137,8 +136,6 @@ Expected<Dataset> load_dataset(const fs::path& folder, const LoadOptions& option
                   .points_file = std::move(source.points_file),
                   .skipped_images = source.skipped_images,
                   .warnings = std::move(source.warnings)};
-  for (const std::string& line : scale_warnings(dataset))
-    dataset.warnings.push_back(folder.string() + ": " + line);
   spdlog::info("{}: {}, {} training and {} test images of {}x{}, {} sparse points", folder.string(),
                dataset.kind, dataset.train.size(), dataset.test.size(),
                dataset.train[0].camera.width, dataset.train[0].camera.height,

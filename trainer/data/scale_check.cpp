@@ -39,17 +39,46 @@ std::optional<double> depth_of_points(const Camera& camera, const std::vector<gl
   return median_or_none(std::move(depths));
 }
 
-/// Where views meet; behind a camera counts as nowhere.
-std::vector<double> depths_of_focus(const std::vector<Camera>& cameras) {
+std::vector<Ray> views_of(const std::vector<Camera>& cameras) {
   std::vector<Ray> views;
   for (const Camera& camera : cameras) views.push_back({camera.center(), camera.forward()});
+  return views;
+}
+
+/// The diagonal of the bounding box of the cameras' positions.
+double spread_of(const std::vector<Ray>& views) {
+  glm::dvec3 low = views[0].origin, high = low;
+  for (const Ray& view : views) {
+    low = glm::min(low, view.origin);
+    high = glm::max(high, view.origin);
+  }
+  return glm::distance(low, high);
+}
+
+/// Of the point that views meet in. A panorama's lie among its cameras, behind many of them.
+std::optional<double> depth_of_focus(const std::vector<Ray>& views) {
+  constexpr double kLeastInFront = 0.75, kLeastSpreads = 0.2;
   const auto focus = nearest_point_to_rays(views);
+  if (!focus) return std::nullopt;
   std::vector<double> depths;
   for (const Ray& view : views) {
-    const double depth = focus ? glm::dot(*focus - view.origin, view.direction) : 0.0;
+    const double depth = glm::dot(*focus - view.origin, view.direction);
     if (depth > 0) depths.push_back(depth);
   }
-  return depths;
+  if (static_cast<double>(depths.size()) < kLeastInFront * static_cast<double>(views.size()))
+    return std::nullopt;
+  const double depth = median(std::move(depths));
+  return depth > kLeastSpreads * spread_of(views) ? std::optional(depth) : std::nullopt;
+}
+
+/// How far apart cameras are that look the same way, such as those of a flight over a map; 0 of
+/// others, and of those in one place but for rounding.
+double parallel_spread(const std::vector<Camera>& cameras) {
+  const std::vector<Ray> views = views_of(cameras);
+  if (nearest_point_to_rays(views)) return 0;
+  constexpr double kRounding = 1e-9;
+  const double spread = spread_of(views);
+  return spread > kRounding * (1 + glm::length(views[0].origin)) ? spread : 0.0;
 }
 
 /// What rounding to 32 bits moves a position by, at most.
@@ -59,34 +88,34 @@ double rounding_at(double distance) { return std::ldexp(distance, -24); }
 
 std::optional<double> typical_depth(const Dataset& data) {
   const std::vector<Camera> cameras = spread_cameras(cameras_of(data.train), kMostCameras);
-  if (data.points.empty()) return median_or_none(depths_of_focus(cameras));
   std::vector<double> depths;
   for (const Camera& camera : cameras)
     if (const auto depth = depth_of_points(camera, data.points)) depths.push_back(*depth);
-  return median_or_none(std::move(depths));
+  if (!depths.empty()) return median(std::move(depths));
+  return depth_of_focus(views_of(cameras));
 }
 
 std::vector<std::string> scale_warnings(const Dataset& data) {
-  const auto depth = typical_depth(data);
-  if (!depth) return {};
   std::vector<double> distances, focal_lengths;
   for (const Photo& photo : data.train) {
     distances.push_back(glm::length(photo.camera.center()));
     focal_lengths.push_back(photo.camera.fx);
   }
   const double distance = median(std::move(distances));
-  const double pixels = rounding_at(distance) / *depth * median(std::move(focal_lengths));
+  const auto depth = typical_depth(data);
+  const double size = depth.value_or(parallel_spread(cameras_of(data.train)));
+  const double pixels = rounding_at(distance) / size * median(std::move(focal_lengths));
   std::vector<std::string> lines;
-  if (pixels > kMostPixels)
+  if (size > 0 && pixels > kMostPixels)
     lines.push_back(fmt::format(
-        "the cameras are {:.3g} units from the origin and {:.3g} from what they see, where numbers "
-        "of 32 bits are wrong by up to {:.2g} pixels; move the poses to the origin",
-        distance, *depth, pixels));
+        "the cameras are {:.3g} units from the origin, where numbers of 32 bits are wrong by up to "
+        "{:.2g} pixels of a picture; move poses and points to the origin",
+        distance, pixels));
   const double near = RenderOptions().near_plane;
-  if (*depth < kLeastNearPlanes * near)
+  if (depth && *depth < kLeastNearPlanes * near)
     lines.push_back(fmt::format(
-        "what the cameras see is {:.3g} units away, and nothing within {:g} is drawn; scale the "
-        "poses up",
+        "what the cameras see is {:.3g} units away, and nothing within {:g} is drawn; scale poses "
+        "and points up",
         *depth, near));
   return lines;
 }

@@ -11,12 +11,14 @@
 namespace fluxgs {
 
 /// Scene units from a typical camera to what it sees: the median over the cameras of their median
-/// depth of the sparse points in front of them; without points, of the distance to the point that
-/// the views meet in. Nothing where there is neither.
+/// depth of the sparse points in front of them; without such points, of the distance to the point
+/// that the views meet in. Nothing where there is neither: cameras that look outward or the same
+/// way.
 std::optional<double> typical_depth(const Dataset& data);
 
 /// One line for each of the two that is wrong: positions so far from the origin that numbers of 32
-/// bits round them by more than a tenth of a pixel; a scene so near its cameras, less than five
+/// bits round them by more than a tenth of a pixel of what is seen (where cameras look the same
+/// way, of what is as far away as they are apart); a scene so near its cameras, less than five
 /// times the near plane, that parts of it are not drawn.
 std::vector<std::string> scale_warnings(const Dataset& data);
 

@@ -221,9 +221,6 @@ Expected<void> validate_together(const TrainOptions& o) {
     return fail("", "--samples",
                 fmt::format("{} are too many for --quadrature lebedev, expected {} at most",
                             o.samples, kMaxLebedevSamples));
-  if (o.max_splats > 0 && o.target_splats > o.max_splats)
-    return fail("", "--target-splats",
-                fmt::format("{} are more than --max-splats {}", o.target_splats, o.max_splats));
   return {};
 }
 

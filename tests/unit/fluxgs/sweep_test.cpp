@@ -35,6 +35,7 @@ using test::fluxgs;
 using test::Outcome;
 using test::quoted;
 using test::text_of;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
@@ -299,7 +300,14 @@ TEST(Sweep, WhatCannotBeReadIsMadeAgainAndOddFilesCostOneRun) {
     EXPECT_EQ(whole->at(0, 0, 0).values.at("stored_bytes"),
               first->at(0, 0, 0).values.at("stored_bytes"));
     EXPECT_GT(fs::file_size(run / scene), 100u);
+    EXPECT_THAT(whole->at(0, 0, 0).remarks, Contains(HasSubstr("damaged")));
   }
+  const auto trained_at = time_of(run / "train.json");
+  fs::remove(run / "scene.ply");  // large, and nothing reads it
+  const auto without = run_sweep(settings);
+  ASSERT_TRUE(without);
+  EXPECT_EQ(without->at(0, 0, 0).values.at("ply_bytes"), first->at(0, 0, 0).values.at("ply_bytes"));
+  EXPECT_EQ(time_of(run / "train.json"), trained_at);
   const std::string bytes = fmt::format("{}", fs::file_size(run / "scene.glb"));
   for (const std::string& odd :
        {"{\"psnr\": 1, \"bytes\": " + bytes + "}",

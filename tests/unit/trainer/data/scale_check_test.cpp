@@ -1,4 +1,6 @@
 // Coordinates that are too large or too small are said to be.
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -47,12 +49,45 @@ TEST(ScaleCheck, OrdinaryScenesAreFine) {
 TEST(ScaleCheck, DepthIsThatOfTheViewsOrOfThePoints) {
   Dataset data = around({7, 8, 9}, 3);
   EXPECT_NEAR(typical_depth(data).value(), 3, 1e-9);
-  data.points.assign(5, glm::vec3(7, 8, 9.5F));
-  EXPECT_NEAR(typical_depth(data).value(), 3, 0.51);
+  data.points.assign(5, glm::vec3(7, 8, 9.5F));  // half a unit nearer along the second view
+  EXPECT_NEAR(typical_depth(data).value(), 2.6, 1e-6);
+  data.points.assign(5, glm::vec3(7, 100, 9));  // the views are level: at the depth of the centre
+  EXPECT_NEAR(typical_depth(data).value(), 3, 1e-5);
   data.train.resize(1);
   data.points.clear();
   EXPECT_FALSE(typical_depth(data));  // one view meets no other
   EXPECT_THAT(scale_warnings(data), IsEmpty());
+}
+
+/// Cameras that look outward from about one place.
+Dataset panorama(const glm::dvec3& center, double shake) {
+  Dataset data;
+  for (int i = 0; i < 12; ++i) {
+    const glm::dvec3 out(std::cos(i * 0.5236), 0.1, std::sin(i * 0.5236));
+    const glm::dvec3 from =
+        center + shake * glm::dvec3(std::cos(7.0 * i), std::sin(3.0 * i), std::sin(5.0 * i));
+    data.train.push_back(photo_from(from, from + out));
+  }
+  return data;
+}
+
+TEST(ScaleCheck, PanoramasSeeFartherThanTheirCamerasAreApart) {
+  for (const double shake : {0.0, 1e-9, 0.01, 0.02, 0.03, 0.1})
+    for (const glm::dvec3& center : {glm::dvec3(1.3, 0.7, 1.6), glm::dvec3(300, 0, 0)})
+      EXPECT_THAT(scale_warnings(panorama(center, shake)), IsEmpty()) << shake;
+}
+
+TEST(ScaleCheck, AFlightOverAMap) {
+  const auto flight = [](const glm::dvec3& start) {
+    Dataset data;
+    for (int i = 0; i < 6; ++i) {
+      const glm::dvec3 from = start + glm::dvec3(10.0 * i, 0, 0);
+      data.train.push_back(photo_from(from, from + glm::dvec3(0, 1e-9, -60)));
+    }
+    return data;
+  };
+  EXPECT_THAT(scale_warnings(flight({5e5, 5e6, 60})), ElementsAre(HasSubstr("from the origin")));
+  EXPECT_THAT(scale_warnings(flight({0, 0, 60})), IsEmpty());
 }
 
 // Coordinates of a map in metres: 5e6 · 2^-24 is 0.3 m, at 5 m and 500 px 30 pixels
