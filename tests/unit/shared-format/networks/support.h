@@ -17,16 +17,11 @@
 #include "fluxgs/networks/mlp.h"
 #include "fluxgs/networks/onnx_runtime.h"
 #include "networks/protobuf.h"
+#include "support/needs_onnxruntime.h"
 
 namespace fluxgs::networks::test {
 
 using Bytes = std::vector<std::byte>;
-
-/// Skips the test where onnxruntime is not installed.
-#define FLUXGS_NEEDS_ONNXRUNTIME()                                \
-  if (const auto info = onnx_runtime_info(); !info.has_value()) { \
-    GTEST_SKIP() << info.error().message();                       \
-  }
 
 /// Whether the library is in this process.
 inline bool onnxruntime_is_loaded() {

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "fluxgs/io/gltf.h"
-#include "fluxgs/networks/onnx_runtime.h"
 #include "support.h"
+#include "support/needs_onnxruntime.h"
 #include "trainer/appearance/appearance_pass.h"
 
 namespace fluxgs {
@@ -17,11 +17,6 @@ namespace {
 
 using test::AppearanceScene;
 using test::kSh;
-
-#define NEEDS_ONNXRUNTIME()                                                 \
-  if (const auto info = networks::onnx_runtime_info(); !info.has_value()) { \
-    GTEST_SKIP() << info.error().message();                                 \
-  }
 
 constexpr std::pair<bool, bool> kNetworks[] = {{true, true}, {true, false}, {false, true}};
 
@@ -43,7 +38,7 @@ double difference(const SplatCloud& cloud, std::size_t of, const PlanarFloats& c
 }
 
 TEST(ExportNetworks, OnnxruntimeMakesTheSameColours) {
-  NEEDS_ONNXRUNTIME();
+  FLUXGS_NEEDS_ONNXRUNTIME();
   for (const auto& [psi, phi] : kNetworks) {
     const AppearanceScene scene(3000, psi, phi);
     const auto stored = export_networks(scene.model, scene.latents);
@@ -66,7 +61,7 @@ TEST(ExportNetworks, OnnxruntimeMakesTheSameColours) {
 }
 
 TEST(ExportNetworks, ACompactFileMakesTheSameColours) {
-  NEEDS_ONNXRUNTIME();
+  FLUXGS_NEEDS_ONNXRUNTIME();
   for (const auto& [psi, phi] : kNetworks) {
     const AppearanceScene scene(500, psi, phi);
     auto stored = export_networks(scene.model, scene.latents);

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "fluxgs/io/gltf.h"
+#include "support/needs_onnxruntime.h"
 #include "trainer/compress/rounding.h"
 #include "trainer/train/evaluate.h"
 #include "trainer/train/reduce_appearance.h"
@@ -146,6 +147,7 @@ TEST(Switch, TheProjectedEnergyIsThatOfThePositivePart) {
 }
 
 TEST(Networks, AreStoredOnlyWhereTheyPay) {
+  FLUXGS_NEEDS_ONNXRUNTIME();
   TrainOptions options = curriculum(ShTarget::degree_1, ShReduction::energy);
   options.iterations = 120;
   options.switch_iteration = 100;
@@ -159,6 +161,7 @@ TEST(Networks, AreStoredOnlyWhereTheyPay) {
 
 // What is stored with networks is near the pictures that they make, not those without them
 TEST(Networks, AreJudgedByTheColoursThatTheyMake) {
+  FLUXGS_NEEDS_ONNXRUNTIME();
   TrainOptions options = curriculum(ShTarget::degree_1, ShReduction::view_ls);
   options.iterations = 110;
   options.switch_iteration = 100;
