@@ -45,19 +45,10 @@ std::vector<Ray> views_of(const std::vector<Camera>& cameras) {
   return views;
 }
 
-/// The diagonal of the bounding box of the cameras' positions.
-double spread_of(const std::vector<Ray>& views) {
-  glm::dvec3 low = views[0].origin, high = low;
-  for (const Ray& view : views) {
-    low = glm::min(low, view.origin);
-    high = glm::max(high, view.origin);
-  }
-  return glm::distance(low, high);
-}
-
 /// Of the point that views meet in. A panorama's lie among its cameras, behind many of them.
-std::optional<double> depth_of_focus(const std::vector<Ray>& views) {
+std::optional<double> depth_of_focus(const std::vector<Camera>& cameras) {
   constexpr double kLeastInFront = 0.75, kLeastSpreads = 0.2;
+  const std::vector<Ray> views = views_of(cameras);
   const auto focus = nearest_point_to_rays(views);
   if (!focus) return std::nullopt;
   std::vector<double> depths;
@@ -68,17 +59,16 @@ std::optional<double> depth_of_focus(const std::vector<Ray>& views) {
   if (static_cast<double>(depths.size()) < kLeastInFront * static_cast<double>(views.size()))
     return std::nullopt;
   const double depth = median(std::move(depths));
-  return depth > kLeastSpreads * spread_of(views) ? std::optional(depth) : std::nullopt;
+  return depth > kLeastSpreads * camera_spread(cameras) ? std::optional(depth) : std::nullopt;
 }
 
 /// How far apart cameras are that look the same way, such as those of a flight over a map; 0 of
 /// others, and of those in one place but for rounding.
 double parallel_spread(const std::vector<Camera>& cameras) {
-  const std::vector<Ray> views = views_of(cameras);
-  if (nearest_point_to_rays(views)) return 0;
+  if (nearest_point_to_rays(views_of(cameras))) return 0;
   constexpr double kRounding = 1e-9;
-  const double spread = spread_of(views);
-  return spread > kRounding * (1 + glm::length(views[0].origin)) ? spread : 0.0;
+  const double spread = camera_spread(cameras);
+  return spread > kRounding * (1 + glm::length(cameras[0].center())) ? spread : 0.0;
 }
 
 /// What rounding to 32 bits moves a position by, at most.
@@ -92,7 +82,7 @@ std::optional<double> typical_depth(const Dataset& data) {
   for (const Camera& camera : cameras)
     if (const auto depth = depth_of_points(camera, data.points)) depths.push_back(*depth);
   if (!depths.empty()) return median(std::move(depths));
-  return depth_of_focus(views_of(cameras));
+  return depth_of_focus(cameras);
 }
 
 std::vector<std::string> scale_warnings(const Dataset& data) {

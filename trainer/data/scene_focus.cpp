@@ -11,16 +11,6 @@ namespace {
 
 Eigen::Vector3d to_eigen(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
-/// The diagonal of the bounding box of the cameras' positions.
-double camera_spread(const std::vector<Photo>& photos) {
-  glm::dvec3 low = photos[0].camera.center(), high = low;
-  for (const Photo& photo : photos) {
-    low = glm::min(low, photo.camera.center());
-    high = glm::max(high, photo.camera.center());
-  }
-  return glm::distance(low, high);
-}
-
 }  // namespace
 
 std::optional<glm::dvec3> nearest_point_to_rays(const std::vector<Ray>& rays) {
@@ -50,13 +40,22 @@ Ray pixel_ray(const Camera& camera, const glm::dvec2& pixel) {
   return {camera.center(), glm::normalize(glm::transpose(camera.rotation) * in_camera)};
 }
 
+double camera_spread(const std::vector<Camera>& cameras) {
+  glm::dvec3 low = cameras.at(0).center(), high = low;
+  for (const Camera& camera : cameras) {
+    low = glm::min(low, camera.center());
+    high = glm::max(high, camera.center());
+  }
+  return glm::distance(low, high);
+}
+
 std::vector<double> focus_distances(const std::vector<Photo>& photos) {
   std::vector<Ray> views;
   views.reserve(photos.size());
   for (const Photo& photo : photos)
     views.push_back({photo.camera.center(), photo.camera.forward()});
   const auto focus = nearest_point_to_rays(views);
-  const double spread = camera_spread(photos);
+  const double spread = camera_spread(cameras_of(photos));
 
   std::vector<double> distances(photos.size(), 0.0);
   double sum = 0, count = 0;

@@ -21,6 +21,9 @@ std::optional<glm::dvec3> nearest_point_to_rays(const std::vector<Ray>& rays);
 /// The ray through a pixel of a photo, e.g. (i + ½, j + ½).
 Ray pixel_ray(const Camera& camera, const glm::dvec2& pixel);
 
+/// The diagonal of the bounding box of the cameras' positions, of which there is one at least.
+double camera_spread(const std::vector<Camera>& cameras);
+
 /// For each photo, the distance along its view direction at which it sees the scene: to the point
 /// nearest to all view directions. Where there is none, or it is behind the camera or almost at it
 /// (parallel views, panoramas), the mean of the other photos' distances, and without any the
