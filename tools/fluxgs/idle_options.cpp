@@ -138,6 +138,28 @@ void add_stages(const std::set<std::string>& given, const O& o, std::vector<std:
   if (given.contains("sh-target") && o.sh_target != ShTarget::adaptive &&
       asked_degree(o) > o.sh_degree)
     lines.push_back(fmt::format("harmonics end at degree {}, as --sh-degree says", o.sh_degree));
+  if (reduces_appearance(o) && o.switch_iteration > o.iterations)
+    lines.push_back(
+        fmt::format("--switch-iter {} is behind the last step, {}: harmonics are not reduced",
+                    o.switch_iteration, o.iterations));
+}
+
+/// What --rounding will not do as asked; `asked`: before it was resolved.
+void add_rounding(const O& asked, const O& o, std::vector<std::string>& lines) {
+  if (o.rounding == Switch::off) return;
+  if (makes_psi(o) || makes_phi(o))
+    lines.emplace_back("--rounding on does nothing, as networks make the colours");
+  else if (asked.round_from > o.iterations)
+    lines.push_back(fmt::format("nothing is rounded: --round-from {} is behind the last step, {}",
+                                asked.round_from, o.iterations));
+  else if (o.round_from > o.iterations)
+    lines.emplace_back(
+        "nothing is rounded, as densification or the reduction of harmonics lasts to the end");
+  else if (asked.round_from > 0 && o.round_from > asked.round_from)
+    lines.push_back(
+        fmt::format("rounding begins at step {} instead of {}, after densification and the "
+                    "reduction of harmonics",
+                    o.round_from, asked.round_from));
 }
 
 }  // namespace
@@ -157,6 +179,7 @@ std::vector<std::string> idle_options(const std::set<std::string>& given,
     if (!rule.works(o)) add(rule.names, rule.needed);
   if (!compact && o.rounding == Switch::off) add(kOfFiles, "a .glb to write, or --rounding on");
   add_stages(given, o, lines);
+  add_rounding(options, o, lines);
   return lines;
 }
 

@@ -11,7 +11,7 @@ namespace fluxgs::cli {
 
 /// One line each: which of the options in `given` (names without dashes) do nothing together with
 /// the others in `options`, and what they would need; and what was asked for of the method but will
-/// not happen, as its first step is behind its last. `compact`: the scene becomes a compact file.
+/// not happen, or not when it was asked for. `compact`: the scene becomes a compact file.
 std::vector<std::string> idle_options(const std::set<std::string>& given,
                                       const TrainOptions& options, bool compact);
 

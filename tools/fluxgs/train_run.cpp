@@ -38,36 +38,6 @@ Expected<TrainOptions> options_from(const TrainSettings& settings) {
   return options;
 }
 
-/// What the user has asked for but will not get.
-void warn_of_options(const TrainSettings& settings, const TrainOptions& options) {
-  for (const std::string& line : idle_options(settings.given, options, is_compact(settings.out)))
-    spdlog::warn("warning: {}", line);
-  const int at = resolved(options).switch_iteration;
-  if (reduces_appearance(options) && at > options.iterations)
-    spdlog::warn("warning: --switch-iter {} is behind the last step, {}: harmonics are not reduced",
-                 at, options.iterations);
-}
-
-/// What the user has asked of --rounding but will not get.
-void warn_of_rounding(const TrainOptions& options) {
-  if (options.rounding == Switch::off) return;
-  const int from = resolved(options).round_from;
-  if (makes_psi(options) || makes_phi(options))
-    spdlog::warn("warning: --rounding on does nothing, as networks make the colours");
-  else if (options.round_from > options.iterations)
-    spdlog::warn("warning: nothing is rounded: --round-from {} is behind the last step, {}",
-                 options.round_from, options.iterations);
-  else if (from > options.iterations)
-    spdlog::warn(
-        "warning: nothing is rounded, as densification or the reduction of harmonics lasts to the "
-        "end");
-  else if (options.round_from > 0 && from > options.round_from)
-    spdlog::warn(
-        "warning: rounding begins at step {} instead of {}, after densification and the reduction "
-        "of harmonics",
-        from, options.round_from);
-}
-
 std::size_t most_initial(const Dataset& data, const TrainOptions& options) {
   std::size_t most = std::numeric_limits<std::size_t>::max();
   for (const std::uint64_t limit :
@@ -100,8 +70,8 @@ std::string typed(const std::string& path) {
 Expected<Run> new_run(const TrainSettings& settings, const Threads& threads) {
   const auto options = options_from(settings);
   if (!options) return std::unexpected(options.error());
-  warn_of_options(settings, *options);
-  warn_of_rounding(*options);
+  for (const std::string& line : idle_options(settings.given, *options, is_compact(settings.out)))
+    spdlog::warn("warning: {}", line);
   auto data = load(settings.data);
   if (!data) return std::unexpected(data.error());
   for (const std::string& line : scale_warnings(*data))

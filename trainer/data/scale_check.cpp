@@ -16,16 +16,11 @@ constexpr std::size_t kMostCameras = 32, kMostPoints = 1000;  // enough for a me
 constexpr double kMostPixels = 0.1;
 constexpr double kLeastNearPlanes = 5;
 
-/// Of a list that is not empty.
-double median(std::vector<double> values) {
+std::optional<double> median(std::vector<double> values) {
+  if (values.empty()) return std::nullopt;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::ranges::nth_element(values, middle);
   return *middle;
-}
-
-std::optional<double> median_or_none(std::vector<double> values) {
-  if (values.empty()) return std::nullopt;
-  return median(std::move(values));
 }
 
 /// Of some points, evenly spread, in front of a camera.
@@ -36,19 +31,13 @@ std::optional<double> depth_of_points(const Camera& camera, const std::vector<gl
     const double depth = glm::dot(glm::dvec3(points[i]) - camera.center(), camera.forward());
     if (depth > 0) depths.push_back(depth);
   }
-  return median_or_none(std::move(depths));
-}
-
-std::vector<Ray> views_of(const std::vector<Camera>& cameras) {
-  std::vector<Ray> views;
-  for (const Camera& camera : cameras) views.push_back({camera.center(), camera.forward()});
-  return views;
+  return median(std::move(depths));
 }
 
 /// Of the point that views meet in. A panorama's lie among its cameras, behind many of them.
 std::optional<double> depth_of_focus(const std::vector<Camera>& cameras) {
   constexpr double kLeastInFront = 0.75, kLeastSpreads = 0.2;
-  const std::vector<Ray> views = views_of(cameras);
+  const std::vector<Ray> views = view_rays(cameras);
   const auto focus = nearest_point_to_rays(views);
   if (!focus) return std::nullopt;
   std::vector<double> depths;
@@ -58,14 +47,14 @@ std::optional<double> depth_of_focus(const std::vector<Camera>& cameras) {
   }
   if (static_cast<double>(depths.size()) < kLeastInFront * static_cast<double>(views.size()))
     return std::nullopt;
-  const double depth = median(std::move(depths));
-  return depth > kLeastSpreads * camera_spread(cameras) ? std::optional(depth) : std::nullopt;
+  const auto depth = median(std::move(depths));
+  return depth > kLeastSpreads * camera_spread(cameras) ? depth : std::nullopt;
 }
 
 /// How far apart cameras are that look the same way, such as those of a flight over a map; 0 of
 /// others, and of those in one place but for rounding.
 double parallel_spread(const std::vector<Camera>& cameras) {
-  if (nearest_point_to_rays(views_of(cameras))) return 0;
+  if (nearest_point_to_rays(view_rays(cameras))) return 0;
   constexpr double kRounding = 1e-9;
   const double spread = camera_spread(cameras);
   return spread > kRounding * (1 + glm::length(cameras[0].center())) ? spread : 0.0;
@@ -81,8 +70,7 @@ std::optional<double> typical_depth(const Dataset& data) {
   std::vector<double> depths;
   for (const Camera& camera : cameras)
     if (const auto depth = depth_of_points(camera, data.points)) depths.push_back(*depth);
-  if (!depths.empty()) return median(std::move(depths));
-  return depth_of_focus(cameras);
+  return depths.empty() ? depth_of_focus(cameras) : median(std::move(depths));
 }
 
 std::vector<std::string> scale_warnings(const Dataset& data) {
@@ -91,10 +79,10 @@ std::vector<std::string> scale_warnings(const Dataset& data) {
     distances.push_back(glm::length(photo.camera.center()));
     focal_lengths.push_back(photo.camera.fx);
   }
-  const double distance = median(std::move(distances));
+  const double distance = median(std::move(distances)).value();
   const auto depth = typical_depth(data);
-  const double size = depth.value_or(parallel_spread(cameras_of(data.train)));
-  const double pixels = rounding_at(distance) / size * median(std::move(focal_lengths));
+  const double size = depth ? *depth : parallel_spread(cameras_of(data.train));
+  const double pixels = rounding_at(distance) / size * median(std::move(focal_lengths)).value();
   std::vector<std::string> lines;
   if (size > 0 && pixels > kMostPixels)
     lines.push_back(fmt::format(

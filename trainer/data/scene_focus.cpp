@@ -34,6 +34,13 @@ std::optional<glm::dvec3> nearest_point_to_rays(const std::vector<Ray>& rays) {
   return glm::dvec3(p[0], p[1], p[2]);
 }
 
+std::vector<Ray> view_rays(const std::vector<Camera>& cameras) {
+  std::vector<Ray> rays;
+  rays.reserve(cameras.size());
+  for (const Camera& camera : cameras) rays.push_back({camera.center(), camera.forward()});
+  return rays;
+}
+
 Ray pixel_ray(const Camera& camera, const glm::dvec2& pixel) {
   const glm::dvec3 in_camera((pixel.x - camera.cx) / camera.fx, (pixel.y - camera.cy) / camera.fy,
                              1.0);
@@ -50,12 +57,10 @@ double camera_spread(const std::vector<Camera>& cameras) {
 }
 
 std::vector<double> focus_distances(const std::vector<Photo>& photos) {
-  std::vector<Ray> views;
-  views.reserve(photos.size());
-  for (const Photo& photo : photos)
-    views.push_back({photo.camera.center(), photo.camera.forward()});
+  const std::vector<Camera> cameras = cameras_of(photos);
+  const std::vector<Ray> views = view_rays(cameras);
   const auto focus = nearest_point_to_rays(views);
-  const double spread = camera_spread(cameras_of(photos));
+  const double spread = camera_spread(cameras);
 
   std::vector<double> distances(photos.size(), 0.0);
   double sum = 0, count = 0;

@@ -14,9 +14,7 @@ namespace fluxgs {
 namespace {
 
 glm::dvec3 scene_center(const std::vector<Photo>& photos) {
-  std::vector<Ray> views;
-  for (const Photo& photo : photos)
-    views.push_back({photo.camera.center(), photo.camera.forward()});
+  const std::vector<Ray> views = view_rays(cameras_of(photos));
   if (const auto nearest = nearest_point_to_rays(views)) return *nearest;
   const std::vector<double> distances = focus_distances(photos);
   glm::dvec3 mean(0);

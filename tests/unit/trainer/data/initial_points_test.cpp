@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "support/scenes.h"
 #include "test_files.h"
 #include "tools/capture/capture.h"
 #include "trainer/data/features.h"
@@ -19,21 +20,9 @@ namespace {
 using namespace test;
 
 Photo blank_photo(const glm::dvec3& center, const glm::dvec3& target) {
-  const glm::dvec3 z = glm::normalize(target - center);
-  const glm::dvec3 x = glm::normalize(glm::cross(glm::dvec3(0, 1, 0), z)), y = glm::cross(z, x);
-  Photo photo;
-  photo.rgb = Image<std::uint8_t>(64, 48, 3);
+  Photo photo{camera_at(center, target, 64, 48), Image<std::uint8_t>(64, 48, 3), {}};
+  photo.camera.fx = photo.camera.fy = 60;
   std::ranges::fill(photo.rgb.pixels, std::uint8_t{51});
-  photo.camera = {.name = "a",
-                  .width = 64,
-                  .height = 48,
-                  .fx = 60,
-                  .fy = 60,
-                  .cx = 32,
-                  .cy = 24,
-                  .rotation = glm::transpose(glm::dmat3(x, y, z)),
-                  .translation = {}};
-  photo.camera.translation = -(photo.camera.rotation * center);
   return photo;
 }
 

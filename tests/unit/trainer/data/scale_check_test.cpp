@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/scenes.h"
 #include "trainer/data/scale_check.h"
 
 namespace fluxgs {
@@ -13,22 +14,11 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// A camera that looks from a place to another.
+/// A camera that looks from a place to another, of focal length 500 px.
 Photo photo_from(const glm::dvec3& from, const glm::dvec3& to) {
-  const glm::dvec3 z = glm::normalize(to - from);
-  const glm::dvec3 x = glm::normalize(glm::cross(glm::dvec3(0, 1, 0), z));
-  const glm::dmat3 rotation = glm::transpose(glm::dmat3(x, glm::cross(z, x), z));
-  return {.camera = {.name = "",
-                     .width = 640,
-                     .height = 480,
-                     .fx = 500,
-                     .fy = 500,
-                     .cx = 320,
-                     .cy = 240,
-                     .rotation = rotation,
-                     .translation = -(rotation * from)},
-          .rgb = {},
-          .path = ""};
+  Photo photo{test::camera_at(from, to, 640, 480), {}, {}};
+  photo.camera.fx = photo.camera.fy = 500;
+  return photo;
 }
 
 /// Cameras around a point, `size` away from it.
