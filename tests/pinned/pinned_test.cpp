@@ -1,0 +1,137 @@
+// Trainings give the bytes that they gave before: a change of structure that changes a result shows
+// here. hashes.txt holds the hash of every scene; FLUXGS_UPDATE_PINS=1 writes it anew, and the
+// commit that does so says why results changed.
+#include <gtest/gtest.h>
+
+#include <gnu/libc-version.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <fmt/format.h>
+#include <opencv2/core/version.hpp>
+
+#include "fluxgs/hash.h"
+#include "fluxgs/io/file.h"
+#include "support/temp_folder.h"
+#include "tools/capture/capture.h"
+#include "trainer/simd/isa.h"
+
+namespace fluxgs {
+namespace {
+
+constexpr const char* kHashes = FLUXGS_PINNED_FOLDER "/hashes.txt";
+
+struct Case {
+  const char* name;
+  const char* options;
+};
+
+/// All 300 iterations long; intervals are shortened so that every part of the method takes place.
+constexpr Case kCases[] = {
+    {"flux", "--preset flux --densify-from 50 --sh-loss 0.1"},
+    {"flux-paper",
+     "--preset flux-paper --densify-from 50 --densify-interval 50 --opacity-reset-interval 100"},
+    {"3dgs", "--preset 3dgs --densify-from 50 --densify-interval 50 --opacity-reset-interval 100"},
+    {"3dgs-sh1",
+     "--preset 3dgs-sh1 --densify-from 50 --densify-interval 50 --opacity-reset-interval 100"},
+    {"densify-grad", "--preset flux --densify-from 50 --densify grad"},
+    {"densify-multiview",
+     "--preset 3dgs --densify-from 50 --densify-interval 50 --densify multiview --prune multiview "
+     "--late-prune opacity"},
+    {"densify-mcmc",
+     "--preset 3dgs --densify-from 50 --densify-interval 50 --densify mcmc --opacity-weight 0.01 "
+     "--scale-weight 0.01"},
+};
+
+/// Results depend on what these compute as well.
+std::string surroundings() {
+  return fmt::format("compiler {}, C library {}, OpenCV {}", __VERSION__, gnu_get_libc_version(),
+                     CV_VERSION);
+}
+
+bool updates() { return std::getenv("FLUXGS_UPDATE_PINS") != nullptr; }
+
+/// "CASE KERNELS FILE" to a hash; under "" what they were made with.
+std::map<std::string, std::string> read_hashes() {
+  std::map<std::string, std::string> hashes;
+  std::ifstream in(kHashes);
+  std::string line;
+  if (std::getline(in, line)) hashes[""] = line;
+  while (std::getline(in, line))
+    if (const auto at = line.rfind(' '); at != std::string::npos)
+      hashes[line.substr(0, at)] = line.substr(at + 1);
+  return hashes;
+}
+
+void write_hashes(const std::map<std::string, std::string>& hashes) {
+  std::ofstream out(kHashes);
+  out << surroundings() << '\n';
+  for (const auto& [key, hash] : hashes)
+    if (!key.empty()) out << key << ' ' << hash << '\n';
+}
+
+const std::filesystem::path& capture_folder() {
+  static const test::TempFolder folder;
+  static const bool made = [] {
+    capture::CaptureOptions options;
+    options.width = 72, options.height = 54, options.train = 18, options.test = 2,
+    options.samples = 2;
+    return capture::write_capture(folder.path(), options).has_value();
+  }();
+  if (!made) throw std::runtime_error("cannot make a capture");
+  return folder.path();
+}
+
+std::string hash_of(const std::filesystem::path& path) {
+  const auto bytes = read_file(path);
+  return bytes ? fmt::format("{:016x}", fnv1a(*bytes)) : bytes.error().message();
+}
+
+class Pinned : public testing::TestWithParam<std::tuple<Case, Isa>> {};
+
+TEST_P(Pinned, TrainsTheSameScene) {
+  const auto& [pinned, isa] = GetParam();
+  auto hashes = read_hashes();
+  if (!updates() && hashes[""] != surroundings())
+    GTEST_SKIP() << "pinned with " << hashes[""] << "; this is " << surroundings();
+  const test::TempFolder folder;
+  const std::string command = fmt::format(
+      "FLUXGS_ISA={} '{}' train '{}' -o '{}' --exact '{}' --iterations 300 --initial-splats 4000 "
+      "{} >'{}' 2>&1",
+      name_of(isa), FLUXGS_BINARY, capture_folder().string(), (folder / "scene.glb").string(),
+      (folder / "scene.ply").string(), pinned.options, (folder / "log").string());
+  ASSERT_EQ(std::system(command.c_str()), 0) << command;
+  for (const char* file : {"scene.ply", "scene.glb"}) {
+    // onnxruntime decides what goes into this file, by sums whose order depends on the processor
+    const bool networks = std::string(pinned.name) == "flux-paper" && file[6] == 'g';
+    const std::string key =
+        fmt::format("{} {} {}{}", pinned.name, name_of(isa), file,
+                    networks ? fmt::format(" on {}", name_of(available_isas().back())) : "");
+    const std::string hash = hash_of(folder / file);
+    if (updates())
+      hashes[key] = hash;
+    else if (const auto found = hashes.find(key); found != hashes.end())
+      EXPECT_EQ(hash, found->second) << key;
+    else
+      EXPECT_TRUE(networks) << "no hash of " << key;
+  }
+  if (updates()) write_hashes(hashes);
+}
+
+INSTANTIATE_TEST_SUITE_P(Trainings, Pinned,
+                         testing::Combine(testing::ValuesIn(kCases),
+                                          testing::ValuesIn(available_isas())),
+                         [](const auto& pinned) {
+                           std::string name = std::get<0>(pinned.param).name;
+                           std::ranges::replace(name, '-', '_');
+                           return name + "_" + std::string(name_of(std::get<1>(pinned.param)));
+                         });
+
+}  // namespace
+}  // namespace fluxgs
