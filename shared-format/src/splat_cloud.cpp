@@ -10,12 +10,12 @@ bool finite(const glm::vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-/// The first `kept` of every `coefficients` harmonics.
-std::vector<glm::vec3> first_of_each(const std::vector<glm::vec3>& harmonics,
-                                     std::size_t coefficients, std::size_t kept) {
+/// The first `kept` of every `coefficients` SH coefficients.
+std::vector<glm::vec3> first_of_each(const std::vector<glm::vec3>& sh, std::size_t coefficients,
+                                     std::size_t kept) {
   std::vector<glm::vec3> result;
-  for (std::size_t at = 0; kept > 0 && at < harmonics.size(); at += coefficients)
-    for (std::size_t k = 0; k < kept; ++k) result.push_back(harmonics[at + k]);
+  for (std::size_t at = 0; kept > 0 && at < sh.size(); at += coefficients)
+    for (std::size_t k = 0; k < kept; ++k) result.push_back(sh[at + k]);
   return result;
 }
 

@@ -18,8 +18,8 @@ void* allocate(std::size_t bytes) {
   void* const memory = std::malloc(bytes > 0 ? bytes : 1);
   if (memory == nullptr) throw std::bad_alloc();
   const long held = allocations.bytes += static_cast<long>(::malloc_usable_size(memory));
-  long most = allocations.most_bytes;
-  while (most < held && !allocations.most_bytes.compare_exchange_weak(most, held)) {
+  long most = allocations.max_bytes;
+  while (most < held && !allocations.max_bytes.compare_exchange_weak(most, held)) {
   }
   return memory;
 }

@@ -7,9 +7,9 @@
 namespace fluxgs::test {
 
 struct Allocations {
-  std::atomic<long> count = 0;       ///< so far
-  std::atomic<long> bytes = 0;       ///< that are held now, by drivers, too
-  std::atomic<long> most_bytes = 0;  ///< that were held at once; set it to begin anew
+  std::atomic<long> count = 0;      ///< so far
+  std::atomic<long> bytes = 0;      ///< that are held now, by drivers, too
+  std::atomic<long> max_bytes = 0;  ///< that were held at once; set it to begin anew
 };
 
 inline Allocations allocations;

@@ -28,9 +28,9 @@ TEST(SceneMemoryTest, DecodingTakesNoMoreThanAsMuchAgain) {
   const auto expect_it = [&](std::string_view format, const std::vector<std::byte>& bytes) {
     const auto estimate = must(estimate_scene(bytes, "scene"));
     const long before = allocations.bytes;
-    allocations.most_bytes = before;
+    allocations.max_bytes = before;
     const auto scene = must(read_scene(bytes, "scene"));
-    const auto most = static_cast<double>(allocations.most_bytes - before);
+    const auto most = static_cast<double>(allocations.max_bytes - before);
     const auto estimated = static_cast<double>(estimate.decoded);
     std::printf("%s: %.1f MB, decoded %.1f MB: %.1f MB at most\n", std::string(format).c_str(),
                 1e-6 * static_cast<double>(bytes.size()), 1e-6 * estimated, 1e-6 * most);
@@ -83,12 +83,12 @@ TEST_P(UploadMemoryTest, NoCopyOfTheSceneIsMade) {
   const auto cloud = std::make_shared<const SplatCloud>(random_cloud(kSplats, 3, 5));
   constexpr long kSceneBytes = 160L * kSplats;  // on the GPU
   for (const std::size_t shown : {kSplats, kSplats / 2}) {
-    render::SceneView view(cloud, {.most_splats = shown});
+    render::SceneView view(cloud, {.max_splats = shown});
     const long before = allocations.bytes;
-    allocations.most_bytes = before;
+    allocations.max_bytes = before;
     must(view.open(api(), 64, 48));
     EXPECT_EQ(view.splats(), shown);
-    const long most = allocations.most_bytes - before, after = allocations.bytes - before;
+    const long most = allocations.max_bytes - before, after = allocations.bytes - before;
     std::printf("%zu of %zu splats, %ld bytes on the GPU: %ld bytes at most, %ld afterwards\n",
                 shown, kSplats, kSceneBytes, most, after);
     // 12 bytes a splat are ranked, and a part of 2.6 MB at a time is packed

@@ -24,12 +24,12 @@ constexpr std::size_t kQuickSplats = 20000;
 
 // What is alive of what was allocated since the meter began. Memory of before may be freed, too.
 bool measuring = false;
-std::ptrdiff_t alive = 0, most_alive = 0;
+std::ptrdiff_t alive = 0, max_alive = 0;
 
 void on_malloc(const volatile void*, std::size_t size) {
   if (!measuring) return;
   alive += static_cast<std::ptrdiff_t>(size);
-  most_alive = std::max(most_alive, alive);
+  max_alive = std::max(max_alive, alive);
 }
 
 void on_free(const volatile void* pointer) {
@@ -58,11 +58,11 @@ void broken(std::string_view promise) {
 
 Meter::Meter() {
   static const bool installed = install_hooks();
-  alive = most_alive = 0;
+  alive = max_alive = 0;
   measuring = installed;
 }
 Meter::~Meter() { measuring = false; }
-std::size_t Meter::peak() const { return static_cast<std::size_t>(most_alive); }
+std::size_t Meter::peak() const { return static_cast<std::size_t>(max_alive); }
 
 void check_error(const Error& error) {
   const std::string message = error.message();

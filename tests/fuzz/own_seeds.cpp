@@ -227,7 +227,7 @@ void add_glb(Seeds& seeds) {
   for (const int degree : kDegrees) {
     for (const bool with_plain : {false, true}) {
       const SplatCloud cloud = random_cloud(kSplats, degree);
-      const CompactOptions options{usual_compact_steps(cloud), with_plain};
+      const CompactOptions options{default_compact_steps(cloud), with_plain};
       glb[fmt::format("compact_degree{}{}", degree, with_plain ? "_and_plain" : "")] =
           *encode_compact_glb(cloud, options, "x");
     }

@@ -115,7 +115,7 @@ Expected<Bytes> cut_image(const Bytes& bytes) {
   return test::webp(pixels);
 }
 
-/// Without harmonics, whose palette cannot be cut without changing every label.
+/// Without SH coefficients, whose palette cannot be cut without changing every label.
 Expected<Files> cut_sog(const Files& files) {
   Files cut;
   json meta = test::meta_of(files);

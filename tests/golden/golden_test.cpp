@@ -1,6 +1,6 @@
-// Every renderer against pictures that were looked at by a person and then kept. The scenes come
+// Every renderer against images that were looked at by a person and then kept. The scenes come
 // from formulas, so that they are the same everywhere. FLUXGS_UPDATE_GOLDENS=1 rewrites the
-// pictures from the float64 reference; look at them before committing.
+// images from the float64 reference; look at them before committing.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -97,16 +97,16 @@ Image<float> to_float(const Image<T>& image) {
   return out;
 }
 
-/// Largest difference to the kept picture, in steps of 1/255, beyond the half step of its rounding.
-double steps_off(const Golden& g, const Image<float>& picture) {
+/// Largest difference to the kept image, in steps of 1/255, beyond the half step of its rounding.
+double steps_off(const Golden& g, const Image<float>& image) {
   const auto kept = read_image(path_of(g));
   EXPECT_TRUE(kept) << kept.error().message();
-  if (!kept || kept->width != picture.width || kept->height != picture.height) return 1e9;
+  if (!kept || kept->width != image.width || kept->height != image.height) return 1e9;
   double worst = 0;
-  for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x)
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
       for (int c = 0; c < 3; ++c) {
-        const double value = 255 * std::clamp(static_cast<double>(picture.at(x, y)[c]), 0.0, 1.0);
+        const double value = 255 * std::clamp(static_cast<double>(image.at(x, y)[c]), 0.0, 1.0);
         const double off = std::abs(value - kept->at(x, y)[c]) - 0.5;
         worst = std::isnan(off) ? 1e9 : std::max(worst, off);
       }
@@ -116,11 +116,11 @@ double steps_off(const Golden& g, const Image<float>& picture) {
 TEST(Golden, Reference) {
   const bool update = std::getenv("FLUXGS_UPDATE_GOLDENS") != nullptr;
   for (const Golden& g : goldens()) {
-    const Image<float> picture = to_float(render_reference(g.cloud, g.camera, g.options).color);
+    const Image<float> image = to_float(render_reference(g.cloud, g.camera, g.options).color);
     if (update) {
-      ASSERT_TRUE(write_png(path_of(g), picture));
+      ASSERT_TRUE(write_png(path_of(g), image));
     }
-    EXPECT_LT(steps_off(g, picture), 0.01) << g.name;
+    EXPECT_LT(steps_off(g, image), 0.01) << g.name;
   }
 }
 
@@ -129,11 +129,11 @@ TEST(Golden, TrainersRasterizer) {
   for (const Golden& g : goldens()) {
     const auto planes = cpu_view_renderer(g.cloud, g.options, threads)(g.camera);
     ASSERT_TRUE(planes);
-    Image<float> picture(planes->width(), planes->height(), 3);
-    for (int y = 0; y < picture.height; ++y)
-      for (int x = 0; x < picture.width; ++x)
-        for (int c = 0; c < 3; ++c) picture.at(x, y)[c] = planes->row(c, y)[x];
-    EXPECT_LT(steps_off(g, picture), 0.15) << g.name;
+    Image<float> image(planes->width(), planes->height(), 3);
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        for (int c = 0; c < 3; ++c) image.at(x, y)[c] = planes->row(c, y)[x];
+    EXPECT_LT(steps_off(g, image), 0.15) << g.name;
   }
 }
 
@@ -157,9 +157,9 @@ TEST_P(GoldenGles, PhonesRenderer) {
           render::RenderTarget::create(api, g.camera.width, g.camera.height, format);
       ASSERT_TRUE(target) << target.error().message();
       ASSERT_TRUE((*renderer)->draw(g.camera, g.options, *target));
-      const auto picture = (*renderer)->read(*target);
-      ASSERT_TRUE(picture);
-      EXPECT_LT(steps_off(g, to_float(*picture)), limit) << g.name;
+      const auto image = (*renderer)->read(*target);
+      ASSERT_TRUE(image);
+      EXPECT_LT(steps_off(g, to_float(*image)), limit) << g.name;
     }
   }
   for (const gl::DebugMessage& message : api.debug.mistakes())

@@ -23,7 +23,7 @@ const floatScale = (cloud) => rounding(1) + rounding(largest(cloud.scale));
 const floatScales = [Math.log(2 ** -126), Math.log((2 - 2 ** -23) * 2 ** 127)];
 
 /**
- * glTF: floats. Positions and harmonics change at most their signs; opacity and scale are stored
+ * glTF: floats. Positions and SH coefficients change at most their signs; opacity and scale are stored
  * themselves, rotations as unit quaternions.
  */
 const glb = (cloud) => ({
@@ -52,7 +52,7 @@ const fractionalBits = (file) => gunzipSync(readFileSync(file))[13];
 
 /**
  * SPZ (README of nianticlabs/spz): 24-bit positions, logarithms of scales in steps of 1/16 from
- * −10, colours in steps of 1/38.25, harmonics in steps of 1/16 (degree 1) and 1/8 (5 and 4 of 8
+ * −10, colours in steps of 1/38.25, SH coefficients in steps of 1/16 (degree 1) and 1/8 (5 and 4 of 8
  * bits). Of the quaternion the three smallest components have steps of 1/(511·√2); the fourth
  * follows, and errs at worst, where it is 1/2, by three of their half steps.
  */

@@ -235,7 +235,7 @@ SplatCloud tiled(const SplatCloud& cloud, std::size_t count) {
 
 Expected<void> time_reading(const Settings& s, const SplatCloud& cloud) {
   const SplatCloud many = tiled(cloud, s.splats);
-  const CompactOptions options{.steps = usual_compact_steps(cloud)};
+  const CompactOptions options{.steps = default_compact_steps(cloud)};
   std::vector<std::byte> file;
   const double encode =
       milliseconds([&] { file = *encode_compact_glb(many, options, "scene"); }, 3);
@@ -257,7 +257,7 @@ Expected<void> run(const Settings& s) {
   if (scene->cloud.size() == 0) return fail(s.scene, "", "has no splats");
   const SplatCloud cloud = in_order(scene->cloud, compact_order(scene->cloud));
   fmt::print("{}: {} splats of degree {}\n", s.scene, cloud.size(), cloud.sh_degree);
-  const auto attributes = attributes_of(cloud, usual_compact_steps(cloud));
+  const auto attributes = attributes_of(cloud, default_compact_steps(cloud));
   if (auto ok = time_reading(s, cloud); !ok) return ok;
   compare_coders(attributes);
   compare_codebooks(attributes);

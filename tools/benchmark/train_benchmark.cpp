@@ -31,10 +31,10 @@ double pairs_per_pixel(const Dataset& data, const TrainState& state, const Train
   const auto rasterizer =
       make_cpu_rasterizer(threads, times, {.isa = best_isa(), .count_pixel_pairs = true});
   double pairs = 0, pixels = 0;
-  for (const Photo& photo : data.train) {
-    rasterizer->forward(state.parameters, photo.camera, options.render);
+  for (const View& view : data.train) {
+    rasterizer->forward(state.parameters, view.camera, options.render);
     pairs += static_cast<double>(rasterizer->counts().pixel_pairs);
-    pixels += static_cast<double>(photo.camera.width) * photo.camera.height;
+    pixels += static_cast<double>(view.camera.width) * view.camera.height;
   }
   return pairs / pixels;
 }
@@ -108,7 +108,7 @@ int main(int argc, char** argv) {
       "Example: train_benchmark captures/garden --downscale 4");
   app.add_option("data", settings.data, "data set, as for fluxgs train")->required();
   app.add_option("--checkpoint", settings.checkpoint, "start from a file that fluxgs train left");
-  app.add_option("--downscale", settings.downscale, "reduce the photos by this factor")
+  app.add_option("--downscale", settings.downscale, "reduce the images by this factor")
       ->capture_default_str();
   app.add_option("--warmup", settings.warmup, "iterations before the clock starts")
       ->capture_default_str();

@@ -1,4 +1,4 @@
-// Photos of the scene from known poses, as a NeRF-synthetic data set.
+// Images of the scene from known poses, as a NeRF-synthetic data set.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ struct CaptureCameras {
 /// upright. Named r_000, r_001, …
 CaptureCameras capture_cameras(const CaptureOptions& options);
 
-/// One picture, sRGB. The same for any number of threads.
+/// One image, sRGB. The same for any number of threads.
 Image<std::uint8_t> render_view(const Scene& scene, const Camera& camera, int samples);
 
 /// Write train/, test/, transforms_train.json and transforms_test.json into a folder, which is

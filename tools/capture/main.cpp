@@ -1,4 +1,4 @@
-// make_capture: photos with known poses, made by ray-tracing, for the quickstart and the tests.
+// make_capture: images with known poses, made by ray-tracing, for the quickstart and the tests.
 #include <cstdio>
 #include <exception>
 
@@ -22,7 +22,7 @@ int run(int argc, char** argv) {
       "NeRF-synthetic scenes (train/, test/, transforms_train.json, transforms_test.json)."};
   app.footer("Example:\n  make_capture captures/spheres --size 320x240 --train 40 --test 8");
   app.add_option("OUT_DIR", folder, "Folder to write to; created if missing")->required();
-  app.add_option("--size", size, "Pixels of each picture, WxH")->capture_default_str();
+  app.add_option("--size", size, "Pixels of each image, WxH")->capture_default_str();
   app.add_option("--train", options.train, "Training views")->capture_default_str();
   app.add_option("--test", options.test, "Test views")->capture_default_str();
   app.add_option("--seed", options.seed, "Seed of poses and textures")->capture_default_str();

@@ -26,7 +26,7 @@ using nlohmann::json;
 struct BenchSettings {
   std::string scene, camera_file, gl = "egl";
   DataOptions data;
-  PictureSize size{1280, 720};
+  ImageSize size{1280, 720};
   TuningOptions tuning;
   bench::FrameBenchmarkOptions protocol{.warmup = 10, .frames = 100};
   double orbit_step = 0;  // degrees
@@ -43,7 +43,7 @@ Expected<std::vector<Camera>> still_views(const BenchSettings& s, const SplatClo
   return orbit_along(data->train, kViews, s.size);
 }
 
-/// The camera turned by `angle`, in radians, about the vertical of its own picture through the
+/// The camera turned by `angle`, in radians, about the vertical of its own image through the
 /// point that it looks at, which is where the middle of the scene is nearest to its axis.
 Camera turned(const Camera& camera, double angle, const glm::dvec3& middle) {
   const glm::dvec3 centre = camera.center(), forward = camera.forward();
@@ -223,7 +223,7 @@ void add_bench(CLI::App& app, Action& action) {
       "and\n"
       "waits for it; \"pipelined\" waits for nothing in between. Views are those of --camera, "
       "eight\n"
-      "along the photos of --data, or eight around the scene.\n"
+      "along the images of --data, or eight around the scene.\n"
       "Example: fluxgs bench garden.glb --size 1280x720 --frames 200\n"
       "Example: fluxgs bench garden.glb --orbit-step 0.5 --sorter cpu --json");
   command->add_option("scene", s->scene, "the scene file")->required();
@@ -235,7 +235,7 @@ void add_bench(CLI::App& app, Action& action) {
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
   CLI::Option* data =
-      command->add_option("--data", s->data.folder, "a data set: views along its photos");
+      command->add_option("--data", s->data.folder, "a data set: views along its images");
   command->add_option("--camera", s->camera_file, "JSON list of {name, position, target, up, fovY}")
       ->excludes(data);
   command

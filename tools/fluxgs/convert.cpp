@@ -35,7 +35,7 @@ std::string shown(const std::string& path) { return one_line(path, std::string::
 
 /// A splat far from all others, or splats much smaller than the scene, leave few steps for each.
 void warn_of_outliers(const ConvertSettings& s, const SplatCloud& cloud) {
-  const double step = usual_compact_steps(cloud).position;
+  const double step = default_compact_steps(cloud).position;
   if (cloud.size() > 0 && step <= finest_position_step(cloud))
     spdlog::warn(
         "warning: {}: the scene is so much larger than its splats that positions are rounded to "
@@ -45,7 +45,7 @@ void warn_of_outliers(const ConvertSettings& s, const SplatCloud& cloud) {
 
 Expected<void> write_compact(const ConvertSettings& s, const SceneFile& scene) {
   const SplatCloud& cloud = scene.cloud;
-  const CompactOptions options{usual_compact_steps(cloud, s.coarseness), s.plain_attributes};
+  const CompactOptions options{default_compact_steps(cloud, s.coarseness), s.plain_attributes};
   const auto bytes = encode_compact_glb(cloud, options, s.out);
   if (!bytes) return std::unexpected(bytes.error());
   const auto written = write_glb(s.out, *bytes, scene.start);
@@ -66,8 +66,8 @@ Expected<void> write_plain(const ConvertSettings& s, const SceneFile& scene,
 }
 
 /// What is left of --max-bytes for the splats.
-std::size_t most_bytes(const ConvertSettings& s, const SceneFile& scene) {
-  const std::size_t start = scene.start ? kMostStartViewBytes : 0;
+std::size_t max_bytes(const ConvertSettings& s, const SceneFile& scene) {
+  const std::size_t start = scene.start ? kMaxStartViewBytes : 0;
   return *s.max_bytes - std::min(start, *s.max_bytes - 1);
 }
 
@@ -81,15 +81,15 @@ Expected<CompactTrial> search(const ConvertSettings& s, const SceneFile& scene) 
   options.background = s.data.background_color();
   const std::vector<Camera> cameras = measuring_views(cloud, data);
   const SceneError error(cloud, cameras, options, threads);
-  Progress progress("trials", CompactSearch::kUsualTrials, 0);
+  Progress progress("trials", CompactSearch::kDefaultTrials, 0);
   int trials = 0;
-  CompactOptions start{usual_compact_steps(cloud), s.plain_attributes};
+  CompactOptions start{default_compact_steps(cloud), s.plain_attributes};
   if (data != nullptr) start.costs = seen_costs(data->train, cloud, options, threads);
   const CompactSearch search(cloud, error, start, [&](const CompactTrial& t) {
     progress.update(++trials, fmt::format("{} bytes  {}", t.file.size(), decibels(t.psnr())));
   });
   auto found =
-      s.max_bytes ? search.within_bytes(most_bytes(s, scene)) : search.within_loss(*s.max_loss);
+      s.max_bytes ? search.within_bytes(max_bytes(s, scene)) : search.within_loss(*s.max_loss);
   progress.clear();
   if (!found) return fail(s.out, found.error().field, found.error().what);
   return found;
@@ -104,8 +104,8 @@ Expected<void> write_searched(const ConvertSettings& s, const SceneFile& scene, 
   if (!bytes) return std::unexpected(bytes.error());
   const std::string error =
       found->mse > 0 ? fmt::format("{:.2f} dB from", found->psnr()) : "exactly";
-  fmt::print("{}: {} splats, {} bytes, {} the pictures of {}{}\n", shown(s.out), cloud.size(),
-             *bytes, error, shown(s.in),
+  fmt::print("{}: {} splats, {} bytes, {} the images of {}{}\n", shown(s.out), cloud.size(), *bytes,
+             error, shown(s.in),
              cloud.sh_degree < full_degree ? fmt::format(" at degree {}", cloud.sh_degree) : "");
   return {};
 }
@@ -154,7 +154,7 @@ void add_compact_options(CLI::App& command, ConvertSettings& s) {
                                           "search for the least error in a file of this size");
   bytes->check(CLI::Range(std::size_t{1}, std::size_t{1} << 50));
   CLI::Option* loss = command.add_option(
-      "--max-loss", s.max_loss, "search for the smallest file whose pictures are this near, in dB");
+      "--max-loss", s.max_loss, "search for the smallest file whose images are this near, in dB");
   loss->check(in_range(1, 120))->excludes(bytes)->excludes(coarseness);
   bytes->excludes(coarseness);
   CLI::Option* plain = command.add_flag(
@@ -172,14 +172,15 @@ void add_convert(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("convert", "Rewrite a scene in another format");
   command->footer(
       "The format read is found by content, the one written by the file's name. Loss is the PSNR\n"
-      "of the mean square error over twelve views, to the scene with the harmonics that are kept.\n"
+      "of the mean square error over twelve views, to the scene with the SH coefficients that are "
+      "kept.\n"
       "Example: fluxgs convert garden.ply garden.glb --max-loss 40");
   command->add_option("in", settings->in, "the scene to read")->required();
   command->add_option("out", settings->out, "the scene to write: " + writable_extensions())
       ->required();
   command
       ->add_option("--sh-degree", settings->sh_degree,
-                   "highest degree of harmonics to keep; the others are left out")
+                   "highest SH degree to keep; the others are left out")
       ->check(CLI::Range(0, 3))
       ->capture_default_str();
   add_compact_options(*command, *settings);

@@ -18,7 +18,7 @@ void add_background(CLI::App& command, std::vector<double>& background) {
 }  // namespace
 
 void add_data_options(CLI::App& command, DataOptions& options) {
-  command.add_option("--downscale", options.downscale, "reduce the photos by this factor")
+  command.add_option("--downscale", options.downscale, "reduce the images by this factor")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   add_background(command, options.background);
@@ -37,7 +37,7 @@ Expected<Dataset> load(const DataOptions& options) {
   LoadOptions how;
   how.downscale = options.downscale;
   how.threads = options.threads;
-  how.progress = show_progress("photos");
+  how.progress = show_progress("images");
   how.background = glm::vec3(options.background_color());
   auto data = load_dataset(options.folder, how);
   if (data)
@@ -52,7 +52,7 @@ Expected<std::optional<Dataset>> load_if_given(const DataOptions& options) {
   return std::move(*data);
 }
 
-void add_size_option(CLI::App& command, PictureSize& size, const std::string& help) {
+void add_size_option(CLI::App& command, ImageSize& size, const std::string& help) {
   command.add_option_function<std::string>(
       "--size",
       [&size](const std::string& text) {

@@ -29,7 +29,7 @@ void add_data_options(CLI::App& command, DataOptions& options);
 void add_split_option(CLI::App& command, std::string& split);
 
 /// --size WIDTHxHEIGHT. `size` must live as long as `command`.
-void add_size_option(CLI::App& command, PictureSize& size, const std::string& help);
+void add_size_option(CLI::App& command, ImageSize& size, const std::string& help);
 
 /// Loads the data set and prints its warnings.
 Expected<Dataset> load(const DataOptions& options);

@@ -99,7 +99,7 @@ void print_lines(const json& found) {
                                      : "missing: " + glfw["reason"].get<std::string>());
   fmt::print("CUDA        {}\n", found["cuda"]["reason"].get<std::string>());
   fmt::print("COLMAP      {}\n", found["colmap"].is_null()
-                                     ? "not found; needed only for photos without poses"
+                                     ? "not found; needed only for images without poses"
                                      : found["colmap"].get<std::string>());
   fmt::print("gnuplot     {}\n", found["gnuplot"].is_null()
                                      ? "not found; needed only for the charts of fluxgs report"

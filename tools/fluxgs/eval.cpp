@@ -1,4 +1,4 @@
-// fluxgs eval: a scene against photos.
+// fluxgs eval: a scene against images.
 #include <numeric>
 
 #include <fmt/format.h>
@@ -57,10 +57,10 @@ Expected<void> eval(const EvalSettings& s) {
   if (!scene) return std::unexpected(scene.error());
   const auto data = load(s.data);
   if (!data) return std::unexpected(data.error());
-  const std::vector<Photo>& photos = s.split == "train" ? data->train : data->test;
-  if (photos.empty())
+  const std::vector<View>& views = s.split == "train" ? data->train : data->test;
+  if (views.empty())
     return fail(s.data.folder, "",
-                fmt::format("has no {} photos; try --split {}", s.split,
+                fmt::format("has no {} images; try --split {}", s.split,
                             s.split == "train" ? "test" : "train"));
 
   const Threads threads(s.data.threads);
@@ -68,12 +68,12 @@ Expected<void> eval(const EvalSettings& s) {
   options.background = s.data.background_color();
   const auto renderer = make_renderer(s.choice, scene->cloud, options, threads);
   if (!renderer) return std::unexpected(renderer.error());
-  const auto score = evaluate(photos, *renderer, threads, show_progress("views"));
+  const auto score = evaluate(views, *renderer, threads, show_progress("views"));
   if (!score) return std::unexpected(score.error());
 
   std::vector<double> flip;
   if (s.flip) {
-    auto errors = flip_errors(photos, *renderer, show_progress("views"));
+    auto errors = flip_errors(views, *renderer, show_progress("views"));
     if (!errors) return std::unexpected(errors.error());
     flip = std::move(*errors);
   }
@@ -89,10 +89,10 @@ Expected<void> eval(const EvalSettings& s) {
 
 void add_eval(CLI::App& app, Action& action) {
   auto s = std::make_shared<EvalSettings>();
-  CLI::App* command = app.add_subcommand("eval", "Compare a scene with photos: PSNR and SSIM");
+  CLI::App* command = app.add_subcommand("eval", "Compare a scene with images: PSNR and SSIM");
   command->footer("Example: fluxgs eval garden.glb --data captures/garden --downscale 2 --json");
   command->add_option("scene", s->scene, "the scene file")->required();
-  command->add_option("--data", s->data.folder, "the data set with the photos")->required();
+  command->add_option("--data", s->data.folder, "the data set with the images")->required();
   add_split_option(*command, s->split);
   add_data_options(*command, s->data);
   add_renderer_options(*command, s->choice);

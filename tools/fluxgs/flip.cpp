@@ -12,7 +12,7 @@
 #include "fluxgs/io/file.h"
 #include "tools/fluxgs/child_process.h"
 #include "tools/fluxgs/find_program.h"
-#include "tools/fluxgs/pictures.h"
+#include "tools/fluxgs/images.h"
 #include "tools/fluxgs/work_folder.h"
 #include "trainer/data/image_io.h"
 
@@ -68,27 +68,27 @@ Expected<void> check_flip() {
   return {};
 }
 
-Expected<std::vector<double>> flip_errors(const std::vector<Photo>& photos,
+Expected<std::vector<double>> flip_errors(const std::vector<View>& views,
                                           const ViewRenderer& render,
                                           const ProgressReport& progress) {
   const WorkFolder work;
-  const fs::path photo_file = work.path() / "photo.png", picture_file = work.path() / "picture.png";
+  const fs::path view_file = work.path() / "image.png", image_file = work.path() / "image.png";
   std::vector<double> errors;
-  for (const Photo& photo : photos) {
-    const auto picture = render(photo.camera);
-    if (!picture) return std::unexpected(picture.error());
-    if (auto written = write_png(photo_file, photo.rgb); !written)
+  for (const View& view : views) {
+    const auto image = render(view.camera);
+    if (!image) return std::unexpected(image.error());
+    if (auto written = write_png(view_file, view.rgb); !written)
       return std::unexpected(written.error());
-    if (auto written = write_png(picture_file, interleaved(*picture)); !written)
+    if (auto written = write_png(image_file, interleaved(*image)); !written)
       return std::unexpected(written.error());
     const auto said =
-        run_flip(work, {"--reference", photo_file.string(), "--test", picture_file.string(),
+        run_flip(work, {"--reference", view_file.string(), "--test", image_file.string(),
                         "--verbosity", "1", "--no-error-map", "--no-exposure-map"});
     if (!said) return std::unexpected(said.error());
     const auto mean = mean_in(*said);
     if (!mean) return std::unexpected(mean.error());
     errors.push_back(*mean);
-    if (progress) progress(errors.size(), photos.size());
+    if (progress) progress(errors.size(), views.size());
   }
   return errors;
 }

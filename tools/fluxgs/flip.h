@@ -1,4 +1,4 @@
-// FLIP, how different two pictures look to people who switch between them (Andersson et al. 2020):
+// FLIP, how different two images look to people who switch between them (Andersson et al. 2020):
 // by the authors' own program, which tools/flip installs.
 #pragma once
 
@@ -15,9 +15,9 @@ namespace fluxgs::cli {
 /// where it is not build/packages/flip.
 Expected<void> check_flip();
 
-/// The mean FLIP error of each photo's view, 0 (the same) to 1, for a viewer at 67 pixels a degree
-/// (the program's default). Pictures of 8 bits a channel are compared.
-Expected<std::vector<double>> flip_errors(const std::vector<Photo>& photos,
+/// The mean FLIP error of each image's view, 0 (the same) to 1, for a viewer at 67 pixels a degree
+/// (the program's default). Images of 8 bits a channel are compared.
+Expected<std::vector<double>> flip_errors(const std::vector<View>& views,
                                           const ViewRenderer& render,
                                           const ProgressReport& progress = {});
 

@@ -50,7 +50,7 @@ const Rule kRules[] = {
      "--sh-target adaptive"},
     {{"quadrature", "samples"},
      integrates,
-     "harmonics that are reduced by --sh-reduce energy or uniform-ls"},
+     "SH coefficients that are reduced by --sh-reduce energy or uniform-ls"},
     {{"residual", "psi"}, has_moments, "--sh-target 1 --sh-reduce energy"},
     {{"psi-fit-steps", "psi-rate"}, makes_psi, "--sh-target 1 --sh-reduce energy --psi on"},
     {{"phi-rate"}, makes_phi, "--phi on"},
@@ -133,14 +133,15 @@ void add_stages(const std::set<std::string>& given, const O& o, std::vector<std:
     never("there is no late pruning", o.late_prune_from, o.late_prune_until, o.late_prune_interval);
   if (o.coarse_levels > 0 && o.coarse_until >= o.iterations &&
       any_given(given, {"coarse-levels", "coarse-until"}))
-    lines.push_back(fmt::format("photos are halved to the end: --coarse-until {} of {} steps",
+    lines.push_back(fmt::format("images are halved to the end: --coarse-until {} of {} steps",
                                 o.coarse_until, o.iterations));
   if (given.contains("sh-target") && o.sh_target != ShTarget::adaptive &&
       asked_degree(o) > o.sh_degree)
-    lines.push_back(fmt::format("harmonics end at degree {}, as --sh-degree says", o.sh_degree));
+    lines.push_back(
+        fmt::format("SH coefficients end at degree {}, as --sh-degree says", o.sh_degree));
   if (reduces_appearance(o) && o.switch_iteration > o.iterations)
     lines.push_back(
-        fmt::format("--switch-iter {} is behind the last step, {}: harmonics are not reduced",
+        fmt::format("--switch-iter {} is behind the last step, {}: SH coefficients are not reduced",
                     o.switch_iteration, o.iterations));
 }
 
@@ -154,11 +155,12 @@ void add_rounding(const O& asked, const O& o, std::vector<std::string>& lines) {
                                 asked.round_from, o.iterations));
   else if (o.round_from > o.iterations)
     lines.emplace_back(
-        "nothing is rounded, as densification or the reduction of harmonics lasts to the end");
+        "nothing is rounded, as densification or the reduction of SH coefficients lasts to the "
+        "end");
   else if (asked.round_from > 0 && o.round_from > asked.round_from)
     lines.push_back(
         fmt::format("rounding begins at step {} instead of {}, after densification and the "
-                    "reduction of harmonics",
+                    "reduction of SH coefficients",
                     o.round_from, asked.round_from));
 }
 

@@ -41,7 +41,7 @@ int main(int argc, char** argv) {
   spdlog::set_default_logger(spdlog::stderr_logger_st("fluxgs"));
   spdlog::set_pattern("%v");
 
-  CLI::App app("Train 3D Gaussian Splatting scenes from posed photos and look at them.");
+  CLI::App app("Train 3D Gaussian Splatting scenes from posed images and look at them.");
   app.require_subcommand(1);
   app.set_version_flag("--version", FLUXGS_VERSION);
   app.failure_message([](const CLI::App*, const CLI::Error& error) {
@@ -73,7 +73,7 @@ int main(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     return report(
         {"", "",
-         "not enough memory; smaller pictures, a larger --downscale or fewer splats need less"});
+         "not enough memory; smaller images, a larger --downscale or fewer splats need less"});
   } catch (const std::system_error& e) {
     return report({"", "",
                    e.code() == std::errc::resource_unavailable_try_again

@@ -13,12 +13,12 @@
 
 namespace fluxgs::cli {
 
-/// At most kMeasuringViews cameras, evenly spread over the training photos; without `data`, on an
+/// At most kMeasuringViews cameras, evenly spread over the training images; without `data`, on an
 /// orbit around the scene, 640x480.
 std::vector<Camera> measuring_views(const SplatCloud& cloud, const Dataset* data);
 
-/// trainer/compress/seen_splats.h for all of these photos' views, with a bar if it takes long.
-ErrorCosts seen_costs(const std::vector<Photo>& photos, const SplatCloud& cloud,
+/// trainer/compress/seen_splats.h for all of these images' views, with a bar if it takes long.
+ErrorCosts seen_costs(const std::vector<View>& views, const SplatCloud& cloud,
                       const RenderOptions& render, const Threads& threads);
 
 }  // namespace fluxgs::cli

@@ -21,7 +21,7 @@ constexpr double kInset = 0.05;
 struct Circle {
   glm::dvec3 center{0}, up{0, -1, 0};
   glm::dvec3 front{0}, side{0};  // with `up` a basis of unit vectors
-  double radius = 1, height = 0, fov_y = camera::kUsualFieldOfView;
+  double radius = 1, height = 0, fov_y = camera::kDefaultFieldOfView;
   double begin = 0, span = 2 * kPi;
 
   void set_up(const glm::dvec3& direction) {
@@ -38,30 +38,30 @@ struct Circle {
   }
 };
 
-/// Leaves out the widest gap between the photos if it is wider than a quarter of the circle.
-void limit_to_covered_arc(Circle& c, const std::vector<Photo>& photos) {
+/// Leaves out the widest gap between the images if it is wider than a quarter of the circle.
+void limit_to_covered_arc(Circle& c, const std::vector<View>& views) {
   std::vector<double> angles;
-  for (const Photo& photo : photos) angles.push_back(c.angle_of(photo.camera.center()));
+  for (const View& view : views) angles.push_back(c.angle_of(view.camera.center()));
   std::ranges::sort(angles);
   double widest = 2 * kPi - (angles.back() - angles.front()), after = angles.front();
   for (std::size_t i = 1; i < angles.size(); ++i)
     if (angles[i] - angles[i - 1] > widest) widest = angles[i] - angles[i - 1], after = angles[i];
   if (widest <= kPi / 2) return;
-  // The outermost photos show their places from one side only
+  // The outermost images show their places from one side only
   const double covered = 2 * kPi - widest;
   c.begin = after + kInset * covered;
   c.span = (1 - 2 * kInset) * covered;
 }
 
-Circle circle_along(const std::vector<Photo>& photos) {
+Circle circle_along(const std::vector<View>& views) {
   Circle c;
-  const std::vector<double> distances = focus_distances(photos);
-  const double share = 1.0 / static_cast<double>(photos.size());
+  const std::vector<double> distances = focus_distances(views);
+  const double share = 1.0 / static_cast<double>(views.size());
   glm::dvec3 eyes(0);
   std::vector<Camera> cameras;
   c.fov_y = 0;
-  for (std::size_t i = 0; i < photos.size(); ++i) {
-    const Camera& camera = cameras.emplace_back(photos[i].camera);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const Camera& camera = cameras.emplace_back(views[i].camera);
     c.center += share * (camera.center() + distances[i] * camera.forward());
     c.fov_y += share * 2 * std::atan(0.5 * camera.height / camera.fy);
     eyes += share * camera.center();
@@ -69,20 +69,20 @@ Circle circle_along(const std::vector<Photo>& photos) {
   c.set_up(camera::up_of_cameras(cameras).direction);
   c.height = glm::dot(eyes - c.center, c.up);
   c.radius = 0;
-  for (const Photo& photo : photos) {
-    const glm::dvec3 arm = photo.camera.center() - c.center;
+  for (const View& view : views) {
+    const glm::dvec3 arm = view.camera.center() - c.center;
     c.radius += share * glm::length(arm - c.up * glm::dot(arm, c.up));
   }
-  c.radius = std::max(c.radius, 1e-6);  // photos of a panorama, from one place
-  limit_to_covered_arc(c, photos);
+  c.radius = std::max(c.radius, 1e-6);  // images of a panorama, from one place
+  limit_to_covered_arc(c, views);
   return c;
 }
 
-Circle circle_around(const SplatCloud& cloud, const PictureSize& size) {
+Circle circle_around(const SplatCloud& cloud, const ImageSize& size) {
   // Sizes of compact scenes are measured over these views: they stay what they are
   const camera::SceneBounds bounds = camera::robust_bounds(cloud, camera::SplatWeight::equal);
   Circle c;
-  c.set_up(camera::kUsualUp);
+  c.set_up(camera::kDefaultUp);
   c.center = bounds.center;
   const double across = std::min(1.0, static_cast<double>(size.width) / size.height);
   const double shorter = 2 * std::atan(across * std::tan(0.5 * c.fov_y));
@@ -92,7 +92,7 @@ Circle circle_around(const SplatCloud& cloud, const PictureSize& size) {
   return c;
 }
 
-std::vector<Camera> cameras_on(const Circle& c, int count, const PictureSize& size) {
+std::vector<Camera> cameras_on(const Circle& c, int count, const ImageSize& size) {
   const bool closed = c.span >= 2 * kPi;
   std::vector<Camera> cameras;
   for (int i = 0; i < count; ++i) {
@@ -109,12 +109,11 @@ std::vector<Camera> cameras_on(const Circle& c, int count, const PictureSize& si
 
 }  // namespace
 
-std::vector<Camera> orbit_along(const std::vector<Photo>& photos, int count,
-                                const PictureSize& size) {
-  return cameras_on(circle_along(photos), count, size);
+std::vector<Camera> orbit_along(const std::vector<View>& views, int count, const ImageSize& size) {
+  return cameras_on(circle_along(views), count, size);
 }
 
-std::vector<Camera> orbit_around(const SplatCloud& cloud, int count, const PictureSize& size) {
+std::vector<Camera> orbit_around(const SplatCloud& cloud, int count, const ImageSize& size) {
   return cameras_on(circle_around(cloud, size), count, size);
 }
 

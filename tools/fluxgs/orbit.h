@@ -10,15 +10,14 @@
 
 namespace fluxgs::cli {
 
-/// `count` cameras on a circle that follows the photos': their centre of attention, mean height,
-/// distance, field of view and up direction. Photos from all around give a full circle; if they
+/// `count` cameras on a circle that follows the images': their centre of attention, mean height,
+/// distance, field of view and up direction. Images from all around give a full circle; if they
 /// leave out more than a quarter of it, the cameras go from near one end of the covered arc to near
-/// the other (one camera stands in its middle). `photos` has at least one.
-std::vector<Camera> orbit_along(const std::vector<Photo>& photos, int count,
-                                const PictureSize& size);
+/// the other (one camera stands in its middle). `views` has at least one.
+std::vector<Camera> orbit_along(const std::vector<View>& views, int count, const ImageSize& size);
 
 /// `count` cameras on a circle around the middle of the splats, slightly above; y is down, as in
 /// most scenes.
-std::vector<Camera> orbit_around(const SplatCloud& cloud, int count, const PictureSize& size);
+std::vector<Camera> orbit_around(const SplatCloud& cloud, int count, const ImageSize& size);
 
 }  // namespace fluxgs::cli

@@ -12,9 +12,9 @@ using nlohmann::json;
 constexpr int kVersion = 1;  // BenchmarkResult.VERSION
 constexpr int kHottest = 6;  // PowerManager.THERMAL_STATUS_SHUTDOWN
 
-constexpr double kMostMs = 1e7;       // hours
+constexpr double kMaxMs = 1e7;        // hours
 constexpr double kLargestSide = 1e5;  // px
-constexpr std::size_t kMostRows = 10'000, kLongestText = 200;
+constexpr std::size_t kMaxRows = 10'000, kLongestText = 200;
 
 /// As a terminal can be shown it: what came from elsewhere might draw on it.
 std::string plain(std::string text) {
@@ -76,9 +76,9 @@ PhoneRow row_of(Fields& f, std::size_t i) {
   row.height = static_cast<int>(f.number(at + "height", 1, kLargestSide));
   row.views = f.text(at + "views");
   row.sorter = f.text(at + "sorter");
-  row.draw_ms = f.number(at + "draw_ms/median", kShortest, kMostMs);
-  row.sort_to_photon_ms = f.number(at + "sort_to_photon_ms/median", kShortest, kMostMs);
-  row.pipelined_ms = f.number(at + "pipelined_ms", kShortest, kMostMs);
+  row.draw_ms = f.number(at + "draw_ms/median", kShortest, kMaxMs);
+  row.sort_to_photon_ms = f.number(at + "sort_to_photon_ms/median", kShortest, kMaxMs);
+  row.pipelined_ms = f.number(at + "pipelined_ms", kShortest, kMaxMs);
   return row;
 }
 
@@ -113,7 +113,7 @@ Expected<PhoneResult> phone_result(const json& value, const std::string& file) {
   for (const char* name : {"splats", "decoded", "sorted", "projected", "error"})
     if (const json& v = f.at(std::string("self_test/") + name); v.is_primitive() && !v.is_null())
       r.self_test[name] = plain(v.is_string() ? v.get<std::string>() : v.dump());
-  const std::size_t rows = std::min(f.size("rows"), kMostRows);
+  const std::size_t rows = std::min(f.size("rows"), kMaxRows);
   for (std::size_t i = 0; i < rows && f.place().empty(); ++i) r.rows.push_back(row_of(f, i));
   if (!f.place().empty()) return fail(file, f.place(), "expected " + f.expected());
   return r;

@@ -12,7 +12,7 @@
 
 namespace fluxgs::cli {
 
-/// One size of picture, kind of views and sorter. Times are medians over the frames, > 0.
+/// One size of image, kind of views and sorter. Times are medians over the frames, > 0.
 struct PhoneRow {
   int width = 0, height = 0;
   std::string views, sorter;

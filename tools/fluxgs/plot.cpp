@@ -90,7 +90,7 @@ std::string reason_in(const fs::path& log) {
   return reason;
 }
 
-/// Runs gnuplot on a plot; the bytes of its picture.
+/// Runs gnuplot on a plot; the bytes of its image.
 Expected<std::vector<std::byte>> draw(const Plot& plot, const std::string& path) {
   const WorkFolder work;
   const auto gnuplot = find_program("gnuplot");

@@ -1,4 +1,4 @@
-// fluxgs render: pictures of a scene, and how exact they are.
+// fluxgs render: images of a scene, and how exact they are.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -10,8 +10,8 @@
 #include "camera/first_view.h"
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/data_options.h"
+#include "tools/fluxgs/images.h"
 #include "tools/fluxgs/orbit.h"
-#include "tools/fluxgs/pictures.h"
 #include "tools/fluxgs/progress.h"
 #include "tools/fluxgs/renderers.h"
 #include "tools/fluxgs/views.h"
@@ -26,41 +26,40 @@ using nlohmann::json;
 struct RenderSettings {
   std::string scene, out, camera_file, view, split = "test";
   DataOptions data;
-  PictureSize size;
+  ImageSize size;
   RendererChoice choice;
   int orbit = 0, sh_degree = 3;  // orbit 0: not given
   bool check = false, as_json = false, view_given = false;
 };
 
-/// A picture to take, and the photo taken from the same place if there is one.
+/// An image to take, and the image taken from the same place if there is one.
 struct Shot {
   Camera camera;
-  std::optional<Photo> photo;
+  std::optional<View> view;
 };
 
 Expected<std::vector<Shot>> shots_of_data(const RenderSettings& s, const Dataset& data) {
-  const std::vector<Photo>& photos =
-      s.split == "train" || data.test.empty() ? data.train : data.test;
+  const std::vector<View>& views = s.split == "train" || data.test.empty() ? data.train : data.test;
   std::vector<Shot> shots;
   if (s.view == "all") {
-    for (const Photo& p : photos) shots.push_back({resized(p.camera, s.size), p});
+    for (const View& p : views) shots.push_back({resized(p.camera, s.size), p});
   } else {
-    std::size_t index = photos.size();
+    std::size_t index = views.size();
     const char* end = s.view.data() + s.view.size();
-    if (std::from_chars(s.view.data(), end, index).ptr != end) index = photos.size();
-    if (index >= photos.size())
+    if (std::from_chars(s.view.data(), end, index).ptr != end) index = views.size();
+    if (index >= views.size())
       return fail(
           s.data.folder, "--view",
-          fmt::format("'{}' is not a view, expected 0 to {} or all", s.view, photos.size() - 1));
-    shots.push_back({resized(photos[index].camera, s.size), photos[index]});
+          fmt::format("'{}' is not a view, expected 0 to {} or all", s.view, views.size() - 1));
+    shots.push_back({resized(views[index].camera, s.size), views[index]});
   }
   if (s.size.width > 0)
-    for (Shot& shot : shots) shot.photo.reset();  // another size has nothing to be compared with
+    for (Shot& shot : shots) shot.view.reset();  // another size has nothing to be compared with
   return shots;
 }
 
 /// Where the scene asks to be looked at from first, or else the first view of an orbit.
-Expected<std::vector<Camera>> usual_cameras(const SceneFile& scene, const PictureSize& size) {
+Expected<std::vector<Camera>> default_cameras(const SceneFile& scene, const ImageSize& size) {
   if (!scene.start) return orbit_around(scene.cloud, 1, size);
   const glm::dvec2 sides(size.width, size.height);
   const camera::Navigation first = camera::first_view(scene.cloud, scene.start, sides);
@@ -70,19 +69,19 @@ Expected<std::vector<Camera>> usual_cameras(const SceneFile& scene, const Pictur
 /// Cameras from the file, an orbit, or one view.
 Expected<std::vector<Camera>> free_cameras(const RenderSettings& s, const SceneFile& scene,
                                            const std::optional<Dataset>& data,
-                                           const PictureSize& size) {
+                                           const ImageSize& size) {
   if (!s.camera_file.empty()) return cameras_from_file(s.camera_file, size);
   if (data) return orbit_along(data->train, std::max(s.orbit, 1), size);
   if (s.orbit > 0) return orbit_around(scene.cloud, s.orbit, size);
-  return usual_cameras(scene, size);
+  return default_cameras(scene, size);
 }
 
 Expected<std::vector<Shot>> free_shots(const RenderSettings& s, const SceneFile& scene,
                                        const std::optional<Dataset>& data) {
-  PictureSize size = s.size;
+  ImageSize size = s.size;
   if (size.width == 0)
-    size = data ? PictureSize{data->train[0].camera.width, data->train[0].camera.height}
-                : PictureSize{1280, 720};
+    size = data ? ImageSize{data->train[0].camera.width, data->train[0].camera.height}
+                : ImageSize{1280, 720};
   auto cameras = free_cameras(s, scene, data, size);
   if (!cameras) return std::unexpected(cameras.error());
   std::vector<Shot> shots;
@@ -90,7 +89,7 @@ Expected<std::vector<Shot>> free_shots(const RenderSettings& s, const SceneFile&
   return shots;
 }
 
-/// OUT.png for one picture; OUT_000.png, … for several, or OUT_<name>.png with --camera.
+/// OUT.png for one image; OUT_000.png, … for several, or OUT_<name>.png with --camera.
 std::string file_name(const RenderSettings& s, const std::vector<Shot>& shots, std::size_t i) {
   if (shots.size() == 1) return s.out;
   const std::filesystem::path path(s.out);
@@ -100,17 +99,16 @@ std::string file_name(const RenderSettings& s, const std::vector<Shot>& shots, s
       .string();
 }
 
-/// An error if a picture would take the place of a photo.
-Expected<void> check_photos_stay(const RenderSettings& s, const std::vector<Shot>& shots,
-                                 const Dataset& data) {
+/// An error if an image would take the place of an image.
+Expected<void> check_views_stay(const RenderSettings& s, const std::vector<Shot>& shots,
+                                const Dataset& data) {
   std::error_code ignored;
   for (std::size_t i = 0; i < shots.size(); ++i) {
     const std::string file = file_name(s, shots, i);
-    for (const auto* photos : {&data.train, &data.test})
-      for (const Photo& photo : *photos)
-        if (std::filesystem::equivalent(file, photo.path, ignored))
-          return fail(file, "",
-                      "is a photo of the data set; expected another name for the picture");
+    for (const auto* views : {&data.train, &data.test})
+      for (const View& view : *views)
+        if (std::filesystem::equivalent(file, view.path, ignored))
+          return fail(file, "", "is an image of the data set; expected another name for the image");
   }
   return {};
 }
@@ -124,29 +122,29 @@ Expected<std::vector<Shot>> choose_shots(const RenderSettings& s, const SceneFil
   }
   auto shots = data && s.view_given ? shots_of_data(s, *data) : free_shots(s, scene, data);
   if (!shots || !data) return shots;
-  if (auto ok = check_photos_stay(s, *shots, *data); !ok) return std::unexpected(ok.error());
+  if (auto ok = check_views_stay(s, *shots, *data); !ok) return std::unexpected(ok.error());
   return shots;
 }
 
-/// Renders, writes and measures one picture.
+/// Renders, writes and measures one image.
 Expected<json> take(const Shot& shot, const std::string& file, const ViewRenderer& render,
                     const std::optional<ViewRenderer>& reference, const Threads& threads) {
-  const auto picture = render(shot.camera);
-  if (!picture) return std::unexpected(picture.error());
-  if (auto written = write_png(file, interleaved(*picture)); !written)
+  const auto image = render(shot.camera);
+  if (!image) return std::unexpected(image.error());
+  if (auto written = write_png(file, interleaved(*image)); !written)
     return std::unexpected(written.error());
   json entry = {
-      {"file", file}, {"name", shot.camera.name}, {"size", {picture->width(), picture->height()}}};
-  if (shot.photo) {
+      {"file", file}, {"name", shot.camera.name}, {"size", {image->width(), image->height()}}};
+  if (shot.view) {
     PlanarImage target;
-    to_planar(shot.photo->rgb, threads, target);
-    entry["psnr"] = psnr(*picture, target);
+    to_planar(shot.view->rgb, threads, target);
+    entry["psnr"] = psnr(*image, target);
   }
   if (reference) {
     const auto exact = (*reference)(shot.camera);
     if (!exact) return std::unexpected(exact.error());
-    entry["reference_psnr"] = psnr(*picture, *exact);
-    entry["reference_max_error"] = largest_difference(*picture, *exact);
+    entry["reference_psnr"] = psnr(*image, *exact);
+    entry["reference_max_error"] = largest_difference(*image, *exact);
   }
   return entry;
 }
@@ -154,7 +152,7 @@ Expected<json> take(const Shot& shot, const std::string& file, const ViewRendere
 void print_entry(const json& entry) {
   std::string line = fmt::format("{}", entry["file"].get<std::string>());
   if (entry.contains("psnr"))
-    line += fmt::format("  {:.2f} dB to the photo", entry["psnr"].get<double>());
+    line += fmt::format("  {:.2f} dB to the image", entry["psnr"].get<double>());
   if (entry.contains("reference_psnr"))
     line += fmt::format("  {:.2f} dB to the float64 reference, largest error {:.5f}",
                         entry["reference_psnr"].get<double>(),
@@ -162,15 +160,15 @@ void print_entry(const json& entry) {
   fmt::print("{}\n", line);
 }
 
-double mean_of(const json& pictures, const char* key) {
+double mean_of(const json& images, const char* key) {
   double total = 0;
-  for (const json& p : pictures) total += p[key].get<double>();
-  return total / static_cast<double>(pictures.size());
+  for (const json& p : images) total += p[key].get<double>();
+  return total / static_cast<double>(images.size());
 }
 
 Expected<void> render(const RenderSettings& s) {
   if (std::filesystem::path(s.out).extension() != ".png")
-    return fail(s.out, "", "pictures are written as PNG, expected a name that ends in .png");
+    return fail(s.out, "", "images are written as PNG, expected a name that ends in .png");
   const auto scene = load_scene(s.scene);
   if (!scene) return std::unexpected(scene.error());
   const auto shots = choose_shots(s, *scene);
@@ -186,21 +184,21 @@ Expected<void> render(const RenderSettings& s) {
   if (s.check)
     reference = *make_renderer({.renderer = "reference"}, scene->cloud, options, threads);
 
-  json pictures = json::array();
-  // Otherwise the lines of the pictures show how it goes
-  const ProgressReport progress = s.as_json ? show_progress("pictures") : ProgressReport();
+  json images = json::array();
+  // Otherwise the lines of the images show how it goes
+  const ProgressReport progress = s.as_json ? show_progress("images") : ProgressReport();
   for (std::size_t i = 0; i < shots->size(); ++i) {
     const auto entry = take((*shots)[i], file_name(s, *shots, i), *renderer, reference, threads);
     if (!entry) return std::unexpected(entry.error());
-    pictures.push_back(*entry);
+    images.push_back(*entry);
     if (progress) progress(i + 1, shots->size());
     if (!s.as_json) print_entry(*entry);
   }
-  json result = {{"renderer", s.choice.renderer}, {"pictures", pictures}};
+  json result = {{"renderer", s.choice.renderer}, {"images", images}};
   if (s.check) {
     double worst = 0;
-    for (const json& p : pictures) worst = std::max(worst, p["reference_max_error"].get<double>());
-    result["reference_psnr"] = mean_of(pictures, "reference_psnr");
+    for (const json& p : images) worst = std::max(worst, p["reference_max_error"].get<double>());
+    result["reference_psnr"] = mean_of(images, "reference_psnr");
     result["reference_max_error"] = worst;
   }
   if (s.as_json)
@@ -215,7 +213,7 @@ Expected<void> render(const RenderSettings& s) {
 
 void add_render(CLI::App& app, Action& action) {
   auto s = std::make_shared<RenderSettings>();
-  CLI::App* command = app.add_subcommand("render", "Pictures of a scene");
+  CLI::App* command = app.add_subcommand("render", "Images of a scene");
   command->footer(
       "Views come from --data and --view, from --camera, or from --orbit. Without any of them it "
       "is\n"
@@ -229,11 +227,11 @@ void add_render(CLI::App& app, Action& action) {
   CLI::Option* data = command->add_option("--data", s->data.folder,
                                           "a data set: its views, or an orbit along them");
   CLI::Option* view =
-      command->add_option("--view", s->view, "index of a photo of the split, or all");
+      command->add_option("--view", s->view, "index of an image of the split, or all");
   CLI::Option* orbit = command
                            ->add_option("--orbit", s->orbit,
                                         "this many views around the scene, or with --data\n"
-                                        "along the arc that its photos cover")
+                                        "along the arc that its images cover")
                            ->check(CLI::Range(1, 10000));
   CLI::Option* camera = command->add_option("--camera", s->camera_file,
                                             "JSON list of {name, position, target, up, fovY}");
@@ -241,15 +239,14 @@ void add_render(CLI::App& app, Action& action) {
   orbit->excludes(camera);
   add_split_option(*command, s->split);
   add_data_options(*command, s->data);
-  add_size_option(*command, s->size, "WIDTHxHEIGHT (default: the photos', otherwise 1280x720)");
+  add_size_option(*command, s->size, "WIDTHxHEIGHT (default: the images', otherwise 1280x720)");
   add_renderer_options(*command, s->choice);
   command->add_option("--format", s->choice.format, "for gles: rgba8 or rgba16f")
       ->check(CLI::IsMember(kFormatNames))
       ->capture_default_str();
   command->add_option("--sh-degree", s->sh_degree, "evaluate no more than this degree")
       ->check(CLI::Range(0, 3));
-  command->add_flag("--check", s->check,
-                    "measure each picture against the float64 reference (slow)");
+  command->add_flag("--check", s->check, "measure each image against the float64 reference (slow)");
   command->add_flag("--json", s->as_json, "print one JSON object");
   command->callback([s, view, &action] {
     s->view_given = view->count() > 0;

@@ -6,7 +6,7 @@
 #include <spdlog/spdlog.h>
 
 #include "platform/host/host_context.h"
-#include "tools/fluxgs/pictures.h"
+#include "tools/fluxgs/images.h"
 #include "tools/reference/reference_renderer.h"
 
 namespace fluxgs::cli {
@@ -19,7 +19,7 @@ struct Gles {
   std::optional<render::RenderTarget> target;
   render::TargetFormat format = render::TargetFormat::rgba8;
 
-  Expected<PlanarImage> picture(const Camera& camera, const RenderOptions& options) {
+  Expected<PlanarImage> image(const Camera& camera, const RenderOptions& options) {
     if (auto current = context->make_current(); !current) return std::unexpected(current.error());
     if (!target || target->width() != camera.width || target->height() != camera.height) {
       auto made = render::RenderTarget::create(context->api(), camera.width, camera.height, format);
@@ -51,7 +51,7 @@ Expected<ViewRenderer> make_gles(const RendererChoice& choice, const SplatCloud&
     return std::unexpected(uploaded.error());
   spdlog::info("GL renderer: {}", gles->context->renderer_string());
   warn_of_undrawable(*gles->renderer);
-  return [gles, options](const Camera& camera) { return gles->picture(camera, options); };
+  return [gles, options](const Camera& camera) { return gles->image(camera, options); };
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// fluxgs report codec: what a scene takes in each format, against what its pictures lose.
+// fluxgs report codec: what a scene takes in each format, against what its images lose.
 #include <algorithm>
 #include <chrono>
 #include <optional>
@@ -43,8 +43,8 @@ struct Row {
   std::string name;
   bool compact = false;  ///< on the curve of the compact codec
   std::size_t splats = 0, bytes = 0;
-  double psnr = 0;                   ///< to the pictures of the exact scene
-  std::optional<double> photo_psnr;  ///< to the test photos
+  double psnr = 0;                  ///< to the images of the exact scene
+  std::optional<double> view_psnr;  ///< to the test images
   double encode_ms = 0, decode_ms = 0;
   AttributeBits attribute_bits;
 
@@ -88,7 +88,7 @@ class Bench {
     const auto score =
         evaluate(data_->test, cpu_view_renderer(cloud, options_, threads_), threads_);
     if (!score) return std::unexpected(score.error());
-    row.photo_psnr = score->psnr;
+    row.view_psnr = score->psnr;
     return row;
   }
 
@@ -119,7 +119,7 @@ Expected<Row> encode_and_measure(const Bench& bench, const std::string& name, in
 }
 
 /// All formats that can be written, at their usual settings.
-std::vector<std::pair<std::string, Encoder>> usual_encoders(const SplatCloud& cloud) {
+std::vector<std::pair<std::string, Encoder>> default_encoders(const SplatCloud& cloud) {
   std::vector<std::pair<std::string, Encoder>> list;
   for (const SceneFormat& format : scene_formats())
     if (format.encode != nullptr && format.max_sh_degree >= cloud.sh_degree)
@@ -175,7 +175,7 @@ Expected<std::vector<Row>> compare_rows(const CodecReport& s, const Bench& bench
 
 Expected<std::vector<Row>> all_rows(const CodecReport& s, const Bench& bench,
                                     const SplatCloud& cloud, const CompactOptions& options) {
-  const auto encoders = usual_encoders(cloud);
+  const auto encoders = default_encoders(cloud);
   Progress progress("files", static_cast<int>(encoders.size() + std::size(kCurve)), 0);
   int done = 0;
   std::vector<Row> rows;
@@ -205,7 +205,7 @@ json to_json(const CodecReport& s, const SplatCloud& cloud, const std::vector<Ro
                     {"bytes", row.bytes},
                     {"bits_per_splat", row.bits_per_splat()},
                     {"psnr", finite_or_null(row.psnr)},
-                    {"photo_psnr", row.photo_psnr ? json(*row.photo_psnr) : json(nullptr)},
+                    {"view_psnr", row.view_psnr ? json(*row.view_psnr) : json(nullptr)},
                     {"encode_ms", row.encode_ms},
                     {"decode_ms", row.decode_ms},
                     {"attributes", row.attribute_bits}});
@@ -218,12 +218,12 @@ json to_json(const CodecReport& s, const SplatCloud& cloud, const std::vector<Ro
 }
 
 void print_table(const std::vector<Row>& rows) {
-  fmt::print("{:<34}{:>10}{:>8}{:>10}{:>10}{:>9}{:>9}\n", "file", "bytes", "bits", "PSNR", "photos",
+  fmt::print("{:<34}{:>10}{:>8}{:>10}{:>10}{:>9}{:>9}\n", "file", "bytes", "bits", "PSNR", "images",
              "encode", "decode");
   for (const Row& row : rows)
     fmt::print("{:<34}{:>10}{:>8.1f}{:>10}{:>10}{:>7.0f}ms{:>7.0f}ms\n", row.name, row.bytes,
                row.bits_per_splat(), decibels(row.psnr),
-               row.photo_psnr ? decibels(*row.photo_psnr) : "", row.encode_ms, row.decode_ms);
+               row.view_psnr ? decibels(*row.view_psnr) : "", row.encode_ms, row.decode_ms);
   fmt::print("\nbits a splat of each attribute\n");
   for (const Row& row : rows) {
     fmt::print("{:<34}", row.name);
@@ -237,7 +237,7 @@ Plot plot_of(const CodecReport& s, const std::vector<Row>& rows) {
   Plot plot{.title = fmt::format("{}: size against error",
                                  std::filesystem::path(s.scene).filename().string()),
             .x_label = "bits a splat",
-            .y_label = "PSNR to the pictures of the exact scene (dB)",
+            .y_label = "PSNR to the images of the exact scene (dB)",
             .log_x = true,
             .series = {{"compact .glb", {}}}};
   for (const Row& row : rows) {
@@ -264,7 +264,7 @@ Expected<void> report(const CodecReport& s) {
   RenderOptions render;
   render.background = s.data.background_color();
   const Bench bench(cloud, views, render, threads);
-  CompactOptions options{.steps = usual_compact_steps(cloud)};
+  CompactOptions options{.steps = default_compact_steps(cloud)};
   if (views != nullptr) options.costs = seen_costs(views->train, cloud, render, threads);
   const auto rows = all_rows(s, bench, cloud, options);
   if (!rows) return std::unexpected(rows.error());
@@ -278,17 +278,17 @@ Expected<void> report(const CodecReport& s) {
 void add_report_codec(CLI::App& app, Action& action) {
   auto s = std::make_shared<CodecReport>();
   CLI::App* command = app.add_subcommand(
-      "codec", "What a scene takes in each format, against what its pictures lose");
+      "codec", "What a scene takes in each format, against what its images lose");
   command->footer(
       "PSNR is that of the mean square error over views of the data set, or of an orbit, to the\n"
-      "pictures of SCENE itself; with --data also to the test photos. \"compact N\" are steps "
+      "images of SCENE itself; with --data also to the test images. \"compact N\" are steps "
       "that\n"
       "are balanced for this scene, as --max-loss of convert does, times N.\n"
       "Example: fluxgs report codec garden.ply --data captures/garden --plot codec.png");
   command->add_option("scene", s->scene, "the scene file")->required();
-  command->add_option("--data", s->data.folder, "the data set with the photos");
+  command->add_option("--data", s->data.folder, "the data set with the images");
   command->add_option("--compare", s->compare, "other files of the same scene");
-  command->add_option("--sh-degree", s->sh_degree, "highest degree of harmonics to keep")
+  command->add_option("--sh-degree", s->sh_degree, "highest SH degree to keep")
       ->check(CLI::Range(0, 3))
       ->capture_default_str();
   command->add_option("--plot", s->plot, "draw size against error here: .png or .svg");

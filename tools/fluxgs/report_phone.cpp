@@ -25,7 +25,7 @@ struct PhoneReport {
 };
 
 /// Flux-GS, tables of the Mip-NeRF 360 scenes (indoor, outdoor) and of the ablation (all of them):
-/// off the screen, Snapdragon 8 Gen 3. The size of the picture is not given.
+/// off the screen, Snapdragon 8 Gen 3. The size of the image is not given.
 struct PaperRow {
   const char* what;
   double splats, megabytes, fps;
@@ -205,7 +205,7 @@ void add_report_phone(CLI::App& app, Action& action) {
   command->footer(
       "RESULT is what the app saves or shares as JSON. tools/phone-benchmark makes one of a\n"
       "device at hand. draw: one frame, already sorted; sort to photon: from a new view to its\n"
-      "finished picture; pipelined: frames one after the other, their mean; the others are\n"
+      "finished image; pipelined: frames one after the other, their mean; the others are\n"
       "medians.\n"
       "Example: fluxgs report phone garden.json --before last-week.json --scene garden.glb");
   command->add_option("result", s->result, "the app's result")->required();

@@ -15,8 +15,8 @@
 #include "platform/host/host_context.h"
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/data_options.h"
+#include "tools/fluxgs/images.h"
 #include "tools/fluxgs/measuring_views.h"
-#include "tools/fluxgs/pictures.h"
 #include "tools/fluxgs/plot.h"
 #include "tools/fluxgs/progress.h"
 #include "tools/fluxgs/renderers.h"
@@ -33,7 +33,7 @@ using nlohmann::json;
 struct RenderReport {
   std::string scene, plot, report, gl = "egl";
   DataOptions data;
-  PictureSize size{640, 480};
+  ImageSize size{640, 480};
   int views = 4, rounds = 7;
   std::vector<std::string> only;  // groups of rows; none: all
 };
@@ -47,12 +47,12 @@ struct Row {
   // The measurements
   std::vector<double> times;  ///< ms, a frame with the sort of its view
   double square_error = 0, ssim = 0, largest = 0, bytes = 0;
-  double worst = std::numeric_limits<double>::infinity();  ///< dB, of the pictures
-  int pictures = 0;
+  double worst = std::numeric_limits<double>::infinity();  ///< dB, of the images
+  int images = 0;
   bool on_front = false;
 
   double ms() const { return bench::summarize(times).median; }
-  double psnr() const { return -10 * std::log10(square_error / pictures); }
+  double psnr() const { return -10 * std::log10(square_error / images); }
 };
 
 template <class Change>
@@ -146,7 +146,7 @@ class Gallery {
   }
 
   /// Of the last frame.
-  Expected<PlanarImage> picture() const {
+  Expected<PlanarImage> image() const {
     const auto image = renderer_->read(target_);
     if (!image) return std::unexpected(image.error());
     return planes_of(*image);
@@ -216,14 +216,14 @@ Expected<void> measure_errors(std::vector<Row>& rows, Gallery& gallery, const Sp
     for (Row& row : rows) {
       const auto ms = gallery.draw(row, views[v]);
       if (!ms) return std::unexpected(ms.error());
-      const auto picture = gallery.picture();
-      if (!picture) return std::unexpected(picture.error());
-      const double found = psnr(*picture, *exact);
+      const auto image = gallery.image();
+      if (!image) return std::unexpected(image.error());
+      const double found = psnr(*image, *exact);
       row.square_error += std::pow(10, -found / 10);
       row.worst = std::min(row.worst, found);
-      row.largest = std::max(row.largest, largest_difference(*picture, *exact));
-      row.ssim += metrics.run(*picture, *exact, 1).ssim;
-      ++row.pictures;
+      row.largest = std::max(row.largest, largest_difference(*image, *exact));
+      row.ssim += metrics.run(*image, *exact, 1).ssim;
+      ++row.images;
       if (v > 0) continue;
       const auto bytes = gallery.bytes(row, views[v]);
       if (!bytes) return std::unexpected(bytes.error());
@@ -273,7 +273,7 @@ json json_of(const Row& r) {
           {"bytes_per_frame", r.bytes},
           {"psnr", finite_or_null(r.psnr())},
           {"psnr_worst", finite_or_null(r.worst)},
-          {"ssim", r.ssim / r.pictures},
+          {"ssim", r.ssim / r.images},
           {"max_error", r.largest},
           {"on_front", r.on_front}};
 }
@@ -284,7 +284,7 @@ void print_table(const std::vector<Row>& rows, const std::string& gl) {
   for (const Row& r : rows)
     fmt::print("{:<26} {:>9.2f} {:>7.2f} {:>9.1f} {:>8.2f} {:>8.2f} {:>8.5f} {:>9.5f}{}\n", r.name,
                r.ms(), r.ms() / rows.front().ms(), 1e-6 * r.bytes, r.psnr(), r.worst,
-               r.ssim / r.pictures, r.largest, r.on_front ? "  Pareto" : "");
+               r.ssim / r.images, r.largest, r.on_front ? "  Pareto" : "");
 }
 
 Plot plot_of(const std::vector<Row>& rows, const std::string& scene, const std::string& gl) {
@@ -357,17 +357,17 @@ void add_report_render(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "render", "What each setting of the renderer costs, in time and bytes, against its error");
   command->footer(
-      "Errors are those of RGBA16F pictures, unless the target is what varies, to the float64\n"
+      "Errors are those of RGBA16F images, unless the target is what varies, to the float64\n"
       "reference; times are medians of frames that are sorted for their own view and waited for.\n"
       "MB/frame is the model of fluxgs bench for a GPU without tiles. \"Order N degrees old\" is\n"
-      "the picture of a camera that has just turned by so much. \"Pareto\": nothing else is as\n"
+      "the image of a camera that has just turned by so much. \"Pareto\": nothing else is as\n"
       "exact and faster by more than the two runs of the defaults differ.\n"
       "Example: fluxgs report render garden.glb --data captures/garden --plot render.png\n"
       "Example: fluxgs report render garden.glb --only defaults --rounds 1 --gl angle");
   command->add_option("scene", s->scene, "the scene file")->required();
-  command->add_option("--data", s->data.folder, "a data set: views are those of its photos");
+  command->add_option("--data", s->data.folder, "a data set: views are those of its images");
   add_size_option(*command, s->size, "WIDTHxHEIGHT (default: 640x480)");
-  command->add_option("--views", s->views, "pictures that errors are measured on")
+  command->add_option("--views", s->views, "images that errors are measured on")
       ->check(CLI::Range(1, 12))
       ->capture_default_str();
   command->add_option("--rounds", s->rounds, "frames that each time is the median of")

@@ -78,12 +78,12 @@ Expected<void> write_text(const fs::path& path, const std::string& text) {
   return write_file_atomic(path, std::as_bytes(std::span(text)));
 }
 
-/// Pictures of each group that has a number to show; returns their names. One that cannot be drawn
+/// Images of each group that has a number to show; returns their names. One that cannot be drawn
 /// costs neither the others nor the numbers.
-std::vector<std::string> write_pictures(const TrainReport& s, const SweepTable& table) {
+std::vector<std::string> write_images(const TrainReport& s, const SweepTable& table) {
   std::vector<std::string> names;
   if (!find_program("gnuplot")) {
-    spdlog::warn("warning: no pictures: gnuplot is not installed (tools/setup has it)");
+    spdlog::warn("warning: no images: gnuplot is not installed (tools/setup has it)");
     return names;
   }
   const auto draw = [&](const std::string& name, const Plot& plot) {
@@ -103,8 +103,8 @@ std::vector<std::string> write_pictures(const TrainReport& s, const SweepTable& 
 
 Expected<void> write_results(const TrainReport& s, const SweepTable& table) {
   const fs::path out = s.out;
-  const std::vector<std::string> pictures = write_pictures(s, table);
-  if (auto ok = write_text(out / "report.md", sweep_markdown(table, pictures)); !ok) return ok;
+  const std::vector<std::string> images = write_images(s, table);
+  if (auto ok = write_text(out / "report.md", sweep_markdown(table, images)); !ok) return ok;
   return write_json((out / "report.json").string(), sweep_json(table));
 }
 
@@ -215,7 +215,7 @@ void add_report_train(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "train", "What each part of the method is worth: rows of options, several seeds");
   command->footer(
-      "Writes report.md, report.json and pictures of each group to OUT, and every run to\n"
+      "Writes report.md, report.json and images of each group to OUT, and every run to\n"
       "OUT/SCENE/ROW/seed-N. What is finished there is not run again; Ctrl-C saves, and the same\n"
       "command goes on. A run that fails leaves the others be; the exit status is then 1.\n"
       "The report is of the rows of this call; --only leaves other runs be, but not their report.\n"

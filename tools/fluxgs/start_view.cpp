@@ -13,32 +13,32 @@ namespace fluxgs::cli {
 
 namespace {
 
-/// The photo that the others were taken around: from the edge of a capture, half of the ways to
+/// The image that the others were taken around: from the edge of a capture, half of the ways to
 /// turn lead to where nothing was seen.
-const Photo& middle_one(const std::vector<Photo>& photos) {
-  const auto distances = [&](const Photo& photo) {
+const View& middle_one(const std::vector<View>& views) {
+  const auto distances = [&](const View& view) {
     double sum = 0;
-    for (const Photo& other : photos)
-      sum += glm::distance(photo.camera.center(), other.camera.center());
+    for (const View& other : views)
+      sum += glm::distance(view.camera.center(), other.camera.center());
     return sum;
   };
-  const Photo* best = &photos.front();
+  const View* best = &views.front();
   double least = distances(*best);
-  for (const Photo& photo : photos) {
-    const double sum = distances(photo);
-    if (sum < 0.999 * least) best = &photo, least = sum;  // around in a circle: the first
+  for (const View& view : views) {
+    const double sum = distances(view);
+    if (sum < 0.999 * least) best = &view, least = sum;  // around in a circle: the first
   }
   return *best;
 }
 
 }  // namespace
 
-StartView start_view_of(const std::vector<Photo>& photos) {
-  const camera::ViewState view = camera::view_of(middle_one(photos).camera, 1);
+StartView start_view_of(const std::vector<View>& views) {
+  const camera::ViewState view = camera::view_of(middle_one(views).camera, 1);
   return {.position = camera::eye(view),
           .orientation = view.orientation,
           .fov_y = view.fov,
-          .up = camera::up_of_cameras(cameras_of(photos)).direction};
+          .up = camera::up_of_cameras(cameras_of(views)).direction};
 }
 
 Expected<std::size_t> write_glb(const std::filesystem::path& path,

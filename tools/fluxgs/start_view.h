@@ -11,8 +11,8 @@
 
 namespace fluxgs::cli {
 
-/// That of the photo in the middle of the others, with the up of all. `photos` has at least one.
-StartView start_view_of(const std::vector<Photo>& photos);
+/// That of the image in the middle of the others, with the up of all. `views` has at least one.
+StartView start_view_of(const std::vector<View>& views);
 
 /// Writes a .glb under its name, with a start view if there is one. Returns the bytes of the file.
 Expected<std::size_t> write_glb(const std::filesystem::path& path,

@@ -71,7 +71,7 @@ Plot sweep_plot(const SweepTable& table, const SweepGroup& group) {
   Plot plot{
       .title = fmt::format("{} ({})", group.title, scenes_of(table)),
       .x_label = by_option ? group.x_label : "compact .glb (MB)",
-      .y_label = by_option ? "PSNR of test photos (dB)" : "PSNR of test photos, compact scene (dB)",
+      .y_label = by_option ? "PSNR of test images (dB)" : "PSNR of test images, compact scene (dB)",
       .log_x = group.log_x,
       .series = {}};
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
@@ -92,7 +92,7 @@ Plot sweep_curves(const SweepTable& table, const SweepGroup& group) {
   constexpr double kShownDecibels = 6;
   Plot plot{.title = fmt::format("{} ({})", group.title, scenes_of(table)),
             .x_label = "iteration",
-            .y_label = "PSNR of test photos (dB)",
+            .y_label = "PSNR of test images (dB)",
             .series = {}};
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     if (table.rows[i].group != group.name) continue;

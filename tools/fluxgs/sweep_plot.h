@@ -1,4 +1,4 @@
-// Pictures of each group of a sweep's rows.
+// Images of each group of a sweep's rows.
 #pragma once
 
 #include "tools/fluxgs/plot.h"
@@ -10,7 +10,7 @@ namespace fluxgs::cli {
 /// size, with bars of one standard deviation. Of the mean over all scenes, or the only one.
 Plot sweep_plot(const SweepTable& table, const SweepGroup& group);
 
-/// PSNR of the test photos over the training, a line for each row of the group: the mean of its
+/// PSNR of the test images over the training, a line for each row of the group: the mean of its
 /// finished runs where all of them have measured. What is far below the best is cut off.
 Plot sweep_curves(const SweepTable& table, const SweepGroup& group);
 

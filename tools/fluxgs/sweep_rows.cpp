@@ -69,7 +69,7 @@ void add_ours(std::vector<SweepRow>& rows) {
   add_named(rows, "ours", kOurs,
             {{"ours-full", "full", {}},
              {"ours-no-dropout", "without dropout", {"--dropout", "0"}},
-             {"ours-no-coarse-start", "without halved photos first", {"--coarse-levels", "0"}},
+             {"ours-no-coarse-start", "without halved images first", {"--coarse-levels", "0"}},
              {"ours-no-error-rank", "growth by gradients only", {"--densify", "grad"}},
              {"ours-random-split", "splits at random", {"--split", "random"}},
              {"ours-unlimited-growth", "without a limit to growth", {"--densify-growth", "0"}},
@@ -128,9 +128,9 @@ const std::vector<SweepGroup>& sweep_groups() {
       {"quantile-plus", "Quantile of densification", "Q⁺"},
       {"quantile-minus", "Quantile of pruning", "Q⁻"},
       {"size", "Size of the scene, by the gradient above which splats are added"},
-      {"store", "Precision of the file, by how near its pictures are to the scene's (dB)"},
-      {"sh", "Degree of the harmonics, and how it is reached"},
-      {"switch", "The step at which harmonics are reduced", "step"},
+      {"store", "Precision of the file, by how near its images are to the scene's (dB)"},
+      {"sh", "SH degree, and how it is reached"},
+      {"switch", "The step at which SH coefficients are reduced", "step"},
       {"densify", "Densification"}};
   return groups;
 }
@@ -145,7 +145,7 @@ std::vector<SweepRow> all_sweep_rows() {
   add_values(rows, "cameras", "--cameras", {2, 4, 6, 8, 10, 12});
   add_values(rows, "quantile-plus", "--quantile-plus", {0.4, 0.5, 0.6, 0.7, 0.8, 0.9});
   // Of the prunings that look at it. The one in between takes splats too faint to be in any
-  // picture, which therefore have no score: only the late one makes a difference
+  // image, which therefore have no score: only the late one makes a difference
   add_values(rows, "quantile-minus", "--quantile-minus", {0.01, 0.1, 0.3, 0.5, 0.7, 0.9},
              {"--prune", "multiview", "--late-prune", "opacity"});
   add_values(rows, "size", "--densify-gradient", {1e-4, 2e-4, 3e-4, 4.5e-4, 6e-4, 9e-4});

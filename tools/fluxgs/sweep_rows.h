@@ -12,7 +12,7 @@
 
 namespace fluxgs::cli {
 
-/// Rows that make a table and a picture together.
+/// Rows that make a table and an image together.
 struct SweepGroup {
   std::string name, title;
   std::string x_label = "";  ///< of the option that changes; empty: size is drawn against error
@@ -25,8 +25,8 @@ struct SweepRow {
   std::string label;        ///< what people read
   std::string preset;
   std::vector<std::string> options;  ///< of `fluxgs train`, as typed, on top of the preset
-  std::string series = "";           ///< rows of one series are joined in a picture
-  std::optional<double> x = {};      ///< where in the picture; none: by the size of its files
+  std::string series = "";           ///< rows of one series are joined in an image
+  std::optional<double> x = {};      ///< where in the image; none: by the size of its files
 };
 
 const std::vector<SweepGroup>& sweep_groups();

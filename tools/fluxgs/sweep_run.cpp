@@ -235,8 +235,8 @@ class Execution {
       if (has(s.product.filename().c_str()))
         outcome_.remarks.push_back(fmt::format("{} made again: files of it were damaged", s.name));
     }
-    if (s.name == kScore && !has_test_photos()) {
-      outcome_.remarks.push_back("no PSNR and SSIM: the data set has no test photos");
+    if (s.name == kScore && !has_test_views()) {
+      outcome_.remarks.push_back("no PSNR and SSIM: the data set has no test images");
       return true;
     }
     return s.name == kTrain ? train(s) : run_step(s);
@@ -260,7 +260,7 @@ class Execution {
     return !error && bytes == size;
   }
 
-  bool has_test_photos() const {
+  bool has_test_views() const {
     const auto report = read_json(run_.folder / "train.json");
     return report && report->contains("psnr");
   }
@@ -381,7 +381,7 @@ class Execution {
     if (report.contains("psnr")) collect_curves(report.at("curves"));
   }
 
-  /// The test photos' PSNR over the training, and what the switch did to it.
+  /// The test images' PSNR over the training, and what the switch did to it.
   void collect_curves(const json& curves) {
     if (curves.at("switch").is_object()) {
       const auto test = curves.at("switch").at("test_psnr").get<std::array<double, 2>>();

@@ -5,7 +5,7 @@
 //   log.txt        what the children said
 //   train.json     report of the training        scene.glb, scene.glb.ckpt
 //   scene.ply      the scene before it was made compact
-//   score.json     test photos against it        frames.json  its frame times
+//   score.json     test images against it        frames.json  its frame times
 #pragma once
 
 #include <filesystem>
@@ -55,7 +55,7 @@ struct RunOutcome {
   std::vector<std::string> remarks = {};      ///< what could not be measured and why, a line each
   std::string build = {};                     ///< a hash of the program that trained it
   std::map<std::string, double> values = {};  ///< by the keys of sweep_metrics()
-  std::vector<std::pair<int, double>> curve = {};  ///< iteration, PSNR of the test photos
+  std::vector<std::pair<int, double>> curve = {};  ///< iteration, PSNR of the test images
 };
 
 /// Does what is not done yet: trains (from the checkpoint of an interrupted training, if it has the
@@ -65,7 +65,7 @@ struct RunOutcome {
 RunOutcome execute_run(const SweepRun& run, const SweepTools& tools);
 
 /// A hash of all files of a data set, by their names and contents; not of hidden ones, and not of
-/// what COLMAP makes of the photos, which appears with the first training. Errors: not a folder,
+/// what COLMAP makes of the images, which appears with the first training. Errors: not a folder,
 /// files that cannot be read.
 Expected<std::string> hash_of_data(const std::filesystem::path& folder);
 

@@ -131,7 +131,7 @@ std::string group_table(const SweepTable& t, const SweepGroup& group, const Stat
 }
 
 std::string group_section(const SweepTable& t, const SweepGroup& group,
-                          std::span<const std::string> pictures) {
+                          std::span<const std::string> images) {
   std::string text = fmt::format("## {}\n\n", group.title);
   const bool several = t.scenes.size() > 1;
   if (several) {
@@ -148,9 +148,9 @@ std::string group_section(const SweepTable& t, const SweepGroup& group,
   }
   std::vector<std::string> shown;
   for (const char* kind : {"", "-curves"}) {
-    const std::string picture = fmt::format("{}{}.png", group.name, kind);
-    if (std::ranges::find(pictures, picture) != pictures.end())
-      shown.push_back(fmt::format("![{}]({})", group.title, picture));
+    const std::string image = fmt::format("{}{}.png", group.name, kind);
+    if (std::ranges::find(images, image) != images.end())
+      shown.push_back(fmt::format("![{}]({})", group.title, image));
   }
   return shown.empty() ? text : text + fmt::format("{}\n\n", fmt::join(shown, " "));
 }
@@ -238,9 +238,9 @@ json sweep_json(const SweepTable& t) {
           {"notes", notes_of(t)}};
 }
 
-std::string sweep_markdown(const SweepTable& t, std::span<const std::string> pictures) {
+std::string sweep_markdown(const SweepTable& t, std::span<const std::string> images) {
   std::string text = fmt::format(
-      "# Ablation\n\nMean ± standard deviation over {} seeds, on photos that the training did not "
+      "# Ablation\n\nMean ± standard deviation over {} seeds, on images that the training did not "
       "see. \"compact\" is the scene as its compact .glb stores it; 1 MB = 10⁶ bytes; time is that "
       "of the training. Minutes and frame times mean something on an idle machine only.\n\n    "
       "{}\n\nfluxgs {}, compiler {}. Data:",
@@ -250,7 +250,7 @@ std::string sweep_markdown(const SweepTable& t, std::span<const std::string> pic
                         &s == &t.scenes.back() ? ".\n\n" : ",");
   for (const SweepGroup& group : sweep_groups())
     if (std::ranges::any_of(t.rows, [&](const SweepRow& r) { return r.group == group.name; }))
-      text += group_section(t, group, pictures);
+      text += group_section(t, group, images);
   const std::vector<std::string> notes = notes_of(t);
   if (!notes.empty()) text += "## Notes\n\n";
   for (const std::string& note : notes) text += fmt::format("- {}\n", cell(note));

@@ -67,8 +67,8 @@ Statistic over_scenes(const SweepTable& table, std::size_t row, const char* key)
 nlohmann::json sweep_json(const SweepTable& table);
 
 /// A table for every group and scene, one for the mean of several scenes, and notes on what is
-/// missing or failed. `pictures` are shown with their groups: files GROUP.png and GROUP-curves.png
+/// missing or failed. `images` are shown with their groups: files GROUP.png and GROUP-curves.png
 /// beside the text.
-std::string sweep_markdown(const SweepTable& table, std::span<const std::string> pictures = {});
+std::string sweep_markdown(const SweepTable& table, std::span<const std::string> images = {});
 
 }  // namespace fluxgs::cli

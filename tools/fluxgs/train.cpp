@@ -1,4 +1,4 @@
-// fluxgs train: photos in, a scene file out.
+// fluxgs train: images in, a scene file out.
 #include <algorithm>
 #include <filesystem>
 #include <optional>
@@ -159,7 +159,7 @@ Expected<void> Training::after_step(const StepReport& step, Progress& progress) 
     progress.update(i, fmt::format("{} splats  loss {:.4f}", splats, smooth_loss_));
   if (splats == 0)
     return fail(settings_.data.folder, fmt::format("iteration {}", i),
-                "no splat is left; the poses or the photos do not fit together");
+                "no splat is left; the poses or the images do not fit together");
   const bool interrupted = interrupts_.count() > 0;
   const bool periodic = settings_.checkpoint_every > 0 && i % settings_.checkpoint_every == 0;
   if (!periodic && !interrupted) return {};
@@ -224,7 +224,7 @@ void Training::save_once() {
 }
 
 Expected<StoredScene> Training::store() {
-  Progress progress("trials", CompactSearch::kUsualTrials, 0);
+  Progress progress("trials", CompactSearch::kDefaultTrials, 0);
   int trials = 0;
   auto stored = store_scene(trainer_, run_.data.train, threads_, [&](const CompactTrial& t) {
     save_once();
@@ -254,7 +254,7 @@ Expected<void> Training::write_exact() {
 }
 
 /// Writes a compact .glb or another format. Returns the scene that the file holds where it is not
-/// the trainer's to the bit and there are photos to compare it with.
+/// the trainer's to the bit and there are images to compare it with.
 Expected<std::optional<SplatCloud>> Training::write_out() {
   const std::string_view format = (*scene_format_for(settings_.out))->name;
   if (format == "glb") {
@@ -276,10 +276,10 @@ Expected<std::optional<SplatCloud>> Training::write_out() {
 
 /// Of the trainer's scene and, if it is another, of the one in the file.
 Expected<void> Training::score(const std::optional<SplatCloud>& stored) {
-  const std::vector<Photo>& photos = run_.data.test;
-  if (photos.empty()) return {};
+  const std::vector<View>& views = run_.data.test;
+  if (views.empty()) return {};
   const auto score_of = [&](const SplatCloud& scene) {
-    return evaluate(photos, cpu_view_renderer(scene, run_.options.render, threads_), threads_,
+    return evaluate(views, cpu_view_renderer(scene, run_.options.render, threads_), threads_,
                     show_progress("views"));
   };
   const auto before = score_of(trainer_.cloud());
@@ -338,10 +338,10 @@ bool stays_free_on_resume(const std::string& name) {
 
 void add_train(CLI::App& app, Action& action) {
   auto settings = std::make_shared<TrainSettings>();
-  CLI::App* command = app.add_subcommand("train", "Train a scene from posed photos");
+  CLI::App* command = app.add_subcommand("train", "Train a scene from posed images");
   command->footer(
       "DATA is a COLMAP folder (sparse/0 and images/), a folder with transforms.json or\n"
-      "transforms_train.json, or a folder of photos (then COLMAP is run, if installed).\n"
+      "transforms_train.json, or a folder of images (then COLMAP is run, if installed).\n"
       "Ctrl-C saves OUT.ckpt, from which --resume goes on exactly as if nothing had happened.\n"
       "Example: fluxgs train captures/garden -o garden.glb --downscale 2 --iterations 7000");
   command->add_option("data", settings->data.folder, "the data set")->required();

@@ -30,11 +30,10 @@ void TrainLog::add(int iteration, const StepReport& step, std::size_t splats) {
   loss_ = l1_ = count_ = 0;
 }
 
-void TrainLog::measure_psnr(int iteration, const Trainer& trainer,
-                            const std::vector<Photo>& photos) {
-  if (photos.empty()) return;
+void TrainLog::measure_psnr(int iteration, const Trainer& trainer, const std::vector<View>& views) {
+  if (views.empty()) return;
   const double start = wall_seconds(), cpu_start = cpu_seconds();
-  psnr_.push_back({iteration, trainer.mean_psnr(photos)});
+  psnr_.push_back({iteration, trainer.mean_psnr(views)});
   measuring_ += wall_seconds() - start;
   measuring_cpu_ += cpu_seconds() - cpu_start;
 }
@@ -55,7 +54,7 @@ void TrainLog::add_switch(int iteration, const SwitchReport& report) {
     on_test = fmt::format(", {:.2f} to {:.2f} on test", test->front(), test->back());
   }
   spdlog::info(
-      "harmonics reduced: {:.2f} to {:.2f} dB on training views{}; a file of {} bytes to {}",
+      "SH coefficients reduced: {:.2f} to {:.2f} dB on training views{}; a file of {} bytes to {}",
       report.train_psnr_before, report.train_psnr_after, on_test, report.bytes_before,
       report.bytes_after);
   const auto& degrees = report.reduction.degrees;

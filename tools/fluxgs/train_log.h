@@ -1,4 +1,4 @@
-// What a training did on its way: means over equal stretches, the PSNR of the test photos now and
+// What a training did on its way: means over equal stretches, the PSNR of the test images now and
 // then, and what its turning points were worth. For the report and its plots.
 #pragma once
 
@@ -22,7 +22,7 @@ class TrainLog {
   /// Twenty times in all, halfway between the even marks, at many of which opacities are reset.
   bool psnr_is_due(int iteration) const { return iteration % (10 * stretch_) == 5 * stretch_; }
   /// Measures the test views, if there are any; the time that takes is not part of the training's.
-  void measure_psnr(int iteration, const Trainer& trainer, const std::vector<Photo>& photos);
+  void measure_psnr(int iteration, const Trainer& trainer, const std::vector<View>& views);
   double measuring_seconds() const { return measuring_; }
   double measuring_cpu_seconds() const { return measuring_cpu_; }
 

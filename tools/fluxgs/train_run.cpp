@@ -38,12 +38,12 @@ Expected<TrainOptions> options_from(const TrainSettings& settings) {
   return options;
 }
 
-std::size_t most_initial(const Dataset& data, const TrainOptions& options) {
+std::size_t max_initial(const Dataset& data, const TrainOptions& options) {
   std::size_t most = std::numeric_limits<std::size_t>::max();
   for (const std::uint64_t limit :
        {options.max_splats, options.target_splats, options.initial_splats})
     if (limit > 0) most = std::min<std::size_t>(most, limit);
-  return std::min(most, splats_in_memory(data, options, kUsualPairs));
+  return std::min(most, splats_in_memory(data, options, kDefaultPairs));
 }
 
 /// Every n-th point keeps the cloud's coverage.
@@ -80,11 +80,11 @@ Expected<Run> new_run(const TrainSettings& settings, const Threads& threads) {
   cv::setNumThreads(threads.count());  // it looks for features
   auto points = initial_points(*data, options->seed, threads, show_progress("pairs"));
   if (!points) return std::unexpected(points.error());
-  thin_out(*points, most_initial(*data, *options));
+  thin_out(*points, max_initial(*data, *options));
   spdlog::info("{} initial splats ({})", points->positions.size(), points->source);
   TrainState state = initial_state(*data, *points, *options, threads);
-  const std::uint64_t photos_hash = hash_photos(data->train);
-  return Run{*options, std::move(*data), std::move(state), photos_hash};
+  const std::uint64_t views_hash = hash_views(data->train);
+  return Run{*options, std::move(*data), std::move(state), views_hash};
 }
 
 Expected<Run> resume_run(TrainSettings& settings) {
@@ -96,15 +96,15 @@ Expected<Run> resume_run(TrainSettings& settings) {
   settings.data.background = {background.x, background.y, background.z};
   auto data = load(settings.data);
   if (!data) return std::unexpected(data.error());
-  if (data->train.size() != checkpoint->train_photos ||
-      hash_photos(data->train) != checkpoint->photos_hash)
+  if (data->train.size() != checkpoint->train_views ||
+      hash_views(data->train) != checkpoint->views_hash)
     return fail(settings.data.folder, "",
-                fmt::format("{} training photos, but not the {} that {} was made with",
-                            data->train.size(), checkpoint->train_photos, settings.resume));
+                fmt::format("{} training images, but not the {} that {} was made with",
+                            data->train.size(), checkpoint->train_views, settings.resume));
   spdlog::info("resuming at iteration {} with {} splats", checkpoint->state.iteration,
                checkpoint->state.parameters.size());
   return Run{checkpoint->options, std::move(*data), std::move(checkpoint->state),
-             checkpoint->photos_hash, history_of(checkpoint->history)};
+             checkpoint->views_hash, history_of(checkpoint->history)};
 }
 
 std::string checkpoint_of(const TrainSettings& settings) { return settings.out + ".ckpt"; }
@@ -113,8 +113,8 @@ Expected<void> save_checkpoint(const TrainSettings& settings, const Run& run,
                                const TrainHistory& history, const Trainer& trainer) {
   return write_checkpoint(
       checkpoint_of(settings),
-      {run.options, settings.preset, settings.data.downscale, run.data.train.size(),
-       run.photos_hash, trainer.state(), text_of(history)});
+      {run.options, settings.preset, settings.data.downscale, run.data.train.size(), run.views_hash,
+       trainer.state(), text_of(history)});
 }
 
 std::string how_to_go_on(const TrainSettings& settings) {

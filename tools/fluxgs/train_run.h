@@ -28,16 +28,16 @@ struct Run {
   TrainOptions options;
   Dataset data;
   TrainState state;
-  std::uint64_t photos_hash;
+  std::uint64_t views_hash;
   TrainHistory history = {};  ///< of the parts before this one
 };
 
-/// Loads the data set and makes its first splats. Errors: options that are refused, photos that
+/// Loads the data set and makes its first splats. Errors: options that are refused, images that
 /// cannot be read or take too much memory.
 Expected<Run> new_run(const TrainSettings& settings, const Threads& threads);
 
 /// What settings.resume holds; its options replace those of the settings. Errors: not a checkpoint,
-/// or one of other photos.
+/// or one of other images.
 Expected<Run> resume_run(TrainSettings& settings);
 
 std::string checkpoint_of(const TrainSettings& settings);  ///< OUT.ckpt

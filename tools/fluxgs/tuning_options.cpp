@@ -31,13 +31,13 @@ void add_tuning_options(CLI::App& command, TuningOptions& t) {
   shown(command.add_option("--batch", t.batch, "quads an instance")->check(CLI::Range(1, 128)));
   shown(command.add_option("--sh-degree", t.sh_degree, "evaluate no more than this degree")
             ->check(CLI::Range(0, 3)));
-  shown(command.add_option("--format", t.format, "of the picture: rgba8 or rgba16f")
+  shown(command.add_option("--format", t.format, "of the image: rgba8 or rgba16f")
             ->check(CLI::IsMember({"rgba8", "rgba16f"})));
   shown(command
             .add_option("--blend", t.blend,
                         "in what: accurate (the best the driver has), float, half or direct")
             ->check(CLI::IsMember({"accurate", "float", "half", "direct"})));
-  shown(command.add_option("--scale", t.scale, "blend in so much smaller a picture, enlarged then")
+  shown(command.add_option("--scale", t.scale, "blend in so much smaller an image, enlarged then")
             ->check(in_range(0.1, 1.0)));
   shown(command.add_option("--alpha-min", t.alpha_min, "where a splat ends")
             ->check(in_range(1e-4, 0.5)));

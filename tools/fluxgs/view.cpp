@@ -38,7 +38,7 @@ constexpr double kTitleEvery = 0.25;
 struct ViewSettings {
   std::string scene, up = "auto", camera_file, screenshot, input;
   DataOptions data;
-  PictureSize size{1280, 720};
+  ImageSize size{1280, 720};
   int sh_degree = 3, frames = 0;
   double memory = 0;  // MB; 0: what there is
 };
@@ -120,7 +120,7 @@ void tell_room(Viewer& v, const host::WindowSize& size) {
   }
   const bool enlarged = v.scene->target().width() < size.width;
   if (enlarged && !v.told_enlarged)
-    spdlog::warn("warning: graphics memory is short: pictures of {}x{} pixels are enlarged",
+    spdlog::warn("warning: graphics memory is short: images of {}x{} pixels are enlarged",
                  v.scene->target().width(), v.scene->target().height());
   v.told_enlarged = enlarged;
   const bool coarse = v.scene->is_reduced() && v.scene->shows_all() && !enlarged;
@@ -169,9 +169,9 @@ Expected<void> draw(Viewer& v, const host::WindowSize& size) {
 }
 
 Expected<void> take_screenshot(Viewer& v, const std::string& file, const host::WindowSize& size) {
-  const auto picture = host::read_window(v.window->api(), size);
-  if (!picture) return std::unexpected(picture.error());
-  return write_png(file, *picture);
+  const auto image = host::read_window(v.window->api(), size);
+  if (!image) return std::unexpected(image.error());
+  return write_png(file, *image);
 }
 
 void count_frame(Viewer& v, double seconds) {
@@ -199,14 +199,14 @@ Expected<void> update_title(Viewer& v) {
 /// Draws, takes the screenshot if this is the last frame, and shows.
 Expected<void> show(Viewer& v, const ViewSettings& s, const host::WindowSize& size, bool last) {
   const Clock::time_point start = Clock::now();
-  const auto picture = [&]() -> Expected<void> {
+  const auto image = [&]() -> Expected<void> {
     if (auto drawn = draw(v, size); !drawn || !last || s.screenshot.empty()) return drawn;
     return take_screenshot(v, s.screenshot, size);
   };
-  auto done = picture();
+  auto done = image();
   if (!done && gl::context_lost(v.window->api())) {
     done = recover(v, s);
-    if (done) done = picture();
+    if (done) done = image();
   }
   if (!done) return done;
   ++v.drawn;
@@ -300,7 +300,7 @@ Expected<void> load_into(Viewer& v, const ViewSettings& s) {
 
 Expected<void> view(const ViewSettings& s) {
   if (!s.screenshot.empty() && std::filesystem::path(s.screenshot).extension() != ".png")
-    return fail(s.screenshot, "", "pictures are written as PNG, expected a name that ends in .png");
+    return fail(s.screenshot, "", "images are written as PNG, expected a name that ends in .png");
   Viewer v;
   if (!s.input.empty()) {
     auto script = read_view_script(s.input);
@@ -325,12 +325,12 @@ void add_view(CLI::App& app, Action& action) {
                   "Example: fluxgs view garden.glb --frames 1 --screenshot window.png");
   command->add_option("scene", s->scene, "the scene file")->required();
   CLI::Option* data = command->add_option("--data", s->data.folder,
-                                          "a data set: start at its first photo, up as there");
+                                          "a data set: start at its first image, up as there");
   command
       ->add_option("--camera", s->camera_file,
                    "start at the first of a JSON list of {name, position, target, up, fovY}")
       ->excludes(data);
-  command->add_option("--up", s->up, "x,y,z, or auto: from the photos of --data or from the splats")
+  command->add_option("--up", s->up, "x,y,z, or auto: from the images of --data or from the splats")
       ->check(CLI::Validator(
           [](const std::string& text) {
             const auto up = parse_up(text);

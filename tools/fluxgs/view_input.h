@@ -13,7 +13,7 @@ namespace fluxgs::cli {
 /// One line each, for --help and the start.
 inline constexpr std::string_view kViewKeys =
     "  left drag    turn around the scene (while flying: look around)\n"
-    "  right drag   move along the picture (or middle drag)\n"
+    "  right drag   move along the image (or middle drag)\n"
     "  wheel        zoom about the pointer\n"
     "  double click look at what is there, from nearer\n"
     "  W A S D      fly forward, left, back, right; Q E: down, up\n"

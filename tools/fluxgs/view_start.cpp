@@ -24,7 +24,7 @@ NamedUp choose_up(const SceneFile& scene, const std::optional<Dataset>& data,
   if (given) return {*given, "as given"};
   if (data) {
     const camera::UpAxis up = camera::up_of_cameras(cameras_of(data->train));
-    return {up.direction, fmt::format("from the photos, confidence {:.2f}", up.confidence)};
+    return {up.direction, fmt::format("from the images, confidence {:.2f}", up.confidence)};
   }
   if (scene.start) return {scene.start->up, "from the scene"};
   const camera::UpAxis up = camera::up_of_cloud(scene.cloud);
@@ -60,7 +60,7 @@ Expected<std::optional<glm::dvec3>> parse_up(const std::string& text) {
 
 ViewStart choose_start(const SceneFile& scene, const std::optional<Dataset>& data,
                        const std::optional<Camera>& camera, const std::optional<glm::dvec3>& up,
-                       const PictureSize& size) {
+                       const ImageSize& size) {
   const camera::SceneBounds bounds = camera::robust_bounds(scene.cloud);
   const NamedUp chosen = choose_up(scene, data, up);
   camera::ViewState view;
@@ -71,7 +71,7 @@ ViewStart choose_start(const SceneFile& scene, const std::optional<Dataset>& dat
   } else if (scene.start) {
     view = camera::first_view(scene.cloud, scene.start, {size.width, size.height}).view;
   } else {
-    view = camera::fitting_view(bounds, chosen.direction, camera::kUsualFieldOfView);
+    view = camera::fitting_view(bounds, chosen.direction, camera::kDefaultFieldOfView);
   }
   return {camera::navigation_from(view, chosen.direction, camera::units_of(bounds)), chosen.source};
 }

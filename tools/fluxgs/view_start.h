@@ -21,11 +21,11 @@ struct ViewStart {
 /// "x,y,z", not all 0, made a unit vector; nothing for "auto". Fails on anything else.
 Expected<std::optional<glm::dvec3>> parse_up(const std::string& text);
 
-/// A given camera; otherwise the first training photo's; otherwise the scene's own start view;
-/// otherwise all of the scene. Up is what is given, what the photos or the scene say, or a guess
+/// A given camera; otherwise the first training image's; otherwise the scene's own start view;
+/// otherwise all of the scene. Up is what is given, what the images or the scene say, or a guess
 /// from the cloud.
 ViewStart choose_start(const SceneFile& scene, const std::optional<Dataset>& data,
                        const std::optional<Camera>& camera, const std::optional<glm::dvec3>& up,
-                       const PictureSize& size);
+                       const ImageSize& size);
 
 }  // namespace fluxgs::cli

@@ -21,7 +21,7 @@ constexpr int kLargestSide = 16384;
 constexpr double kDegree = std::numbers::pi / 180;
 
 Expected<Camera> camera_from_json(const json& entry, const std::string& path, std::size_t index,
-                                  const PictureSize& size) {
+                                  const ImageSize& size) {
   const std::string where = fmt::format("camera {}", index);
   const auto vec = [&](const char* key) -> Expected<glm::dvec3> {
     const auto it = entry.find(key);
@@ -55,7 +55,7 @@ Expected<Camera> camera_from_json(const json& entry, const std::string& path, st
 }  // namespace
 
 Camera look_at(const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3& up, double fov_y,
-               const PictureSize& size) {
+               const ImageSize& size) {
   Camera c;
   c.width = size.width;
   c.height = size.height;
@@ -67,8 +67,8 @@ Camera look_at(const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3
   return c;
 }
 
-Expected<PictureSize> parse_size(const std::string& text) {
-  PictureSize size;
+Expected<ImageSize> parse_size(const std::string& text) {
+  ImageSize size;
   const char* end = text.data() + text.size();
   const auto [x, first] = std::from_chars(text.data(), end, size.width);
   const bool more = first == std::errc() && x != end && *x == 'x';
@@ -82,7 +82,7 @@ Expected<PictureSize> parse_size(const std::string& text) {
   return size;
 }
 
-Camera resized(Camera camera, const PictureSize& size) {
+Camera resized(Camera camera, const ImageSize& size) {
   if (size.width == 0) return camera;
   const double sx = static_cast<double>(size.width) / camera.width;
   const double sy = static_cast<double>(size.height) / camera.height;
@@ -93,7 +93,7 @@ Camera resized(Camera camera, const PictureSize& size) {
   return camera;
 }
 
-Expected<std::vector<Camera>> cameras_from_file(const std::string& path, const PictureSize& size) {
+Expected<std::vector<Camera>> cameras_from_file(const std::string& path, const ImageSize& size) {
   const auto bytes = read_file(path, 64u << 20);
   if (!bytes) return std::unexpected(bytes.error());
   const char* text = reinterpret_cast<const char*>(bytes->data());

@@ -10,7 +10,7 @@ double loss_at(const Unexplained& u, int degree, std::size_t i) {
   return double{u.weights[i]} * double{u.fitted.row(degree)[i]};
 }
 
-std::uint8_t least_degree(const Unexplained& u, double threshold, std::size_t i) {
+std::uint8_t min_degree(const Unexplained& u, double threshold, std::size_t i) {
   for (int degree = 0; degree < 3; ++degree)
     if (loss_at(u, degree, i) <= threshold) return static_cast<std::uint8_t>(degree);
   return 3;
@@ -39,10 +39,10 @@ double channels_of(double pixels) { return 3 * std::max(pixels, 1.0); }
 
 }  // namespace
 
-std::vector<std::uint8_t> least_degrees(const Unexplained& unexplained, double threshold) {
+std::vector<std::uint8_t> min_degrees(const Unexplained& unexplained, double threshold) {
   std::vector<std::uint8_t> degrees(unexplained.weights.size());
   for (std::size_t i = 0; i < degrees.size(); ++i)
-    degrees[i] = least_degree(unexplained, threshold, i);
+    degrees[i] = min_degree(unexplained, threshold, i);
   return degrees;
 }
 

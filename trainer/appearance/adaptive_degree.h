@@ -21,14 +21,14 @@ namespace fluxgs {
 
 /// For each splat the least degree (0…3) whose loss is at most `threshold` (≥ 0, square colours ×
 /// pixels). Then fit_to_views() with these degrees.
-std::vector<std::uint8_t> least_degrees(const Unexplained& unexplained, double threshold);
+std::vector<std::uint8_t> min_degrees(const Unexplained& unexplained, double threshold);
 
-/// The bound above for the pictures' mean square error, over all channels of `pixels` pixels (> 0;
+/// The bound above for the images' mean square error, over all channels of `pixels` pixels (> 0;
 /// ViewWeights::pixels), when every splat is fitted with its degree.
 double degree_loss(const Unexplained& unexplained, const std::vector<std::uint8_t>& degrees,
                    double pixels);
 
-/// The largest threshold that matters and whose least_degrees() have a degree_loss() of `mse` at
+/// The largest threshold that matters and whose min_degrees() have a degree_loss() of `mse` at
 /// most; 0 where only splats without any loss can change.
 double threshold_for(const Unexplained& unexplained, double pixels, double mse);
 

@@ -1,4 +1,4 @@
-// What makes a scene's colours after the switch to first-order harmonics (the Flux-GS paper, "Monte
+// What makes a scene's colours after the switch to first-order SH (the Flux-GS paper, "Monte
 // Carlo Specular Energy Aggregator" and "Gaussian Attribute Awareness"; formulas, columns and rows:
 // fluxgs/networks/appearance.h):
 //

@@ -1,4 +1,4 @@
-// Ψ before its first picture. The paper does not say with which weights training goes on after the
+// Ψ before its first image. The paper does not say with which weights training goes on after the
 // switch; random ones would throw away what was learned. This teaches Ψ known colours first.
 #pragma once
 

@@ -9,7 +9,7 @@
 namespace fluxgs {
 namespace {
 
-// Coefficient k of the harmonics takes three entries, as does E_mag and each axis of E_dir.
+// Coefficient k of the SH coefficients takes three entries, as does E_mag and each axis of E_dir.
 ShRow sh_signs() {
   ShRow signs;
   for (std::size_t k = 0; k < signs.size(); ++k) signs[k] = k < 3 ? 1 : io::turn_sign(k / 3 - 1);

@@ -11,11 +11,11 @@
 
 namespace fluxgs {
 
-/// One splat's latents, first-order harmonics or their gradient, in the order of the columns.
+/// One splat's latents, first-order SH or their gradient, in the order of the columns.
 using ShRow = std::array<float, networks::kShColumns>;
 
 /// Row `first_row + k` of a PlanarFloats at splat i is entry k. The signs are those that the turn
-/// into glTF's frame and back changes: of harmonics, and of E.
+/// into glTF's frame and back changes: of SH coefficients, and of E.
 ShRow turned_sh(const PlanarFloats& from, int first_row, std::size_t i);
 void put_turned_sh(const ShRow& sh, PlanarFloats& to, int first_row, std::size_t i);
 ShRow turned_energy(const PlanarFloats& from, std::size_t i);

@@ -1,4 +1,4 @@
-// The harmonics of a lower degree that look most like given ones, from where a splat is seen.
+// The SH coefficients of a lower degree that look most like given ones, from where a splat is seen.
 //
 // For the directions d_v with weights w_v (W = Σ w_v), the coefficients a of the lower degree
 // minimise, for each colour channel,

@@ -1,4 +1,4 @@
-// From harmonics of degree 3 to a lower degree, for all splats at once.
+// From SH of degree 3 to a lower degree, for all splats at once.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 namespace fluxgs {
 
 /// How much the whole sphere counts beside the views (sh_fit.h), at least. On two trained captures
-/// (fox: 43 photos; snowmiku: 84) the loss over photos that were not fitted to is least between
+/// (fox: 43 images; snowmiku: 84) the loss over images that were not fitted to is least between
 /// 3e-4 and 3e-3, for degree 1 and 2 alike; at 1e-6 it is up to 35% larger (fox, degree 2).
 inline constexpr double kSpherePrior = 1e-3;
 

@@ -1,4 +1,4 @@
-// From where, and how much, the training photos see each splat.
+// From where, and how much, the training images see each splat.
 #pragma once
 
 #include <vector>

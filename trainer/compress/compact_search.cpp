@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* kName = "compact .glb";
 constexpr double kFinest = 0x1p-12, kCoarsest = 0x1p12;  // of the steps that the search begins with
-constexpr int kBalances = 2, kMostTrials = 24;
+constexpr int kBalances = 2, kMaxTrials = 24;
 constexpr double kStride = std::numbers::ln2;  // of the logarithm of the coarseness
 constexpr double kCloseEnough = 0.003;         // the same
 constexpr float kExactly = 0x1p-8f;            // of a step, where an error is not to count
@@ -24,8 +24,8 @@ constexpr double kInvisible = 1e-8;            // 80 dB: more bytes are of no us
 constexpr double kExcessThatIsNone = 1e-3;     // 0.1% of the size or of the error
 
 /// An attribute of the codec: its name in AttributeBits, its step, and its array. Rounding
-/// harmonics changes the constant colours (codec/harmonics.h): the error of either is measured
-/// while the other is stored `exactly`, and that of harmonics with both.
+/// SH coefficients changes the constant colours (codec/SH coefficients.h): the error of either is
+/// measured while the other is stored `exactly`, and that of SH coefficients with both.
 struct Part {
   const char* name;
   void (*scale_step)(CompactSteps&, double);
@@ -58,7 +58,7 @@ constexpr Part kParts[] = {
 };
 constexpr std::size_t kPartCount = std::size(kParts);
 
-/// Finer steps say nothing that a picture shows, and may be beyond the codec.
+/// Finer steps say nothing that an image shows, and may be beyond the codec.
 CompactSteps at_least(CompactSteps steps, double position) {
   constexpr float kFinestOfAll = 3e-6f;
   steps.position = std::max(steps.position, position);
@@ -171,7 +171,7 @@ Expected<std::optional<CompactTrial>> CompactSearch::solve(const CompactSteps& s
   double low_excess = 0, high_excess = 0;
   bool has_low = false, has_high = false;
   std::optional<CompactTrial> best;
-  for (int i = 0; i < kMostTrials && high - low > kCloseEnough; ++i) {
+  for (int i = 0; i < kMaxTrials && high - low > kCloseEnough; ++i) {
     auto tried = trial(scaled(steps, std::exp(sign * at)));
     if (!tried) return std::unexpected(tried.error());
     const double excess = goal.excess(*tried);

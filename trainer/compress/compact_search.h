@@ -23,14 +23,14 @@ struct CompactTrial {
   CompactOptions options;
   std::vector<std::byte> file;
   AttributeBits attribute_bits;
-  double mse = 0;  ///< of its pictures to those of the exact scene
+  double mse = 0;  ///< of its images to those of the exact scene
 
   double psnr() const { return psnr_of_mse(mse); }
 };
 
 class CompactSearch {
  public:
-  static constexpr int kUsualTrials = 24;  ///< of within_loss() and within_bytes(), about
+  static constexpr int kDefaultTrials = 24;  ///< of within_loss() and within_bytes(), about
 
   /// `cloud` (finite) is stored; `shown` is the same but for colours that networks in `options`
   /// make of it, and what `error` is of. `cloud` and `error` must outlive this. `on_trial` is
@@ -64,7 +64,7 @@ class CompactSearch {
  private:
   struct Goal {
     bool coarser_fits = false;  ///< whether excess falls as steps grow
-    double enough = 0;          ///< the mse at which pictures tell nothing more
+    double enough = 0;          ///< the mse at which images tell nothing more
     std::function<double(const CompactTrial&)> excess;  ///< > 0: too much
     std::function<double(const CompactTrial&)> cost;    ///< to be made small
   };

@@ -46,11 +46,11 @@ class Squares {
       for (int column = 0; column <= row; ++column) *to++ += g[row] * g[column];
   }
   std::vector<float> over(double probes) const {
-    constexpr double kMost = 1e30;  // whatever the gradients, they are numbers
+    constexpr double kMax = 1e30;  // whatever the gradients, they are numbers
     std::vector<float> result;
     result.reserve(sums_.size());
     for (const double sum : sums_)
-      result.push_back(static_cast<float>(std::clamp(sum / probes, -kMost, kMost)));
+      result.push_back(static_cast<float>(std::clamp(sum / probes, -kMax, kMax)));
     return result;
   }
 

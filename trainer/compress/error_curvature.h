@@ -1,4 +1,4 @@
-// How much errors of shapes show in the pictures of some views: the curvature of the squared error.
+// How much errors of shapes show in the images of some views: the curvature of the squared error.
 #pragma once
 
 #include <vector>
@@ -17,7 +17,7 @@ struct ErrorCurvature {
 };
 
 /// Σ over all pixels and colours of the squares of what changes there if one splat's scales or
-/// rotation change by a little: diagonal blocks JᵀJ of the pictures' Jacobian J. Estimated as
+/// rotation change by a little: diagonal blocks JᵀJ of the images' Jacobian J. Estimated as
 /// Hutchinson (1990) does traces: a backward pass from random signs s gives g = Jᵀ·s, and the
 /// mean of g·gᵀ is JᵀJ. Always the same signs: the result is the same for any number of threads.
 ErrorCurvature error_curvature(const PlanarFloats& parameters, const std::vector<Camera>& cameras,

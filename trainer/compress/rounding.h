@@ -1,4 +1,4 @@
-// Training with the numbers that a compact file will hold. Pictures, and so gradients, are those of
+// Training with the numbers that a compact file will hold. Images, and so gradients, are those of
 // the rounded scene; what steps teach is remembered exactly, and rounded anew now and then (the
 // straight-through estimator, Bengio et al. 2013). The paper tunes its codebooks in the same way
 // ("Attributes Compression").
@@ -18,14 +18,14 @@
 
 namespace fluxgs {
 
-/// How near the pictures of a file are to be.
+/// How near the images of a file are to be.
 struct CompactGoal {
   std::vector<Camera> cameras;  ///< errors cost what they do in all of these, a dozen measure them
   RenderOptions render;
   double decibels = 40;
 };
 
-/// The smallest compact file of `cloud` (finite, some splats) found whose pictures are within the
+/// The smallest compact file of `cloud` (finite, some splats) found whose images are within the
 /// goal of those of `shown`: the same splats with the colours that they are shown with, which
 /// `cloud` need not have where networks make them. `start`: steps to begin with and what is not
 /// searched for.

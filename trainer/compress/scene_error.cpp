@@ -34,10 +34,10 @@ Expected<double> SceneError::mse(const SplatCloud& other) const {
   const ViewRenderer render = cpu_view_renderer(other, options_, threads_);
   double sum = 0, values = 0;
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
-    const auto picture = render(cameras_[i]);
-    if (!picture) return std::unexpected(picture.error());
-    sum += squares(*picture, exact_[i]);
-    values += 3.0 * picture->width() * picture->height();
+    const auto image = render(cameras_[i]);
+    if (!image) return std::unexpected(image.error());
+    sum += squares(*image, exact_[i]);
+    values += 3.0 * image->width() * image->height();
   }
   return values > 0 ? sum / values : 0;
 }

@@ -1,4 +1,4 @@
-// What a scene's pictures lose when the scene is stored less exactly.
+// What a scene's images lose when the scene is stored less exactly.
 #pragma once
 
 #include <vector>
@@ -12,17 +12,17 @@
 
 namespace fluxgs {
 
-/// How many pictures tell the error of a scene to a few hundredths of a decibel.
+/// How many images tell the error of a scene to a few hundredths of a decibel.
 inline constexpr int kMeasuringViews = 12;
 
-/// Compares scenes with an exact one by pictures of the trainer's renderer, limited to 0…1.
+/// Compares scenes with an exact one by images of the trainer's renderer, limited to 0…1.
 class SceneError {
  public:
   /// Renders `exact` once for each of `cameras` (one or more). `threads` must outlive this.
   SceneError(const SplatCloud& exact, std::vector<Camera> cameras, const RenderOptions& options,
              const Threads& threads);
 
-  /// The mean square error over all channels of all pixels of all pictures.
+  /// The mean square error over all channels of all pixels of all images.
   Expected<double> mse(const SplatCloud& other) const;
 
  private:

@@ -8,7 +8,7 @@
 
 #include "trainer/data/colmap_model.h"
 #include "trainer/data/colmap_source.h"
-#include "trainer/data/load_photos.h"
+#include "trainer/data/load_views.h"
 #include "trainer/data/run_colmap.h"
 #include "trainer/data/source.h"
 #include "trainer/data/transforms_source.h"
@@ -25,7 +25,7 @@ bool has_image_extension(const fs::path& file) {
   return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
 }
 
-bool holds_photos(const fs::path& folder) {
+bool holds_views(const fs::path& folder) {
   std::error_code error;
   return std::ranges::any_of(fs::directory_iterator(folder, error), [](const auto& entry) {
     std::error_code ignored;
@@ -33,16 +33,16 @@ bool holds_photos(const fs::path& folder) {
   });
 }
 
-/// The photos of a folder without poses: those that COLMAP found earlier, or finds now.
-Expected<Source> read_photos_source(const fs::path& folder) {
+/// The images of a folder without poses: those that COLMAP found earlier, or finds now.
+Expected<Source> read_views_source(const fs::path& folder) {
   const fs::path work = folder / "colmap";
   auto model = largest_model(work / "sparse");
   if (!model) {
-    const fs::path images = holds_photos(folder / "images") ? folder / "images" : folder;
-    if (!holds_photos(images))
+    const fs::path images = holds_views(folder / "images") ? folder / "images" : folder;
+    if (!holds_views(images))
       return fail(folder.string(), "",
                   "no data set here; expected a COLMAP model (sparse/0), transforms.json, or "
-                  "photos (.jpg, .png)");
+                  "images (.jpg, .png)");
     if (const auto ok = run_colmap(images, work); !ok) return std::unexpected(ok.error());
     model = largest_model(work / "sparse");
   }
@@ -63,7 +63,7 @@ Expected<Found> read_source(const fs::path& folder) {
   for (const fs::path& model : {folder / "sparse" / "0", folder / "sparse", folder})
     if (is_colmap_model(model)) return named("COLMAP", read_colmap_source(model, folder));
   if (has_transforms(folder)) return named("transforms.json", read_transforms_source(folder));
-  return named("photos (COLMAP)", read_photos_source(folder));
+  return named("images (COLMAP)", read_views_source(folder));
 }
 
 /// Every n-th frame of those sorted by name moves to the test split; a single frame stays.
@@ -92,9 +92,9 @@ Expected<void> check_options(const LoadOptions& options) {
 
 }  // namespace
 
-std::vector<Camera> cameras_of(const std::vector<Photo>& photos) {
+std::vector<Camera> cameras_of(const std::vector<View>& views) {
   std::vector<Camera> cameras;
-  for (const Photo& photo : photos) cameras.push_back(photo.camera);
+  for (const View& view : views) cameras.push_back(view.camera);
   return cameras;
 }
 
@@ -111,7 +111,7 @@ Expected<Dataset> load_dataset(const fs::path& folder, const LoadOptions& option
   const auto status = fs::status(folder, error);
   if (!fs::exists(status)) return fail(folder.string(), "", "no such folder");
   if (!fs::is_directory(status))
-    return fail(folder.string(), "", "not a folder, expected one with photos and their poses");
+    return fail(folder.string(), "", "not a folder, expected one with images and their poses");
 
   auto found = read_source(folder);
   if (!found) return std::unexpected(found.error());
@@ -125,12 +125,12 @@ Expected<Dataset> load_dataset(const fs::path& folder, const LoadOptions& option
   const auto train_count = static_cast<std::ptrdiff_t>(source.frames.size());
   std::vector<SourceFrame> frames = std::move(source.frames);
   frames.insert(frames.end(), source.test_frames.begin(), source.test_frames.end());
-  auto photos = load_photos(frames, options);
-  if (!photos) return std::unexpected(photos.error());
-  const auto first_test = std::make_move_iterator(photos->begin() + train_count);
+  auto views = load_views(frames, options);
+  if (!views) return std::unexpected(views.error());
+  const auto first_test = std::make_move_iterator(views->begin() + train_count);
   Dataset dataset{.kind = found->kind,
-                  .train = {std::make_move_iterator(photos->begin()), first_test},
-                  .test = {first_test, std::make_move_iterator(photos->end())},
+                  .train = {std::make_move_iterator(views->begin()), first_test},
+                  .test = {first_test, std::make_move_iterator(views->end())},
                   .points = std::move(source.points),
                   .point_colors = std::move(source.point_colors),
                   .points_file = std::move(source.points_file),

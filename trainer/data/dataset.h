@@ -1,4 +1,4 @@
-// Posed photos, ready to train on.
+// Posed images, ready to train on.
 #pragma once
 
 #include <cstddef>
@@ -21,12 +21,12 @@ struct LoadOptions {
   int test_every = 8;            ///< every n-th image, sorted by name, is for testing; 0: none
   glm::vec3 background{0};       ///< sRGB as stored, 0…1: what transparent pixels show
   int threads = 0;               ///< for decoding; 0: all
-  ProgressReport progress = {};  ///< photos ready
+  ProgressReport progress = {};  ///< images ready
 };
 
-/// A photo as an ideal pinhole camera would have taken it: distortion undone, reduced by
+/// An image as an ideal pinhole camera would have taken it: distortion undone, reduced by
 /// LoadOptions::downscale, opaque. The camera's intrinsics are those of these pixels.
-struct Photo {
+struct View {
   Camera camera;  ///< its name is the image's file name (COLMAP: the name in the model)
   Image<std::uint8_t> rgb;
   std::string path;  ///< of the file the pixels came from
@@ -35,8 +35,8 @@ struct Photo {
 /// World coordinates are those of the data set, untouched: of transforms.json only the camera axes
 /// are converted (from OpenGL's to OpenCV's).
 struct Dataset {
-  std::string kind;                       ///< "COLMAP", "transforms.json" or "photos (COLMAP)"
-  std::vector<Photo> train, test;         ///< each sorted by name; train is never empty
+  std::string kind;                       ///< "COLMAP", "transforms.json" or "images (COLMAP)"
+  std::vector<View> train, test;          ///< each sorted by name; train is never empty
   std::vector<glm::vec3> points;          ///< sparse points, finite; may be empty
   std::vector<glm::u8vec3> point_colors;  ///< sRGB, one per point
   std::filesystem::path points_file;      ///< the .ply that they came from, if it was one
@@ -44,7 +44,7 @@ struct Dataset {
   std::vector<std::string> warnings;      ///< one line each, for the user
 };
 
-std::vector<Camera> cameras_of(const std::vector<Photo>& photos);
+std::vector<Camera> cameras_of(const std::vector<View>& views);
 
 /// At most `count` of the cameras, evenly spread over them.
 std::vector<Camera> spread_cameras(const std::vector<Camera>& cameras, std::size_t count);
@@ -54,7 +54,7 @@ std::vector<Camera> spread_cameras(const std::vector<Camera>& cameras, std::size
 ///     images/ or the folder itself;
 ///   - transforms_train.json, with transforms_test.json as the test split if it exists;
 ///   - transforms.json (instant-ngp, nerfstudio);
-///   - photos without poses (in images/ or the folder itself): COLMAP is run, if installed, in the
+///   - images without poses (in images/ or the folder itself): COLMAP is run, if installed, in the
 ///     folder's colmap/ sub-folder, and its result is kept there for the next time.
 /// The result does not depend on the number of threads.
 /// Errors: anything missing, malformed, truncated or contradictory, named by file and field.

@@ -13,23 +13,22 @@
 namespace fluxgs {
 namespace {
 
-constexpr int kLongestSide = 800, kMostFeatures = 2000;
+constexpr int kLongestSide = 800, kMaxFeatures = 2000;
 constexpr int kLargestDistance2 = 300 * 300;  // Descriptors have a length of about 512.
 constexpr double kRatio = 0.8;
 
-/// The factor from the photo to the copy that features are found on, ≤ 1.
-double feature_scale(const Photo& photo) {
+/// The factor from the image to the copy that features are found on, ≤ 1.
+double feature_scale(const View& view) {
   return std::min(1.0,
-                  static_cast<double>(kLongestSide) / std::max(photo.rgb.width, photo.rgb.height));
+                  static_cast<double>(kLongestSide) / std::max(view.rgb.width, view.rgb.height));
 }
 
-cv::Mat feature_image(const Photo& photo) {
+cv::Mat feature_image(const View& view) {
   // OpenCV has no const matrices over foreign memory; nothing writes to this one.
-  auto* pixels = const_cast<std::uint8_t*>(photo.rgb.pixels.data());
+  auto* pixels = const_cast<std::uint8_t*>(view.rgb.pixels.data());
   cv::Mat grey;
-  cv::cvtColor(cv::Mat(photo.rgb.height, photo.rgb.width, CV_8UC3, pixels), grey,
-               cv::COLOR_RGB2GRAY);
-  const double scale = feature_scale(photo);
+  cv::cvtColor(cv::Mat(view.rgb.height, view.rgb.width, CV_8UC3, pixels), grey, cv::COLOR_RGB2GRAY);
+  const double scale = feature_scale(view);
   if (scale < 1.0) {
     const cv::Size size(std::max(1, static_cast<int>(std::lround(grey.cols * scale))),
                         std::max(1, static_cast<int>(std::lround(grey.rows * scale))));
@@ -94,20 +93,20 @@ struct Best {
 
 }  // namespace
 
-double feature_tolerance(const Photo& photo) { return 2.0 / feature_scale(photo); }
+double feature_tolerance(const View& view) { return 2.0 / feature_scale(view); }
 
-std::vector<Feature> find_features(const Photo& photo) {
-  const cv::Mat grey = feature_image(photo);
+std::vector<Feature> find_features(const View& view) {
+  const cv::Mat grey = feature_image(view);
   std::vector<cv::KeyPoint> keypoints;
   cv::Mat descriptors;
-  const auto sift = cv::SIFT::create(kMostFeatures, 3, 0.04, 10, 1.6, CV_8U);
+  const auto sift = cv::SIFT::create(kMaxFeatures, 3, 0.04, 10, 1.6, CV_8U);
   sift->detectAndCompute(grey, cv::noArray(), keypoints, descriptors);
 
   // OpenCV's centre of the first pixel is at 0. Its SIFT doubles the image first and maps back by
   // halving, which leaves a quarter of a pixel.
   constexpr double kOffset = 0.5 - 0.25;
-  const glm::dvec2 scale(static_cast<double>(photo.rgb.width) / grey.cols,
-                         static_cast<double>(photo.rgb.height) / grey.rows);
+  const glm::dvec2 scale(static_cast<double>(view.rgb.width) / grey.cols,
+                         static_cast<double>(view.rgb.height) / grey.rows);
   std::vector<Feature> features(keypoints.size());
   for (std::size_t i = 0; i < features.size(); ++i) {
     features[i].pixel =
@@ -118,13 +117,13 @@ std::vector<Feature> find_features(const Photo& photo) {
   return features;
 }
 
-std::vector<std::pair<int, int>> match_features(const Photo& photo_a,
+std::vector<std::pair<int, int>> match_features(const View& view_a,
                                                 const std::vector<Feature>& features_a,
-                                                const Photo& photo_b,
+                                                const View& view_b,
                                                 const std::vector<Feature>& features_b) {
-  const glm::dmat3 to_b = fundamental_matrix(photo_a.camera, photo_b.camera);
+  const glm::dmat3 to_b = fundamental_matrix(view_a.camera, view_b.camera);
   const glm::dmat3 to_a = glm::transpose(to_b);
-  const double tolerance_a = feature_tolerance(photo_a), tolerance_b = feature_tolerance(photo_b);
+  const double tolerance_a = feature_tolerance(view_a), tolerance_b = feature_tolerance(view_b);
   std::vector<glm::dvec3> lines_in_a;
   lines_in_a.reserve(features_b.size());
   for (const Feature& b : features_b)

@@ -13,22 +13,22 @@
 namespace fluxgs {
 
 struct Feature {
-  glm::dvec2 pixel{0.0};  ///< in the photo; the centre of the first pixel is at (½, ½)
+  glm::dvec2 pixel{0.0};  ///< in the image; the centre of the first pixel is at (½, ½)
   std::array<std::uint8_t, 128> descriptor{};
 };
 
 /// At most 2,000 SIFT features (Lowe 2004), found on a copy reduced to at most 800 pixels a side.
-std::vector<Feature> find_features(const Photo& photo);
+std::vector<Feature> find_features(const View& view);
 
 /// Pairs of indices of features that are each other's nearest by descriptor among those near each
 /// other's epipolar lines, and clearly nearer than the second (Lowe's ratio 0.8).
-std::vector<std::pair<int, int>> match_features(const Photo& photo_a,
+std::vector<std::pair<int, int>> match_features(const View& view_a,
                                                 const std::vector<Feature>& features_a,
-                                                const Photo& photo_b,
+                                                const View& view_b,
                                                 const std::vector<Feature>& features_b);
 
-/// The tolerance for epipolar lines and reprojections, in pixels of the photo: 2 pixels of the copy
+/// The tolerance for epipolar lines and reprojections, in pixels of the image: 2 pixels of the copy
 /// that features were found on.
-double feature_tolerance(const Photo& photo);
+double feature_tolerance(const View& view);
 
 }  // namespace fluxgs

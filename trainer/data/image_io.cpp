@@ -60,7 +60,7 @@ cv::Mat to_rgb8(cv::Mat decoded) {
 Expected<Image<std::uint8_t>> decode(std::vector<std::byte>& bytes, const ImageHeader& header,
                                      const std::string& file) {
   try {
-    // IMREAD_UNCHANGED keeps alpha and does not turn the picture by its EXIF orientation.
+    // IMREAD_UNCHANGED keeps alpha and does not turn the image by its EXIF orientation.
     const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U, bytes.data());
     const cv::Mat rgb = to_rgb8(cv::imdecode(encoded, cv::IMREAD_UNCHANGED));
     if (rgb.empty()) return fail(file, "", "the image is corrupt: it cannot be decoded");
@@ -107,11 +107,11 @@ Expected<Image<std::uint8_t>> read_image(const std::filesystem::path& file) {
 
 Expected<ImageSize> read_image_size(const std::filesystem::path& file) {
   // Metadata before a JPEG's frame header seldom exceeds this; if it does, read everything.
-  constexpr std::size_t kUsual = 1 << 18;
-  auto bytes = read_prefix(file, kUsual);
+  constexpr std::size_t kDefault = 1 << 18;
+  auto bytes = read_prefix(file, kDefault);
   if (!bytes) return std::unexpected(bytes.error());
   const auto header = parse_image_header(*bytes);
-  if (header && header->width < 0 && bytes->size() == kUsual) {
+  if (header && header->width < 0 && bytes->size() == kDefault) {
     bytes = read_file(file, kLargestFile);
     if (!bytes) return std::unexpected(bytes.error());
   }
@@ -123,7 +123,7 @@ Expected<ImageSize> read_image_size(const std::filesystem::path& file) {
 Expected<void> write_png(const std::filesystem::path& file, const Image<std::uint8_t>& image) {
   if (image.width < 1 || image.height < 1 || (image.channels != 3 && image.channels != 4))
     return fail(file.string(), "",
-                fmt::format("cannot write a picture of {}x{} with {} channels as PNG", image.width,
+                fmt::format("cannot write an image of {}x{} with {} channels as PNG", image.width,
                             image.height, image.channels));
   std::vector<std::uint8_t> encoded;
   try {
@@ -132,9 +132,9 @@ Expected<void> write_png(const std::filesystem::path& file, const Image<std::uin
     std::ranges::copy(image.pixels, bgr.data);
     cv::cvtColor(bgr, bgr, alpha ? cv::COLOR_RGBA2BGRA : cv::COLOR_RGB2BGR);
     if (!cv::imencode(".png", bgr, encoded))
-      return fail(file.string(), "", "the picture could not be encoded as PNG");
+      return fail(file.string(), "", "the image could not be encoded as PNG");
   } catch (const cv::Exception& e) {
-    return fail(file.string(), "", "the picture could not be encoded as PNG: " + e.err);
+    return fail(file.string(), "", "the image could not be encoded as PNG: " + e.err);
   }
   return write_file_atomic(file, std::as_bytes(std::span(encoded)));
 }

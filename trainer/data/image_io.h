@@ -26,7 +26,7 @@ Expected<Image<std::uint8_t>> read_image(const std::filesystem::path& file);
 /// The size from the header of a JPEG or PNG, without decoding it.
 Expected<ImageSize> read_image_size(const std::filesystem::path& file);
 
-/// The picture as a PNG of 8 bits a channel, 3 or 4 channels; floats are clamped to 0…1 and
+/// The image as a PNG of 8 bits a channel, 3 or 4 channels; floats are clamped to 0…1 and
 /// rounded. The file appears complete or not at all.
 Expected<void> write_png(const std::filesystem::path& file, const Image<std::uint8_t>& image);
 Expected<void> write_png(const std::filesystem::path& file, const Image<float>& image);

@@ -21,7 +21,7 @@ Expected<PointCloud> initial_points(const Dataset& dataset, std::uint64_t seed,
   constexpr std::size_t kFewest = 500, kRandom = 20'000;
   if (!dataset.points.empty()) return sparse_points(dataset);
   if (dataset.train.empty())
-    return fail("", "initial points", "no training photos, expected at least one");
+    return fail("", "initial points", "no training images, expected at least one");
   PointCloud cloud = triangulate_features(dataset.train, threads, progress);
   return cloud.positions.size() >= kFewest ? cloud : random_points(dataset.train, kRandom, seed);
 }

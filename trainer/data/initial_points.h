@@ -19,9 +19,9 @@ struct PointCloud {
   std::string source;                ///< "sparse points", "triangulated features" or "random"
 };
 
-/// The data set's sparse points; without any, image features triangulated from the training photos'
+/// The data set's sparse points; without any, image features triangulated from the training images'
 /// known poses; where fewer than 500 of those are found, random points in the cameras' frustums.
-/// Deterministic for a seed, whatever the number of threads. Errors: no training photos.
+/// Deterministic for a seed, whatever the number of threads. Errors: no training images.
 Expected<PointCloud> initial_points(const Dataset& dataset, std::uint64_t seed,
                                     const Threads& threads, const ProgressReport& progress = {});
 

@@ -9,7 +9,7 @@
 namespace fluxgs {
 
 /// What the decoder complains of, or nothing. Decoders go on after damage and invent the rest of
-/// the picture; a trainer must not learn from that. Decodes the whole picture, a row at a time.
+/// the image; a trainer must not learn from that. Decodes the whole image, a row at a time.
 std::optional<std::string> jpeg_damage(std::span<const std::byte> bytes);
 
 }  // namespace fluxgs

@@ -1,4 +1,4 @@
-// The lens of a data set's camera: intrinsics with the distortion that is still in its photos.
+// The lens of a data set's camera: intrinsics with the distortion that is still in its images.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ enum class LensModel {
 
 struct Lens {
   LensModel model = LensModel::kPerspective;
-  int width = 0, height = 0;  ///< pixels, of the photo as stored
+  int width = 0, height = 0;  ///< pixels, of the image as stored
   double fx = 0, fy = 0;      ///< pixels
   double cx = 0, cy = 0;      ///< pixels; the centre of the first pixel is at (½, ½)
   /// Perspective: k1 k2 p1 p2 k3 k4 k5 k6, in OpenCV's order; fisheye: k1 k2 k3 k4.
@@ -27,7 +27,7 @@ struct Lens {
 
 bool is_distorted(const Lens& lens);
 
-/// The largest picture that is read, in pixels: 1 GiB as RGBA.
+/// The largest image that is read, in pixels: 1 GiB as RGBA.
 inline constexpr long long kMaxPixels = 1LL << 28;
 
 /// Refuse sizes and intrinsics that no camera has: sizes outside 1…kMaxPixels, focal lengths that
@@ -38,7 +38,7 @@ Expected<void> check_lens(const Lens& lens, const std::string& file, const std::
 Lens lens_for_image(const Lens& lens, int width, int height);
 
 /// A warning if an image does not have the shape of its camera, but for rounding to whole pixels:
-/// it is then hardly the same photo reduced or enlarged. Empty if it does.
+/// it is then hardly the same image reduced or enlarged. Empty if it does.
 std::string shape_warning(const Lens& lens, int width, int height, const std::string& file);
 
 }  // namespace fluxgs

@@ -11,12 +11,12 @@ std::uint8_t mean(int a, int b, int c, int d) {
 
 }  // namespace
 
-Photo halved(const Photo& photo) {
-  Photo out{photo.camera, {}, photo.path};
+View halved(const View& view) {
+  View out{view.camera, {}, view.path};
   Camera& c = out.camera;
-  c.width = photo.camera.width / 2, c.height = photo.camera.height / 2;
+  c.width = view.camera.width / 2, c.height = view.camera.height / 2;
   c.fx /= 2, c.fy /= 2, c.cx /= 2, c.cy /= 2;
-  const Image<std::uint8_t>& in = photo.rgb;
+  const Image<std::uint8_t>& in = view.rgb;
   out.rgb = Image<std::uint8_t>(c.width, c.height, in.channels);
   for (int y = 0; y < c.height; ++y)
     for (int x = 0; x < c.width; ++x)
@@ -26,22 +26,21 @@ Photo halved(const Photo& photo) {
   return out;
 }
 
-PhotoPyramid::PhotoPyramid(const std::vector<Photo>& photos, int levels, int least)
-    : full_(photos) {
+ViewPyramid::ViewPyramid(const std::vector<View>& views, int levels, int least) : full_(views) {
   for (int level = 1; level <= levels; ++level) {
-    const std::vector<Photo>& before = at(level - 1);
-    const bool large = std::ranges::all_of(before, [&](const Photo& p) {
+    const std::vector<View>& before = at(level - 1);
+    const bool large = std::ranges::all_of(before, [&](const View& p) {
       return std::min(p.camera.width, p.camera.height) / 2 >= least;
     });
     if (!large) break;
-    std::vector<Photo> half;
+    std::vector<View> half;
     half.reserve(before.size());
-    for (const Photo& photo : before) half.push_back(halved(photo));
+    for (const View& view : before) half.push_back(halved(view));
     smaller_.push_back(std::move(half));
   }
 }
 
-const std::vector<Photo>& PhotoPyramid::at(int level) const {
+const std::vector<View>& ViewPyramid::at(int level) const {
   const int last = static_cast<int>(smaller_.size());
   return level <= 0 || last == 0 ? full_
                                  : smaller_[static_cast<std::size_t>(std::min(level, last) - 1)];

@@ -1,4 +1,4 @@
-// Photos at half, a quarter, … of their size.
+// Images at half, a quarter, … of their size.
 #pragma once
 
 #include <vector>
@@ -7,22 +7,22 @@
 
 namespace fluxgs {
 
-/// A photo reduced to half its size, area-averaged; odd rows and columns at the end are left out.
+/// An image reduced to half its size, area-averaged; odd rows and columns at the end are left out.
 /// The camera is that of the remaining pixels. Its sides must be 2 or more.
-Photo halved(const Photo& photo);
+View halved(const View& view);
 
-/// Photos at 1, ½, ¼, … of their size: `levels` + 1 lists, or fewer where a photo would be smaller
+/// Images at 1, ½, ¼, … of their size: `levels` + 1 lists, or fewer where an image would be smaller
 /// than `least` pixels.
-class PhotoPyramid {
+class ViewPyramid {
  public:
-  PhotoPyramid(const std::vector<Photo>& photos, int levels, int least = 16);
+  ViewPyramid(const std::vector<View>& views, int levels, int least = 16);
 
-  /// The photos at 1/2^level, or at the smallest size there is.
-  const std::vector<Photo>& at(int level) const;
+  /// The images at 1/2^level, or at the smallest size there is.
+  const std::vector<View>& at(int level) const;
 
  private:
-  const std::vector<Photo>& full_;
-  std::vector<std::vector<Photo>> smaller_;
+  const std::vector<View>& full_;
+  std::vector<std::vector<View>> smaller_;
 };
 
 }  // namespace fluxgs

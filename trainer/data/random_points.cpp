@@ -21,19 +21,19 @@ int uniform_index(Random& random, int count) {
 
 }  // namespace
 
-PointCloud random_points(const std::vector<Photo>& photos, std::size_t count, std::uint64_t seed) {
-  const std::vector<double> distances = focus_distances(photos);
+PointCloud random_points(const std::vector<View>& views, std::size_t count, std::uint64_t seed) {
+  const std::vector<double> distances = focus_distances(views);
   Random random(seed);
   PointCloud cloud{.positions = {}, .colors = {}, .source = "random"};
   for (std::size_t i = 0; i < count; ++i) {
-    const auto view =
-        static_cast<std::size_t>(uniform_index(random, static_cast<int>(photos.size())));
-    const Photo& photo = photos[view];
-    const int x = uniform_index(random, photo.rgb.width);
-    const int y = uniform_index(random, photo.rgb.height);
-    const double depth = distances[view] * (kNear + (kFar - kNear) * uniform(random));
-    const Ray ray = pixel_ray(photo.camera, {x + 0.5, y + 0.5});
-    const double along = depth / glm::dot(ray.direction, photo.camera.forward());
+    const auto index =
+        static_cast<std::size_t>(uniform_index(random, static_cast<int>(views.size())));
+    const View& view = views[index];
+    const int x = uniform_index(random, view.rgb.width);
+    const int y = uniform_index(random, view.rgb.height);
+    const double depth = distances[index] * (kNear + (kFar - kNear) * uniform(random));
+    const Ray ray = pixel_ray(view.camera, {x + 0.5, y + 0.5});
+    const double along = depth / glm::dot(ray.direction, view.camera.forward());
     cloud.positions.emplace_back(ray.origin + along * ray.direction);
     cloud.colors.push_back(kGrey);
   }

@@ -7,9 +7,9 @@
 
 namespace fluxgs {
 
-/// Points that training photos see: a random photo, a random pixel of it, and a depth uniform
-/// between 0.4 and 2 times the photo's focus distance (see scene_focus.h). All are mid-grey, as in
+/// Points that training images see: a random image, a random pixel of it, and a depth uniform
+/// between 0.4 and 2 times the image's focus distance (see scene_focus.h). All are mid-grey, as in
 /// 3DGS. The same for the same seed on every platform.
-PointCloud random_points(const std::vector<Photo>& photos, std::size_t count, std::uint64_t seed);
+PointCloud random_points(const std::vector<View>& views, std::size_t count, std::uint64_t seed);
 
 }  // namespace fluxgs

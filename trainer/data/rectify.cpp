@@ -26,7 +26,7 @@ Lens to_pinhole(const cv::Matx33d& matrix, const Lens& lens) {
           .cy = matrix(1, 2) + kCornerToCentre};
 }
 
-/// Whether a pinhole found by OpenCV is a camera at all, and one like the lens: a picture stretched
+/// Whether a pinhole found by OpenCV is a camera at all, and one like the lens: an image stretched
 /// more than tenfold comes from coefficients that are wrong.
 bool is_plausible(const Lens& pinhole, const Lens& lens) {
   const auto near = [](double a, double b) { return a > b / 10 && a < b * 10; };
@@ -64,7 +64,7 @@ Rectification rectify_fisheye(const Lens& lens) {
   return result;
 }
 
-/// All of the picture comes from inside the photo, give or take the rounding of OpenCV's search.
+/// All of the image comes from inside the image, give or take the rounding of OpenCV's search.
 bool maps_inside(const Rectification& r) {
   double x0, x1, y0, y1;
   cv::minMaxLoc(r.map_x, &x0, &x1);
@@ -80,7 +80,7 @@ Expected<Rectification> make_rectification(const Lens& lens, const std::string& 
   if (!is_distorted(lens)) return Rectification{.pinhole = lens, .map_x = {}, .map_y = {}};
   const auto impossible = [&] {
     return fail(file, "distortion",
-                "cannot be undone, expected coefficients that bend the picture only moderately "
+                "cannot be undone, expected coefficients that bend the image only moderately "
                 "(a view of less than 180 degrees)");
   };
   try {
@@ -93,10 +93,10 @@ Expected<Rectification> make_rectification(const Lens& lens, const std::string& 
   }
 }
 
-cv::Mat rectify(const cv::Mat& photo, const Rectification& rectification) {
-  if (rectification.map_x.empty()) return photo;
+cv::Mat rectify(const cv::Mat& view, const Rectification& rectification) {
+  if (rectification.map_x.empty()) return view;
   cv::Mat result;
-  cv::remap(photo, result, rectification.map_x, rectification.map_y, cv::INTER_CUBIC,
+  cv::remap(view, result, rectification.map_x, rectification.map_y, cv::INTER_CUBIC,
             cv::BORDER_REPLICATE);
   return result;
 }

@@ -1,4 +1,4 @@
-// From a photo with a real lens to the picture that a pinhole camera would have taken.
+// From an image with a real lens to the image that a pinhole camera would have taken.
 #pragma once
 
 #include <cstdint>
@@ -11,18 +11,18 @@
 
 namespace fluxgs {
 
-/// Where each pixel of the undistorted picture comes from. For a lens without distortion the maps
+/// Where each pixel of the undistorted image comes from. For a lens without distortion the maps
 /// are empty and the pinhole is the lens.
 struct Rectification {
   Lens pinhole;          ///< same size, no distortion
-  cv::Mat map_x, map_y;  ///< pixels of the photo, OpenCV's convention (first centre at 0)
+  cv::Mat map_x, map_y;  ///< pixels of the image, OpenCV's convention (first centre at 0)
 };
 
-/// The pinhole camera of the same size whose whole picture lies inside the photo, so that no pixel
+/// The pinhole camera of the same size whose whole image lies inside the image, so that no pixel
 /// is made up. Errors: distortion so strong that there is none; a fisheye of 180° and more.
 Expected<Rectification> make_rectification(const Lens& lens, const std::string& file);
 
-/// Resample an 8-bit photo (bicubic).
-cv::Mat rectify(const cv::Mat& photo, const Rectification& rectification);
+/// Resample an 8-bit image (bicubic).
+cv::Mat rectify(const cv::Mat& view, const Rectification& rectification);
 
 }  // namespace fluxgs

@@ -132,7 +132,7 @@ Expected<void> run_colmap(const fs::path& images, const fs::path& work_folder) {
   const auto colmap = find_program("colmap");
   if (!colmap)
     return fail(images.string(), "",
-                "photos without camera poses (no sparse/0, no transforms.json); install COLMAP "
+                "images without camera poses (no sparse/0, no transforms.json); install COLMAP "
                 "to recover the poses (apt install colmap) or give a folder that has them");
   const fs::path partial = work_folder / "sparse.partial", log = work_folder / "log.txt";
   if (const auto ok = prepare(work_folder, partial); !ok) return ok;
@@ -141,7 +141,7 @@ Expected<void> run_colmap(const fs::path& images, const fs::path& work_folder) {
     if (const auto ok = run_step(*colmap, step, log); !ok) return ok;
   if (!largest_model(partial))
     return fail(log.string(), "",
-                "COLMAP found no cameras; expected sharp photos that overlap, from many sides");
+                "COLMAP found no cameras; expected sharp images that overlap, from many sides");
   std::error_code error;
   fs::rename(partial, work_folder / "sparse", error);
   if (error) return fail(partial.string(), "", "cannot be renamed: " + error.message());

@@ -1,4 +1,4 @@
-// Poses for photos that have none: COLMAP, as a separate program.
+// Poses for images that have none: COLMAP, as a separate program.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace fluxgs {
 std::optional<std::filesystem::path> find_program(const std::string& name);
 
 /// The model with the most images among `sparse`/0, `sparse`/1, …: COLMAP makes several where the
-/// photos do not hang together. Nothing if there is none.
+/// images do not hang together. Nothing if there is none.
 std::optional<std::filesystem::path> largest_model(const std::filesystem::path& sparse);
 
 /// Run COLMAP's feature extraction, exhaustive matching and mapping on the CPU over the images of a

@@ -12,9 +12,9 @@
 namespace fluxgs {
 namespace {
 
-constexpr std::size_t kMostCameras = 32, kMostPoints = 1000;  // enough for a median
-constexpr double kMostPixels = 0.1;
-constexpr double kLeastNearPlanes = 5;
+constexpr std::size_t kMaxCameras = 32, kMaxPoints = 1000;  // enough for a median
+constexpr double kMaxPixels = 0.1;
+constexpr double kMinNearPlanes = 5;
 
 std::optional<double> median(std::vector<double> values) {
   if (values.empty()) return std::nullopt;
@@ -26,7 +26,7 @@ std::optional<double> median(std::vector<double> values) {
 /// Of some points, evenly spread, in front of a camera.
 std::optional<double> depth_of_points(const Camera& camera, const std::vector<glm::vec3>& points) {
   std::vector<double> depths;
-  const std::size_t stride = points.size() / kMostPoints + 1;
+  const std::size_t stride = points.size() / kMaxPoints + 1;
   for (std::size_t i = 0; i < points.size(); i += stride) {
     const double depth = glm::dot(glm::dvec3(points[i]) - camera.center(), camera.forward());
     if (depth > 0) depths.push_back(depth);
@@ -36,7 +36,7 @@ std::optional<double> depth_of_points(const Camera& camera, const std::vector<gl
 
 /// Of the point that views meet in. A panorama's lie among its cameras, behind many of them.
 std::optional<double> depth_of_focus(const std::vector<Camera>& cameras) {
-  constexpr double kLeastInFront = 0.75, kLeastSpreads = 0.2;
+  constexpr double kMinInFront = 0.75, kMinSpreads = 0.2;
   const std::vector<Ray> views = view_rays(cameras);
   const auto focus = nearest_point_to_rays(views);
   if (!focus) return std::nullopt;
@@ -45,10 +45,10 @@ std::optional<double> depth_of_focus(const std::vector<Camera>& cameras) {
     const double depth = glm::dot(*focus - view.origin, view.direction);
     if (depth > 0) depths.push_back(depth);
   }
-  if (static_cast<double>(depths.size()) < kLeastInFront * static_cast<double>(views.size()))
+  if (static_cast<double>(depths.size()) < kMinInFront * static_cast<double>(views.size()))
     return std::nullopt;
   const auto depth = median(std::move(depths));
-  return depth > kLeastSpreads * camera_spread(cameras) ? depth : std::nullopt;
+  return depth > kMinSpreads * camera_spread(cameras) ? depth : std::nullopt;
 }
 
 /// How far apart cameras are that look the same way, such as those of a flight over a map; 0 of
@@ -66,7 +66,7 @@ double rounding_at(double distance) { return std::ldexp(distance, -24); }
 }  // namespace
 
 std::optional<double> typical_depth(const Dataset& data) {
-  const std::vector<Camera> cameras = spread_cameras(cameras_of(data.train), kMostCameras);
+  const std::vector<Camera> cameras = spread_cameras(cameras_of(data.train), kMaxCameras);
   std::vector<double> depths;
   for (const Camera& camera : cameras)
     if (const auto depth = depth_of_points(camera, data.points)) depths.push_back(*depth);
@@ -75,22 +75,22 @@ std::optional<double> typical_depth(const Dataset& data) {
 
 std::vector<std::string> scale_warnings(const Dataset& data) {
   std::vector<double> distances, focal_lengths;
-  for (const Photo& photo : data.train) {
-    distances.push_back(glm::length(photo.camera.center()));
-    focal_lengths.push_back(photo.camera.fx);
+  for (const View& view : data.train) {
+    distances.push_back(glm::length(view.camera.center()));
+    focal_lengths.push_back(view.camera.fx);
   }
   const double distance = median(std::move(distances)).value();
   const auto depth = typical_depth(data);
   const double size = depth ? *depth : parallel_spread(cameras_of(data.train));
   const double pixels = rounding_at(distance) / size * median(std::move(focal_lengths)).value();
   std::vector<std::string> lines;
-  if (size > 0 && pixels > kMostPixels)
+  if (size > 0 && pixels > kMaxPixels)
     lines.push_back(fmt::format(
         "the cameras are {:.3g} units from the origin, where numbers of 32 bits are wrong by up to "
-        "{:.2g} pixels of a picture; move poses and points to the origin",
+        "{:.2g} pixels of an image; move poses and points to the origin",
         distance, pixels));
   const double near = RenderOptions().near_plane;
-  if (depth && *depth < kLeastNearPlanes * near)
+  if (depth && *depth < kMinNearPlanes * near)
     lines.push_back(fmt::format(
         "what the cameras see is {:.3g} units away, and nothing within {:g} is drawn; scale poses "
         "and points up",

@@ -27,8 +27,8 @@ std::optional<glm::dvec3> nearest_point_to_rays(const std::vector<Ray>& rays) {
   }
   // The smallest eigenvalue is the number of rays times the mean square sine of their angles.
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(normal, Eigen::EigenvaluesOnly);
-  constexpr double kLeastSquareSine = 2e-5;
-  if (!(eigen.eigenvalues()[0] > kLeastSquareSine * static_cast<double>(rays.size())))
+  constexpr double kMinSquareSine = 2e-5;
+  if (!(eigen.eigenvalues()[0] > kMinSquareSine * static_cast<double>(rays.size())))
     return std::nullopt;
   const Eigen::Vector3d p = base + normal.ldlt().solve(right);
   return glm::dvec3(p[0], p[1], p[2]);
@@ -56,16 +56,16 @@ double camera_spread(const std::vector<Camera>& cameras) {
   return glm::distance(low, high);
 }
 
-std::vector<double> focus_distances(const std::vector<Photo>& photos) {
-  const std::vector<Camera> cameras = cameras_of(photos);
-  const std::vector<Ray> views = view_rays(cameras);
-  const auto focus = nearest_point_to_rays(views);
+std::vector<double> focus_distances(const std::vector<View>& views) {
+  const std::vector<Camera> cameras = cameras_of(views);
+  const std::vector<Ray> rays = view_rays(cameras);
+  const auto focus = nearest_point_to_rays(rays);
   const double spread = camera_spread(cameras);
 
-  std::vector<double> distances(photos.size(), 0.0);
+  std::vector<double> distances(rays.size(), 0.0);
   double sum = 0, count = 0;
-  for (std::size_t i = 0; focus && i < photos.size(); ++i) {
-    const double distance = glm::dot(*focus - views[i].origin, views[i].direction);
+  for (std::size_t i = 0; focus && i < rays.size(); ++i) {
+    const double distance = glm::dot(*focus - rays[i].origin, rays[i].direction);
     if (!(distance > 0.05 * spread)) continue;
     distances[i] = distance;
     sum += distance;

@@ -21,16 +21,16 @@ std::optional<glm::dvec3> nearest_point_to_rays(const std::vector<Ray>& rays);
 /// From the centre of each camera along its view direction.
 std::vector<Ray> view_rays(const std::vector<Camera>& cameras);
 
-/// The ray through a pixel of a photo, e.g. (i + ½, j + ½).
+/// The ray through a pixel of an image, e.g. (i + ½, j + ½).
 Ray pixel_ray(const Camera& camera, const glm::dvec2& pixel);
 
 /// The diagonal of the bounding box of the cameras' positions, of which there is one at least.
 double camera_spread(const std::vector<Camera>& cameras);
 
-/// For each photo, the distance along its view direction at which it sees the scene: to the point
+/// For each image, the distance along its view direction at which it sees the scene: to the point
 /// nearest to all view directions. Where there is none, or it is behind the camera or almost at it
-/// (parallel views, panoramas), the mean of the other photos' distances, and without any the
+/// (parallel views, panoramas), the mean of the other images' distances, and without any the
 /// diameter of the cameras' positions (1 if they are all the same).
-std::vector<double> focus_distances(const std::vector<Photo>& photos);
+std::vector<double> focus_distances(const std::vector<View>& views);
 
 }  // namespace fluxgs

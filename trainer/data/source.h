@@ -1,4 +1,4 @@
-// What the readers of data sets agree on: which photos, taken from where through which lens.
+// What the readers of data sets agree on: which images, taken from where through which lens.
 #pragma once
 
 #include <cstddef>

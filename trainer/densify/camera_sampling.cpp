@@ -13,14 +13,13 @@
 namespace fluxgs {
 namespace {
 
-glm::dvec3 scene_center(const std::vector<Photo>& photos) {
-  const std::vector<Ray> views = view_rays(cameras_of(photos));
-  if (const auto nearest = nearest_point_to_rays(views)) return *nearest;
-  const std::vector<double> distances = focus_distances(photos);
+glm::dvec3 scene_center(const std::vector<View>& views) {
+  const std::vector<Ray> rays = view_rays(cameras_of(views));
+  if (const auto nearest = nearest_point_to_rays(rays)) return *nearest;
+  const std::vector<double> distances = focus_distances(views);
   glm::dvec3 mean(0);
-  for (std::size_t i = 0; i < views.size(); ++i)
-    mean +=
-        (views[i].origin + views[i].direction * distances[i]) / static_cast<double>(views.size());
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    mean += (rays[i].origin + rays[i].direction * distances[i]) / static_cast<double>(rays.size());
   return mean;
 }
 
@@ -30,13 +29,13 @@ int bin_of(double angle, double range, int bins) {
 
 }  // namespace
 
-std::vector<std::vector<std::uint32_t>> camera_bins(const std::vector<Photo>& photos, int azimuth,
+std::vector<std::vector<std::uint32_t>> camera_bins(const std::vector<View>& views, int azimuth,
                                                     int elevation) {
   constexpr double kPi = std::numbers::pi;
-  const glm::dvec3 center = scene_center(photos);
+  const glm::dvec3 center = scene_center(views);
   std::map<std::pair<int, int>, std::vector<std::uint32_t>> bins;
-  for (std::uint32_t i = 0; i < photos.size(); ++i) {
-    const glm::dvec3 r = photos[i].camera.center() - center;
+  for (std::uint32_t i = 0; i < views.size(); ++i) {
+    const glm::dvec3 r = views[i].camera.center() - center;
     const double distance = glm::length(r);
     const double sine = distance > 0 ? std::clamp(r.z / distance, -1.0, 1.0) : 0.0;
     bins[{bin_of(std::atan2(r.y, r.x) + kPi, 2 * kPi, azimuth),
@@ -48,16 +47,16 @@ std::vector<std::vector<std::uint32_t>> camera_bins(const std::vector<Photo>& ph
   return filled;
 }
 
-std::vector<std::uint32_t> sample_cameras(const std::vector<Photo>& photos,
+std::vector<std::uint32_t> sample_cameras(const std::vector<View>& views,
                                           const TrainOptions& options, Random& random) {
   const std::size_t count =
-      std::min<std::size_t>(static_cast<std::size_t>(options.score_cameras), photos.size());
+      std::min<std::size_t>(static_cast<std::size_t>(options.score_cameras), views.size());
   std::vector<std::uint32_t> chosen;
   if (options.camera_sampling == CameraSampling::random) {
-    chosen = all_indices(photos.size());
+    chosen = all_indices(views.size());
     shuffle(chosen, random);
   } else {
-    auto bins = camera_bins(photos, options.azimuth_bins, options.elevation_bins);
+    auto bins = camera_bins(views, options.azimuth_bins, options.elevation_bins);
     for (auto& members : bins) shuffle(members, random);
     while (chosen.size() < count) {
       std::vector<std::uint32_t> order = all_indices(bins.size());

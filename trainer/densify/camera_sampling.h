@@ -10,16 +10,16 @@
 
 namespace fluxgs {
 
-/// Groups of photos (by index) whose cameras lie in the same bin of azimuth and elevation around
+/// Groups of images (by index) whose cameras lie in the same bin of azimuth and elevation around
 /// the point that they look at (paper, "Stratified Camera Sampling"): the point nearest to all view
 /// directions, or where these are parallel the mean of the points at their focus distances. The
 /// axis is the data set's own z (as in the paper), upright or not. Empty bins are left out.
-std::vector<std::vector<std::uint32_t>> camera_bins(const std::vector<Photo>& photos, int azimuth,
+std::vector<std::vector<std::uint32_t>> camera_bins(const std::vector<View>& views, int azimuth,
                                                     int elevation);
 
-/// Draws `score_cameras` different photos, or all of them if there are fewer. Stratified: one from
+/// Draws `score_cameras` different images, or all of them if there are fewer. Stratified: one from
 /// each bin, the bins in random order; then a second one from each, where that does not suffice.
-std::vector<std::uint32_t> sample_cameras(const std::vector<Photo>& photos,
+std::vector<std::uint32_t> sample_cameras(const std::vector<View>& views,
                                           const TrainOptions& options, Random& random);
 
 }  // namespace fluxgs

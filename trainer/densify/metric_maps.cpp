@@ -40,11 +40,11 @@ float unit_of(const PlanarImage& loss, ScoreUnit unit) {
   for (int y = 0; y < loss.height(); ++y)
     for (const float* p = loss.row(0, y); p != loss.row(0, y) + loss.width(); ++p)
       if (std::isfinite(*p)) values.push_back(*p);
-  if (values.empty()) return kLeastUnit;
+  if (values.empty()) return kMinUnit;
   const auto at =
       values.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
-  return std::max(*at, kLeastUnit);
+  return std::max(*at, kMinUnit);
 }
 
 }  // namespace

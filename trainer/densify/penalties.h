@@ -1,4 +1,4 @@
-// A price on opacity and size, so that splats that pictures do without fade away (Kheradmand et al.
+// A price on opacity and size, so that splats that images do without fade away (Kheradmand et al.
 // 2024, section 3.5).
 #pragma once
 

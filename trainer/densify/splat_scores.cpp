@@ -14,7 +14,7 @@ void add(const float* row, std::vector<float>& sums) {
 
 }  // namespace
 
-SplatScores score_splats(const std::vector<Photo>& photos, const std::vector<std::uint32_t>& views,
+SplatScores score_splats(const std::vector<View>& views, const std::vector<std::uint32_t>& sampled,
                          const PlanarFloats& parameters, const RenderOptions& render,
                          const TrainOptions& options, Rasterizer& rasterizer,
                          const Threads& threads) {
@@ -23,10 +23,10 @@ SplatScores score_splats(const std::vector<Photo>& photos, const std::vector<std
   for (auto* sums : {&scores.plus, &scores.minus, &scores.contribution, &scores.pixels})
     sums->resize(count);
   PlanarImage target;
-  for (std::uint32_t view : views) {
-    const Photo& photo = photos[view];
-    rasterizer.forward(parameters, photo.camera, render);
-    to_planar(photo.rgb, threads, target);
+  for (const std::uint32_t index : sampled) {
+    const View& view = views[index];
+    rasterizer.forward(parameters, view.camera, render);
+    to_planar(view.rgb, threads, target);
     const PlanarImage loss =
         loss_map(rasterizer.color(), target, options.score_loss, options.lambda_dssim);
     const PlanarFloats& sums = rasterizer.score(metric_maps(loss, options), options.score_weight);

@@ -20,8 +20,8 @@ struct SplatScores {
   std::vector<float> pixels;        ///< pixels it contributes to, over all views; 0: never seen
 };
 
-/// Renders `photos[views[0]]`, … and adds up.
-SplatScores score_splats(const std::vector<Photo>& photos, const std::vector<std::uint32_t>& views,
+/// Renders `views[sampled[0]]`, … and adds up.
+SplatScores score_splats(const std::vector<View>& views, const std::vector<std::uint32_t>& sampled,
                          const PlanarFloats& parameters, const RenderOptions& render,
                          const TrainOptions& options, Rasterizer& rasterizer,
                          const Threads& threads);

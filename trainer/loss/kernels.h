@@ -11,7 +11,7 @@ namespace fluxgs {
 
 inline constexpr int kSsimRadius = 5;
 
-/// One channel of a picture x against its target y. Planes as in PlanarImage: rows are aligned and
+/// One channel of an image x against its target y. Planes as in PlanarImage: rows are aligned and
 /// padded with zeros up to the pitch.
 struct SsimArgs {
   const float* x;

@@ -1,5 +1,5 @@
 // The training loss, (1 − λ)·L1 + λ·(1 − SSIM) (paper, eq. loss; Kerbl et al. 2023), and the
-// picture metrics, which are made of the same sums.
+// image metrics, which are made of the same sums.
 #pragma once
 
 #include <cstdint>
@@ -40,8 +40,8 @@ class PhotometricLoss {
   std::vector<double> row_ssim_, row_l1_;
 };
 
-/// Peak signal-to-noise ratio in dB over all channels, after limiting both pictures to 0…1;
-/// infinite for equal pictures, NaN where either has one.
+/// Peak signal-to-noise ratio in dB over all channels, after limiting both images to 0…1;
+/// infinite for equal images, NaN where either has one.
 double psnr(const PlanarImage& a, const PlanarImage& b);
 
 }  // namespace fluxgs

@@ -28,7 +28,7 @@ using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<fl
                                                  Points, 3, std::uint32_t>;
 
 constexpr std::size_t kNeighbours = 3;
-constexpr float kLeastSquaredDistance = 1e-7f;  // points may coincide; as 3DGS does
+constexpr float kMinSquaredDistance = 1e-7f;  // points may coincide; as 3DGS does
 
 float mean_squared_distance(const Tree& tree, const glm::vec3& at, std::size_t points) {
   std::uint32_t index[kNeighbours + 1];
@@ -37,7 +37,7 @@ float mean_squared_distance(const Tree& tree, const glm::vec3& at, std::size_t p
   const std::size_t found = tree.knnSearch(&at[0], wanted, index, squared);
   float total = 0;
   for (std::size_t k = 1; k < found; ++k) total += squared[k];
-  return found > 1 ? std::max(total / static_cast<float>(found - 1), kLeastSquaredDistance) : 1.0f;
+  return found > 1 ? std::max(total / static_cast<float>(found - 1), kMinSquaredDistance) : 1.0f;
 }
 
 }  // namespace

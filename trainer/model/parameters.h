@@ -63,7 +63,7 @@ inline glm::dquat rotation_of(const PlanarFloats& parameters, std::size_t i) {
   return glm::dquat(q(0), q(1), q(2), q(3));
 }
 
-/// The degree of the harmonics that rows of parameters hold, 0…3.
+/// The SH degree that rows of parameters hold, 0…3.
 int sh_degree_of(const PlanarFloats& parameters);
 
 /// The parameters of a cloud, at degree `sh_degree` ≥ the cloud's own (missing bands are zero).

@@ -10,7 +10,7 @@
 
 namespace fluxgs {
 
-/// Spherical-harmonics degree that a finished scene has; adaptive: each splat its own.
+/// SH degree that a finished scene has; adaptive: each splat its own.
 enum class ShTarget { degree_1, degree_0, degree_2, degree_3, adaptive };
 inline constexpr std::array<std::string_view, 5> kShTargetNames = {"1", "0", "2", "3", "adaptive"};
 
@@ -47,7 +47,7 @@ inline constexpr std::array<std::string_view, 2> kScoreLossNames = {"l1", "l1-ds
 
 /// Units of the thresholds τ± of the metric maps.
 enum class ScoreUnit {
-  percentile,  ///< the loss's 99.5th percentile in the picture, but at least a floor
+  percentile,  ///< the loss's 99.5th percentile in the image, but at least a floor
   raw,         ///< the loss itself
 };
 inline constexpr std::array<std::string_view, 2> kScoreUnitNames = {"percentile", "raw"};
@@ -72,7 +72,7 @@ inline constexpr std::array<std::string_view, 2> kSwitchNames = {"off", "on"};
 enum class LatePrune {
   off,
   opacity,       ///< faint ones that have a part in well reconstructed pixels (design of the paper)
-  contribution,  ///< those that together add the least to all training pictures, for their cost
+  contribution,  ///< those that together add the least to all training images, for their cost
 };
 inline constexpr std::array<std::string_view, 3> kLatePruneNames = {"off", "opacity",
                                                                     "contribution"};

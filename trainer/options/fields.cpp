@@ -50,14 +50,15 @@ const std::vector<OptionField>& option_fields() {
   static const std::vector<OptionField> fields = {
       whole("iterations", "training steps", &O::iterations, 1, kMany),
       natural("seed", "random seed", &O::seed),
-      whole("sh-degree", "spherical-harmonics degree", &O::sh_degree, 0, 3),
+      whole("sh-degree", "SH degree", &O::sh_degree, 0, 3),
       whole("sh-degree-interval",
             "steps until the degree in use grows by one (0: an eighth of the steps, at most 1000 "
-            "and a quarter of those before harmonics are reduced)",
+            "and a quarter of those before SH coefficients are reduced)",
             &O::sh_degree_interval, 0, kMany),
       choice<&O::sh_target, kShTargetNames>(
           "sh-target", "degree of the finished scene; adaptive: each splat its own"),
-      choice<&O::sh_reduce, kShReductionNames>("sh-reduce", "how harmonics lose their degrees"),
+      choice<&O::sh_reduce, kShReductionNames>("sh-reduce",
+                                               "how SH coefficients lose their degrees"),
       whole("switch-iter",
             "step of the reduction (0: a tenth of the steps, at most 3000; adaptive: 7/10)",
             &O::switch_iteration, 0, kMany),
@@ -89,10 +90,10 @@ const std::vector<OptionField>& option_fields() {
       real("scale-weight", "weight of the mean standard deviation in the loss", &O::scale_weight, 0,
            10),
       real("dropout",
-           "share of the splats that a step hides at the end, x training photos (0: off)",
+           "share of the splats that a step hides at the end, x training images (0: off)",
            &O::dropout, 0, 1000),
-      whole("coarse-levels", "photos are first halved so often", &O::coarse_levels, 0, 4),
-      whole("coarse-until", "step of the first full-size photos (0: 3/10 of the steps)",
+      whole("coarse-levels", "images are first halved so often", &O::coarse_levels, 0, 4),
+      whole("coarse-until", "step of the first full-size images (0: 3/10 of the steps)",
             &O::coarse_until, 0, kMany),
       choice<&O::densify, kDensifyNames>(
           "densify", "where splats are added: multiview (gradients and errors), grad or mcmc"),
@@ -179,14 +180,15 @@ const std::vector<OptionField>& option_fields() {
           "rounding changes is taken to be independent of the scene's own errors)",
           &O::store_loss, 0.001, 10),
       real("store-psnr",
-           "dB that the file's pictures need be from the scene's, whatever --store-loss (0: no "
+           "dB that the file's images need be from the scene's, whatever --store-loss (0: no "
            "limit)",
            &O::store_psnr, 0, 100),
       choice<&O::rounding, kSwitchNames>("rounding",
                                          "train on with the numbers that a compact file holds "
                                          "(a preset's choice counts only where OUT is a .glb)"),
       whole("round-from",
-            "from this step on, or from when densification and the reduction of harmonics are over "
+            "from this step on, or from when densification and the reduction of SH coefficients "
+            "are over "
             "(0: 9/10 of the steps)",
             &O::round_from, 0, kMany),
       whole("round-interval",

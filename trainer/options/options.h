@@ -15,7 +15,7 @@ namespace fluxgs {
 
 /// Defaults: those of vanilla 3DGS (Kerbl et al. 2023, section 5 and appendix), but for the opacity
 /// rate (0.05 there in the first release), densification every 500 instead of 100 iterations, and
-/// an SH curriculum that a short run finishes too. Measured on a capture of 84 photos at 200×149,
+/// an SH curriculum that a short run finishes too. Measured on a capture of 84 images at 200×149,
 /// 2,000 iterations: every 500, 29.84 dB with 32 k splats; every 100, 29.92 dB with 58 k; one SH
 /// degree per 1,000 iterations costs 0.8 dB. Presets (see preset()) change them.
 ///
@@ -31,7 +31,8 @@ struct TrainOptions {
                                ///< of the run, at most 1,000 (3DGS) and a
                                ///< quarter of the time before the switch
 
-  /// Harmonics of the finished scene (paper, "Training Curriculum"). Until the switch sh_degree.
+  /// SH coefficients of the finished scene (paper, "Training Curriculum"). Until the switch
+  /// sh_degree.
   ShTarget sh_target = ShTarget::degree_3;
   ShReduction sh_reduce = ShReduction::view_ls;
   int switch_iteration = 0;  ///< 0: a tenth of the run, at most 3,000 (paper); adaptive: 7/10
@@ -66,7 +67,7 @@ struct TrainOptions {
   /// most, at the end of the run, none at its start (Park et al. 2025). 0: off
   double dropout = 0;
 
-  // Coarse to fine: photos are first halved `coarse_levels` times, then once less, …
+  // Coarse to fine: images are first halved `coarse_levels` times, then once less, …
   int coarse_levels = 0;  ///< 0…4
   int coarse_until = 0;   ///< iteration of the first full size; 0: 3/10 of the run
 
@@ -124,7 +125,7 @@ struct TrainOptions {
 
   // Storing as a compact file (paper, "Attributes Compression")
   double store_loss = 0.3;  ///< dB of the training views' PSNR that rounding costs, at first
-  double store_psnr = 0;  ///< dB to the scene's pictures that are enough all the same; 0: none are
+  double store_psnr = 0;    ///< dB to the scene's images that are enough all the same; 0: none are
   Switch rounding = Switch::off;  ///< train on with rounded parameters
   int round_from = 0;             ///< iteration; 0: after 9/10 of the run
   int round_interval =
@@ -134,7 +135,7 @@ struct TrainOptions {
   std::uint64_t initial_splats = 0;  ///< every n-th point, so that they are this many; 0: all
   double initial_opacity = 0.1;      ///< 0…1
 
-  /// RenderOptions::depth_spread_max of the training's pictures; 0: no limit, as in 3DGS
+  /// RenderOptions::depth_spread_max of the training's images; 0: no limit, as in 3DGS
   double depth_spread = 0;
   RenderOptions render;
 };
@@ -145,7 +146,7 @@ TrainOptions resolved(TrainOptions options);
 /// The degree that every splat ends with; adaptive: the highest.
 int target_degree(const TrainOptions& options);
 
-/// Whether harmonics are reduced at some iteration.
+/// Whether SH coefficients are reduced at some iteration.
 bool reduces_appearance(const TrainOptions& options);
 
 /// The highest degree that is trained before that.
@@ -159,8 +160,8 @@ bool makes_phi(const TrainOptions& options);
 std::vector<std::string> preset_names();
 
 /// The options of a preset: "flux" (our best), "flux-paper" (the paper to the letter), "3dgs"
-/// (vanilla: SH of degree 3, single-view gradients), "3dgs-sh1" (the same with harmonics cut off at
-/// the first degree).
+/// (vanilla: SH of degree 3, single-view gradients), "3dgs-sh1" (the same with SH coefficients cut
+/// off at the first degree).
 Expected<TrainOptions> preset(std::string_view name);
 
 /// Checks every option's range; the error names the option and the range.

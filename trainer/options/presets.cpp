@@ -13,11 +13,11 @@ namespace {
 TrainOptions flux() {
   TrainOptions o;
   // Few splats have to say more: they get more time, in which a step costs less than one of 3DGS
-  // (fox +0.3 dB, chesscat +0.3 dB), and harmonics learn four times as fast
+  // (fox +0.3 dB, chesscat +0.3 dB), and SH coefficients learn four times as fast
   o.iterations = 45000;
   o.position_decay = 45000;
   o.sh_rest_rate = 5e-4;
-  // Twelve photos: +1.1 dB on the test views, a third fewer bytes
+  // Twelve images: +1.1 dB on the test views, a third fewer bytes
   o.dropout = 2.4;
   // A few new splats at a time, where several views see the most error, for a third of the run
   o.densify = Densify::multiview;
@@ -32,7 +32,7 @@ TrainOptions flux() {
   o.densify_growth = 0.15;
   // As it will be drawn: no veils (the glossy capture: +1.3 dB in the views of its test)
   o.depth_spread = RenderOptions().depth_spread_max;
-  // What comes later corrects itself on smaller photos as well, in an eighth less time
+  // What comes later corrects itself on smaller images as well, in an eighth less time
   o.coarse_levels = 1;
   // A quarter of the splats hardly shows
   o.late_prune = LatePrune::contribution;
@@ -46,7 +46,7 @@ TrainOptions flux() {
   return o;
 }
 
-/// Vanilla 3DGS whose harmonics are cut off at the first degree.
+/// Vanilla 3DGS whose SH coefficients are cut off at the first degree.
 TrainOptions vanilla_first_order() {
   TrainOptions o;
   o.sh_target = ShTarget::degree_1;
@@ -57,8 +57,8 @@ TrainOptions vanilla_first_order() {
 /// The paper to the letter, its faults included; what it leaves open is as in vanilla 3DGS. Two
 /// things are not. Its supplement has two networks behind the energy, of one hidden layer each,
 /// without saying what either makes; Ψ is one such network, as in the paper's own formula. Nor does
-/// it say with what weights Ψ begins: ours is first taught the harmonics cut off, E moving with it
-/// (fit_psi.h), after which it hardly matters how many directions E was averaged over.
+/// it say with what weights Ψ begins: ours is first taught the SH coefficients cut off, E moving
+/// with it (fit_psi.h), after which it hardly matters how many directions E was averaged over.
 TrainOptions paper() {
   TrainOptions o;
   // "Monte Carlo Specular Energy Aggregator", "Additional Implementation"

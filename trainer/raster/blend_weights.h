@@ -1,4 +1,4 @@
-// How much of one picture each splat makes up.
+// How much of one image each splat makes up.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 namespace fluxgs {
 
 /// Σ α·T over the pixels of a view for each splat: the weight with which its colour enters the
-/// picture.
+/// image.
 class BlendWeights {
  public:
   /// `parameters` and `threads` must outlive this. Colours do not matter, but a splat whose colour

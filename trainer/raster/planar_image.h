@@ -1,4 +1,4 @@
-// Pictures as the kernels want them: one plane for each channel, rows padded with zeros.
+// Images as the kernels want them: one plane for each channel, rows padded with zeros.
 #pragma once
 
 #include <cstddef>

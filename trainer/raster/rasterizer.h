@@ -33,7 +33,7 @@ class Rasterizer {
                                                         const Camera& camera,
                                                         const RenderOptions& options) = 0;
 
-  /// Renders the parameters (rows as in model/parameters.h). The picture, gradients and visibility
+  /// Renders the parameters (rows as in model/parameters.h). The image, gradients and visibility
   /// stay valid until the next call. Results are the same bytes for any number of threads.
   virtual void forward(const PlanarFloats& parameters, const Camera& camera,
                        const RenderOptions& options) = 0;
@@ -53,7 +53,7 @@ class Rasterizer {
   virtual float screen_radius(std::size_t i) const = 0;
 
   /// The scores of the last forward pass, rows as in raster/score.h, for two maps (planes of the
-  /// picture's size). Zero for splats that are not visible; valid until the next call.
+  /// image's size). Zero for splats that are not visible; valid until the next call.
   virtual const PlanarFloats& score(const PlanarImage& maps, ScoreWeight weight) = 0;
 
   virtual RasterCounts counts() const = 0;

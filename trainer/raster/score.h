@@ -1,4 +1,4 @@
-// What a splat adds to a picture, told by maps over its pixels.
+// What a splat adds to an image, told by maps over its pixels.
 #pragma once
 
 namespace fluxgs {
@@ -8,7 +8,7 @@ namespace fluxgs {
 /// it really has in the pixel's colour.
 enum class ScoreWeight { alpha, alpha_transmittance };
 
-/// Rows of the scores of one picture, sums over the pixels that a splat contributes to.
+/// Rows of the scores of one image, sums over the pixels that a splat contributes to.
 namespace score {
 inline constexpr int first = 0;         // Σ w·map of the first map
 inline constexpr int second = 1;        // … of the second

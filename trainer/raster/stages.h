@@ -19,7 +19,7 @@ enum class Stage {
   score,
   densify,
   late_prune,
-  appearance,  ///< the switch to fewer harmonics
+  appearance,  ///< the switch to fewer SH coefficients
   rounding,
   count
 };

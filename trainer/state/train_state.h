@@ -40,16 +40,16 @@ struct TrainState {
   PlanarFloats parameters;
   AdamState adam;
   PlanarFloats statistics;
-  /// Each splat's degree of spherical harmonics (its higher bands are zero and stay so), at most
+  /// Each splat's SH degree (its higher bands are zero and stay so), at most
   /// that of the parameters' rows; empty: all have that.
   std::vector<std::uint8_t> degrees;
   std::optional<NetworkState> networks;
   std::optional<RoundingState> rounding;
-  int switched_at = 0;    ///< the iteration after which the harmonics were reduced; 0: not yet
-  int iteration = 0;      ///< steps done
-  double most_pairs = 0;  ///< most splat–tile pairs for each visible splat, of all steps
+  int switched_at = 0;   ///< the iteration after which the SH coefficients were reduced; 0: not yet
+  int iteration = 0;     ///< steps done
+  double max_pairs = 0;  ///< most splat–tile pairs for each visible splat, of all steps
   Random random;
-  std::vector<std::uint32_t> view_order;  ///< a random permutation of the training photos
+  std::vector<std::uint32_t> view_order;  ///< a random permutation of the training images
   std::uint32_t next_view = 0;            ///< position in it
 };
 

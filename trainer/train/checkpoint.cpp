@@ -69,8 +69,8 @@ json header_of(const Checkpoint& c) {
           {"background", {background.x, background.y, background.z}},
           {"preset", c.preset},
           {"downscale", c.downscale},
-          {"train_photos", c.train_photos},
-          {"photos_hash", c.photos_hash},
+          {"train_views", c.train_views},
+          {"views_hash", c.views_hash},
           {"splats", c.state.parameters.size()},
           {"sh_degree", sh_degree_of(c.state.parameters)},
           {"own_degrees", !c.state.degrees.empty()},
@@ -79,7 +79,7 @@ json header_of(const Checkpoint& c) {
           {"switched_at", c.state.switched_at},
           {"rounding", rounding_header(c.state.rounding)},
           {"iteration", c.state.iteration},
-          {"most_pairs", c.state.most_pairs},
+          {"max_pairs", c.state.max_pairs},
           {"random", random.str()},
           {"view_order", c.state.view_order},
           {"next_view", c.state.next_view},
@@ -109,14 +109,14 @@ void read_header(const json& header, Checkpoint& c) {
         header.at("background").at(static_cast<std::size_t>(i)).get<double>();
   c.preset = header.at("preset").get<std::string>();
   c.downscale = whole_int(header.at("downscale"));
-  c.train_photos = static_cast<std::size_t>(whole(header.at("train_photos")));
-  c.photos_hash = static_cast<std::uint64_t>(whole(header.at("photos_hash")));
+  c.train_views = static_cast<std::size_t>(whole(header.at("train_views")));
+  c.views_hash = static_cast<std::uint64_t>(whole(header.at("views_hash")));
   c.state.iteration = whole_int(header.at("iteration"));
   for (const json& view : header.at("view_order"))
     c.state.view_order.push_back(static_cast<std::uint32_t>(whole_int(view)));
   c.state.next_view = static_cast<std::uint32_t>(whole_int(header.at("next_view")));
   c.state.switched_at = whole_int(header.at("switched_at"));
-  c.state.most_pairs = header.value("most_pairs", 0.0);
+  c.state.max_pairs = header.value("max_pairs", 0.0);
   c.state.rounding = read_rounding(header);
   c.history = header.value("history", "");
 }
@@ -148,16 +148,16 @@ std::optional<std::pair<const char*, std::string>> impossible(const Checkpoint& 
     return {{"iteration", fmt::format("expected 0 to {}", c.options.iterations)}};
   if (!(s.switched_at >= 0 && s.switched_at <= s.iteration))
     return {{"switched_at", fmt::format("expected 0 to {}", s.iteration)}};
-  if (!(s.most_pairs >= 0 && std::isfinite(s.most_pairs)))
-    return {{"most_pairs", "expected 0 or more"}};
+  if (!(s.max_pairs >= 0 && std::isfinite(s.max_pairs)))
+    return {{"max_pairs", "expected 0 or more"}};
   if (!fits(layout, c.options, s.switched_at > 0))
-    return {{"sh_degree", "harmonics or networks are not those of the options"}};
-  if (s.view_order.size() != c.train_photos)
-    return {{"view_order", fmt::format("expected {} photos", c.train_photos)}};
+    return {{"sh_degree", "SH coefficients or networks are not those of the options"}};
+  if (s.view_order.size() != c.train_views)
+    return {{"view_order", fmt::format("expected {} images", c.train_views)}};
   if (s.next_view > s.view_order.size())
     return {{"next_view", fmt::format("expected 0 to {}", s.view_order.size())}};
   for (const std::uint32_t view : s.view_order)
-    if (view >= c.train_photos) return {{"view_order", "names a photo that is not there"}};
+    if (view >= c.train_views) return {{"view_order", "names an image that is not there"}};
   return {};
 }
 
@@ -174,17 +174,17 @@ json options_json(const TrainOptions& options) {
   return out;
 }
 
-std::uint64_t hash_photos(const std::vector<Photo>& photos) {
+std::uint64_t hash_views(const std::vector<View>& views) {
   std::uint64_t h = hash({});
-  for (const Photo& photo : photos) {
-    const Camera& c = photo.camera;
+  for (const View& view : views) {
+    const Camera& c = view.camera;
     double numbers[] = {
         c.fx, c.fy, c.cx, c.cy, c.translation.x, c.translation.y, c.translation.z, 0, 0, 0, 0, 0,
         0,    0,    0,    0};
     for (int i = 0; i < 9; ++i) numbers[7 + i] = c.rotation[i / 3][i % 3];
     h = hash(std::as_bytes(std::span(c.name)), h);
     h = hash(std::as_bytes(std::span(numbers)), h);
-    h = hash(std::as_bytes(std::span(photo.rgb.pixels)), h);
+    h = hash(std::as_bytes(std::span(view.rgb.pixels)), h);
   }
   return h;
 }

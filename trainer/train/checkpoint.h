@@ -17,9 +17,9 @@ namespace fluxgs {
 struct Checkpoint {
   TrainOptions options;
   std::string preset;
-  int downscale = 1;  ///< of the photos, as they were loaded
-  std::size_t train_photos = 0;
-  std::uint64_t photos_hash = 0;  ///< hash_photos() of them; checked when the run goes on
+  int downscale = 1;  ///< of the images, as they were loaded
+  std::size_t train_views = 0;
+  std::uint64_t views_hash = 0;  ///< hash_views() of them; checked when the run goes on
   TrainState state;
   std::string history = {};  ///< the caller's, of what was before; nothing here looks at it
 };
@@ -27,8 +27,8 @@ struct Checkpoint {
 /// Every option by its name on the command line, for checkpoints and reports.
 nlohmann::json options_json(const TrainOptions& options);
 
-/// A hash of photos: their cameras and pixels.
-std::uint64_t hash_photos(const std::vector<Photo>& photos);
+/// A hash of images: their cameras and pixels.
+std::uint64_t hash_views(const std::vector<View>& views);
 
 /// File layout (little-endian): "FLUXGSCK", u32 version, u32 size of a JSON header, the header
 /// (options, counts, random state, history), then as float32 the rows of parameters, both moments

@@ -9,8 +9,8 @@
 namespace fluxgs {
 namespace {
 
-constexpr double kMostHidden = 0.2;  // as the authors use
-constexpr float kHidden = -30;       // a logit far below what is drawn
+constexpr double kMaxHidden = 0.2;  // as the authors use
+constexpr float kHidden = -30;      // a logit far below what is drawn
 
 /// The logit of `scale` × the opacity of another, up to kOpaque; opaquer ones stay as they are.
 float magnified(float opacity_logit, float scale) {
@@ -24,7 +24,7 @@ float magnified(float opacity_logit, float scale) {
 
 double dropout_share(const TrainOptions& options, std::size_t views, int iteration) {
   const double most =
-      std::min(options.dropout / static_cast<double>(std::max<std::size_t>(views, 1)), kMostHidden);
+      std::min(options.dropout / static_cast<double>(std::max<std::size_t>(views, 1)), kMaxHidden);
   return most * iteration / std::max(options.iterations, 1);
 }
 

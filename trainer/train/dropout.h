@@ -19,7 +19,7 @@ double dropout_share(const TrainOptions& options, std::size_t views, int iterati
 class Dropout {
  public:
   /// Hides each splat with probability `share` (< 1), and makes the opacities of the others
-  /// 1/(1 − share) times what they are, up to kOpaque, so that the picture is the same on average.
+  /// 1/(1 − share) times what they are, up to kOpaque, so that the image is the same on average.
   /// Share 0 does nothing and draws no random numbers.
   void hide(PlanarFloats& parameters, double share, Random& random);
 

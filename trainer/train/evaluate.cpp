@@ -33,21 +33,21 @@ void limit_to_displayable(PlanarImage& image) {
 
 }  // namespace
 
-Expected<Evaluation> evaluate(const std::vector<Photo>& photos, const ViewRenderer& render,
+Expected<Evaluation> evaluate(const std::vector<View>& views, const ViewRenderer& render,
                               const Threads& threads, const ProgressReport& progress) {
   Evaluation result;
-  ProgressCounter counter(progress, photos.size());
+  ProgressCounter counter(progress, views.size());
   PhotometricLoss loss(threads);
   PlanarImage target;
-  for (const Photo& photo : photos) {
-    Expected<PlanarImage> picture = render(photo.camera);
-    if (!picture) return std::unexpected(picture.error());
-    limit_to_displayable(*picture);
-    to_planar(photo.rgb, threads, target);
-    result.views.push_back({photo.camera.name, std::min(psnr(*picture, target), kAsGoodAsThePhoto),
-                            loss.run(*picture, target, 0).ssim});
-    result.psnr += result.views.back().psnr / static_cast<double>(photos.size());
-    result.ssim += result.views.back().ssim / static_cast<double>(photos.size());
+  for (const View& view : views) {
+    Expected<PlanarImage> image = render(view.camera);
+    if (!image) return std::unexpected(image.error());
+    limit_to_displayable(*image);
+    to_planar(view.rgb, threads, target);
+    result.views.push_back({view.camera.name, std::min(psnr(*image, target), kAsGoodAsTheView),
+                            loss.run(*image, target, 0).ssim});
+    result.psnr += result.views.back().psnr / static_cast<double>(views.size());
+    result.ssim += result.views.back().ssim / static_cast<double>(views.size());
     counter.add_one();
   }
   return result;

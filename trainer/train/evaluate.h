@@ -1,4 +1,4 @@
-// How well a scene shows views that photos exist of.
+// How well a scene shows views that images exist of.
 #pragma once
 
 #include <functional>
@@ -17,7 +17,7 @@ namespace fluxgs {
 
 struct ViewScore {
   std::string name;
-  double psnr = 0;  ///< dB, at most kAsGoodAsThePhoto
+  double psnr = 0;  ///< dB, at most kAsGoodAsTheView
   double ssim = 0;
 };
 
@@ -33,8 +33,8 @@ using ViewRenderer = std::function<Expected<PlanarImage>(const Camera&)>;
 ViewRenderer cpu_view_renderer(const SplatCloud& cloud, const RenderOptions& options,
                                const Threads& threads);
 
-/// Scores every photo. PSNR over all channels and pixels; SSIM as in the loss.
-Expected<Evaluation> evaluate(const std::vector<Photo>& photos, const ViewRenderer& render,
+/// Scores every image. PSNR over all channels and pixels; SSIM as in the loss.
+Expected<Evaluation> evaluate(const std::vector<View>& views, const ViewRenderer& render,
                               const Threads& threads, const ProgressReport& progress = {});
 
 }  // namespace fluxgs

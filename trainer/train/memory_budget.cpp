@@ -13,27 +13,27 @@ namespace fluxgs {
 namespace {
 
 constexpr double kMebibyte = 1 << 20;
-constexpr double kProgram = 80 * kMebibyte;  // code, libraries, decoding of photos
-constexpr double kPlanes = 40;               // floats a pixel: pictures, loss and its gradient
+constexpr double kProgram = 80 * kMebibyte;  // code, libraries, decoding of images
+constexpr double kPlanes = 40;               // floats a pixel: images, loss and its gradient
 constexpr double kPerSplat = 384;  // bytes: projected splats, sums, keys, visibility, statistics
 constexpr double kPerPair = 160;   // bytes: entries, bins, gradients, with the room vectors grow by
 constexpr std::size_t kFewest = 1000;
 
-double photo_bytes(const std::vector<Photo>& photos) {
+double view_bytes(const std::vector<View>& views) {
   double sum = 0;
-  for (const Photo& photo : photos) sum += static_cast<double>(photo.rgb.pixels.size());
+  for (const View& view : views) sum += static_cast<double>(view.rgb.pixels.size());
   return sum;
 }
 
 double fixed_bytes(const Dataset& data, const TrainOptions& options) {
   double pixels = 0;
-  for (const auto* photos : {&data.train, &data.test})
-    for (const Photo& photo : *photos)
-      pixels = std::max(pixels, static_cast<double>(photo.rgb.pixels.size()) / 3);
+  for (const auto* views : {&data.train, &data.test})
+    for (const View& view : *views)
+      pixels = std::max(pixels, static_cast<double>(view.rgb.pixels.size()) / 3);
   const double smaller = options.coarse_levels > 0 ? 1.0 / 3 : 0;
   // What the scene's file is measured by
   const double planes = kPlanes + 3.0 * kMeasuringViews;
-  return kProgram + (1 + smaller) * photo_bytes(data.train) + photo_bytes(data.test) +
+  return kProgram + (1 + smaller) * view_bytes(data.train) + view_bytes(data.test) +
          planes * sizeof(float) * pixels;
 }
 
@@ -69,12 +69,12 @@ std::size_t splats_in_memory(const Dataset& data, const TrainOptions& options, d
 }
 
 Expected<void> check_memory(const Dataset& data, const TrainOptions& options) {
-  if (splats_in_memory(data, options, kUsualPairs) >= kFewest) return {};
+  if (splats_in_memory(data, options, kDefaultPairs) >= kFewest) return {};
   return fail("", "--max-memory",
               fmt::format("{} MiB are too few: {:.0f} MiB are taken before the first splat; use "
                           "--downscale, or at least {:.0f}",
                           options.max_memory, fixed_bytes(data, options) / kMebibyte,
-                          training_memory(data, options, kFewest, kUsualPairs) / kMebibyte + 1));
+                          training_memory(data, options, kFewest, kDefaultPairs) / kMebibyte + 1));
 }
 
 }  // namespace fluxgs

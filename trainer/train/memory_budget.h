@@ -10,9 +10,9 @@
 namespace fluxgs {
 
 /// Splat–tile pairs of a visible splat, before anything was measured.
-inline constexpr double kUsualPairs = 12;
+inline constexpr double kDefaultPairs = 12;
 
-/// Bytes at most, the program's own included: photos, planes of the largest photo, and for each
+/// Bytes at most, the program's own included: images, planes of the largest image, and for each
 /// splat its parameters, moments and gradients, one more copy while splats are rearranged,
 /// `pairs` (mean splat–tile pairs of the visible splats), and what the switch and rounding need to
 /// know of all views.
@@ -23,7 +23,7 @@ std::size_t training_memory(const Dataset& data, const TrainOptions& options, st
 /// are.
 std::size_t splats_in_memory(const Dataset& data, const TrainOptions& options, double pairs);
 
-/// An error if there is no room for a thousand splats, which names what the photos take.
+/// An error if there is no room for a thousand splats, which names what the images take.
 Expected<void> check_memory(const Dataset& data, const TrainOptions& options);
 
 }  // namespace fluxgs

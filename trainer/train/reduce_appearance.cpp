@@ -48,8 +48,8 @@ PlanarFloats first_order(const PlanarFloats& parameters) {
   return rows;
 }
 
-/// Turns the harmonics of degree 1 that the parameters have by now into what networks make of
-/// latents: `energy`, or without Ψ the harmonics themselves.
+/// Turns the SH of degree 1 that the parameters have by now into what networks make of
+/// latents: `energy`, or without Ψ the SH coefficients themselves.
 PsiFitReport introduce_networks(TrainState& state, const TrainOptions& options, PlanarFloats energy,
                                 const Threads& threads) {
   const bool psi = energy.rows() > 0;
@@ -112,8 +112,8 @@ ReductionReport reduce_appearance(TrainState& state, const TrainOptions& options
   report.sphere_prior = prior;
   std::vector<std::uint8_t> degrees(size, static_cast<std::uint8_t>(target_degree(options)));
   if (adaptive)
-    degrees = least_degrees(unexplained, threshold_for(unexplained, views.pixels,
-                                                       added_mse(train_mse, options.sh_loss)));
+    degrees = min_degrees(unexplained, threshold_for(unexplained, views.pixels,
+                                                     added_mse(train_mse, options.sh_loss)));
   report.dropped = degree_loss(dropped, degrees, views.pixels);
   report.unexplained = degree_loss(unexplained, degrees, views.pixels);
   for (std::uint8_t d : degrees) ++report.degrees[d];

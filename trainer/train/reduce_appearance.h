@@ -1,5 +1,5 @@
-// The switch of the training curriculum (paper, "Training Curriculum"): from harmonics of the third
-// degree to what the finished scene has.
+// The switch of the training curriculum (paper, "Training Curriculum"): from SH coefficients of the
+// third degree to what the finished scene has.
 #pragma once
 
 #include <vector>

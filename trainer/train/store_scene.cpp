@@ -30,7 +30,7 @@ struct Candidate {
 };
 
 Candidate plain(SplatCloud cloud) {
-  const CompactSteps steps = usual_compact_steps(cloud);
+  const CompactSteps steps = default_compact_steps(cloud);
   return {std::move(cloud), {.steps = steps}};
 }
 
@@ -44,7 +44,7 @@ Expected<Candidate> with_networks(const NetworkState& networks, const PlanarFloa
 
 }  // namespace
 
-Expected<StoredScene> store_scene(const Trainer& trainer, const std::vector<Photo>& photos,
+Expected<StoredScene> store_scene(const Trainer& trainer, const std::vector<View>& views,
                                   const Threads& threads,
                                   const std::function<void(const CompactTrial&)>& on_trial) {
   const TrainState& state = trainer.state();
@@ -55,7 +55,7 @@ Expected<StoredScene> store_scene(const Trainer& trainer, const std::vector<Phot
   if (state.rounding) return store_rounded(state);
 
   const SplatCloud shown = trainer.cloud();
-  const CompactGoal goal{cameras_of(photos), trainer.options().render, trainer.stored_psnr()};
+  const CompactGoal goal{cameras_of(views), trainer.options().render, trainer.stored_psnr()};
   const auto smallest = [&](const Candidate& c) {
     return compact_within(c.cloud, shown, goal, c.options, threads, on_trial);
   };

@@ -27,7 +27,7 @@ struct StoredScene {
 /// others the smallest file is searched with Trainer::stored_psnr(); and
 /// networks go into it only if it is then smaller than with the colours that they make. `on_trial`
 /// may be empty. Errors name the attribute.
-Expected<StoredScene> store_scene(const Trainer& trainer, const std::vector<Photo>& photos,
+Expected<StoredScene> store_scene(const Trainer& trainer, const std::vector<View>& views,
                                   const Threads& threads,
                                   const std::function<void(const CompactTrial&)>& on_trial);
 

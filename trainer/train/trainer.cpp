@@ -26,7 +26,7 @@ double pairs_of_a_splat(const RasterCounts& counts) {
   return static_cast<double>(counts.tile_pairs) / static_cast<double>(counts.visible);
 }
 
-/// dB between pictures of a scene with this PSNR and of its file.
+/// dB between images of a scene with this PSNR and of its file.
 double psnr_of_file(double psnr, const TrainOptions& options) {
   const double asked = psnr_of_mse(added_mse(mse_of_psnr(psnr), options.store_loss));
   return options.store_psnr > 0 ? std::min(asked, options.store_psnr) : asked;
@@ -34,11 +34,11 @@ double psnr_of_file(double psnr, const TrainOptions& options) {
 
 }  // namespace
 
-double scene_extent(const std::vector<Photo>& photos) {
+double scene_extent(const std::vector<View>& views) {
   glm::dvec3 mean(0);
-  for (const Photo& p : photos) mean += p.camera.center() / static_cast<double>(photos.size());
+  for (const View& p : views) mean += p.camera.center() / static_cast<double>(views.size());
   double radius = 0;
-  for (const Photo& p : photos) radius = std::max(radius, glm::distance(mean, p.camera.center()));
+  for (const View& p : views) radius = std::max(radius, glm::distance(mean, p.camera.center()));
   // Cameras in one place, but for what the mean is rounded by, have no extent of their own; any
   // positive one keeps the rates above zero.
   constexpr double kRounding = 1e-9;
@@ -67,17 +67,17 @@ Trainer::Trainer(const Dataset& data, const TrainOptions& options, TrainState st
       threads_(threads),
       times_(times),
       extent_(scene_extent(data.train)),
-      photos_(data.train, options_.coarse_levels),
+      views_(data.train, options_.coarse_levels),
       rasterizer_(make_cpu_rasterizer(threads, times)),
       loss_(threads),
       networks_(threads) {}
 
-const Photo& Trainer::next_photo() {
+const View& Trainer::next_view() {
   if (state_.next_view >= state_.view_order.size()) {
     shuffle(state_.view_order, state_.random);
     state_.next_view = 0;
   }
-  return photos_.at(coarse_level(state_.iteration))[state_.view_order[state_.next_view++]];
+  return views_.at(coarse_level(state_.iteration))[state_.view_order[state_.next_view++]];
 }
 
 int Trainer::coarse_level(int done) const {
@@ -130,8 +130,8 @@ SplatScores Trainer::contributions() const {
     std::ranges::transform(sums, more, sums.begin(), std::plus<>());
   };
   BlendWeights weights(state_.parameters, render_options(), threads_);
-  for (const Photo& photo : data_.train) {
-    add(scores.contribution, weights.of(photo.camera));
+  for (const View& view : data_.train) {
+    add(scores.contribution, weights.of(view.camera));
     add(scores.pixels, weights.pixels());
   }
   return scores;
@@ -141,7 +141,7 @@ SplatScores Trainer::contributions() const {
 TrainOptions Trainer::options_for_growth() const {
   TrainOptions o = options_;
   if (o.max_memory == 0) return o;
-  const std::uint64_t fit = splats_in_memory(data_, o, std::max(state_.most_pairs, kUsualPairs));
+  const std::uint64_t fit = splats_in_memory(data_, o, std::max(state_.max_pairs, kDefaultPairs));
   o.max_splats = o.max_splats > 0 ? std::min(o.max_splats, fit) : std::max<std::uint64_t>(fit, 1);
   return o;
 }
@@ -238,7 +238,7 @@ void Trainer::optimize_networks(const AdamConstants& constants) {
                    AdamStep(constants, latent_steps(), adam_kernels(best_isa())), threads_);
 }
 
-/// Visible splats that have harmonics of a degree.
+/// Visible splats that have SH coefficients of a degree.
 std::vector<std::uint8_t> Trainer::visible_of_degree(int degree) const {
   std::vector<std::uint8_t> out = rasterizer_->visible();
   for (std::size_t i = 0; i < state_.degrees.size(); ++i)
@@ -246,16 +246,16 @@ std::vector<std::uint8_t> Trainer::visible_of_degree(int degree) const {
   return out;
 }
 
-double Trainer::mean_psnr(const std::vector<Photo>& photos) const {
-  if (photos.empty()) return 0;
+double Trainer::mean_psnr(const std::vector<View>& views) const {
+  if (views.empty()) return 0;
   const ViewRenderer render = cpu_view_renderer(cloud(), options_.render, threads_);
   PlanarImage target;
   double sum = 0;
-  for (const Photo& photo : photos) {
-    to_planar(photo.rgb, threads_, target);
-    sum += std::min(psnr(*render(photo.camera), target), kAsGoodAsThePhoto);
+  for (const View& view : views) {
+    to_planar(view.rgb, threads_, target);
+    sum += std::min(psnr(*render(view.camera), target), kAsGoodAsTheView);
   }
-  return sum / static_cast<double>(photos.size());
+  return sum / static_cast<double>(views.size());
 }
 
 double Trainer::stored_psnr() const { return psnr_of_file(mean_psnr(data_.train), options_); }
@@ -268,7 +268,7 @@ RoundingReport Trainer::begin_rounding() {
   const CompactGoal goal{cameras_of(data_.train), options_.render,
                          psnr_of_file(report.train_psnr_before, options_)};
   auto found =
-      compact_within(exact, exact, goal, {.steps = usual_compact_steps(exact)}, threads_, {});
+      compact_within(exact, exact, goal, {.steps = default_compact_steps(exact)}, threads_, {});
   if (!found) return {.error = found.error()};
   state_.rounding = RoundingState{found->options.steps, std::move(found->options.costs), {}};
   const auto file = round_parameters(state_);
@@ -303,8 +303,8 @@ SwitchReport Trainer::switch_appearance() {
   report.bytes_before = compact_bytes();
   const ViewWeights views =
       view_weights(state_.parameters, cameras_of(data_.train), render_options(), threads_);
-  // Of the photos of the last step: full-size ones have details that nothing may know of yet
-  const double trained_psnr = mean_psnr(photos_.at(coarse_level(state_.iteration - 1)));
+  // Of the images of the last step: full-size ones have details that nothing may know of yet
+  const double trained_psnr = mean_psnr(views_.at(coarse_level(state_.iteration - 1)));
   report.reduction =
       reduce_appearance(state_, options_, views, mse_of_psnr(trained_psnr), threads_);
   state_.switched_at = state_.iteration;
@@ -318,25 +318,25 @@ SwitchReport Trainer::switch_appearance() {
 std::size_t Trainer::compact_bytes() const {
   const SplatCloud scene = cloud();
   const auto file =
-      encode_compact_glb(scene, {.steps = usual_compact_steps(scene)}, "compact .glb");
+      encode_compact_glb(scene, {.steps = default_compact_steps(scene)}, "compact .glb");
   return file ? file->size() : 0;
 }
 
 StepReport Trainer::step() {
-  const Photo& photo = next_photo();
+  const View& view = next_view();
   const RenderOptions render = render_options();
   ++state_.iteration;
 
   StepReport report;
   dropout_.hide(state_.parameters, dropout_share(options_, data_.train.size(), state_.iteration),
                 state_.random);
-  shade(photo.camera, render);
-  rasterizer_->forward(state_.parameters, photo.camera, render);
+  shade(view.camera, render);
+  rasterizer_->forward(state_.parameters, view.camera, render);
   report.raster = rasterizer_->counts();
-  state_.most_pairs = std::max(state_.most_pairs, pairs_of_a_splat(report.raster));
+  state_.max_pairs = std::max(state_.max_pairs, pairs_of_a_splat(report.raster));
   {
     StageTimer timer(times_, Stage::loss);
-    to_planar(photo.rgb, threads_, target_);
+    to_planar(view.rgb, threads_, target_);
     report.sums = loss_.run(rasterizer_->color(), target_, options_.lambda_dssim);
     report.loss = report.sums.loss(options_.lambda_dssim);
   }
@@ -349,7 +349,7 @@ StepReport Trainer::step() {
     add_noise(state_, options_, rates().position, threads_);
   else if (state_.iteration <= options_.densify_until)
     gather_statistics(state_, *rasterizer_);
-  // Before splats are added, which shakes the picture for a moment
+  // Before splats are added, which shakes the image for a moment
   if (state_.iteration == options_.switch_iteration && reduces_appearance(options_))
     report.switched = switch_appearance();
   control_density(report);

@@ -21,7 +21,7 @@
 
 namespace fluxgs {
 
-/// What the reduction of the harmonics did to the pictures.
+/// What the reduction of the SH coefficients did to the images.
 struct SwitchReport {
   ReductionReport reduction;
   double train_psnr_before = 0, train_psnr_after = 0;  ///< dB, means over the views
@@ -35,7 +35,7 @@ struct LatePruneReport {
   double train_psnr_before = 0, train_psnr_after = 0;
 };
 
-/// What rounding did to the pictures.
+/// What rounding did to the images.
 struct RoundingReport {
   std::size_t bytes = 0;  ///< of a compact file
   double train_psnr_before = 0, train_psnr_after = 0;
@@ -44,17 +44,17 @@ struct RoundingReport {
 
 /// What one step did.
 struct StepReport {
-  double loss = 0;  ///< without penalties, of the photo at its size in this step
+  double loss = 0;  ///< without penalties, of the image at its size in this step
   PhotometricSums sums;
   RasterCounts raster;
   DensifyCounts densified;               ///< zero at most steps
-  std::optional<SwitchReport> switched;  ///< at the step after which harmonics were reduced
+  std::optional<SwitchReport> switched;  ///< at the step after which SH coefficients were reduced
   std::optional<LatePruneReport> pruned_late;
   std::optional<RoundingReport> rounded;  ///< at the step after which rounding began, or failed
 };
 
 /// The scene's size: 1.1 × the largest distance of a camera from their mean (3DGS).
-double scene_extent(const std::vector<Photo>& photos);
+double scene_extent(const std::vector<View>& views);
 
 /// The state before the first step, from a data set's initial points.
 TrainState initial_state(const Dataset& data, const PointCloud& points, const TrainOptions& options,
@@ -73,9 +73,9 @@ class Trainer {
   const TrainState& state() const { return state_; }
   const TrainOptions& options() const { return options_; }
   SplatCloud cloud() const;
-  /// dB, the mean over photos, each 58.9 dB (their own rounding) at most; 0 without any.
-  double mean_psnr(const std::vector<Photo>& photos) const;
-  /// dB between pictures of the scene and of a file that costs `store_loss` on the training views,
+  /// dB, the mean over images, each 58.9 dB (their own rounding) at most; 0 without any.
+  double mean_psnr(const std::vector<View>& views) const;
+  /// dB between images of the scene and of a file that costs `store_loss` on the training views,
   /// `store_psnr` at most.
   double stored_psnr() const;
   /// Gradients that were not finite and were therefore skipped.
@@ -84,7 +84,7 @@ class Trainer {
   }
 
  private:
-  const Photo& next_photo();
+  const View& next_view();
   int sh_degree_in_use() const;
   void shade(const Camera& camera, const RenderOptions& render);
   void optimize();
@@ -112,7 +112,7 @@ class Trainer {
   const Threads& threads_;
   StageTimes& times_;
   double extent_;
-  PhotoPyramid photos_;
+  ViewPyramid views_;
   std::unique_ptr<Rasterizer> rasterizer_;
   PhotometricLoss loss_;
   Dropout dropout_;

@@ -1,4 +1,4 @@
-// A picture in memory.
+// An image in memory.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 namespace fluxgs {
 
 /// Interleaved pixels, row-major from the top-left corner: pixels[(y·width + x)·channels + c].
-/// Colours are display-referred (sRGB-encoded) as the photos store them; floating-point types span
+/// Colours are display-referred (sRGB-encoded) as the images store them; floating-point types span
 /// 0…1, 8-bit ones 0…255. Channels: 3 (RGB) or 4 (RGBA).
 template <class T>
 struct Image {

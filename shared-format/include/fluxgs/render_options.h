@@ -14,7 +14,7 @@ struct RenderOptions {
   double near_plane = 0.01;         ///< scene units; splats with centres nearer are not drawn
   /// Splats whose standard deviation along the view direction is larger than this × their depth are
   /// not drawn: they reach behind the camera, and what their footprint says, a veil over the whole
-  /// picture, is of the linearisation's making. 0: no limit.
+  /// image, is of the linearisation's making. 0: no limit.
   double depth_spread_max = 3;
   double frustum_margin = 0.15;  ///< the Jacobian's point is kept within this fraction of the
                                  ///< image size outside the image (3DGS: 1.3 × half the view)

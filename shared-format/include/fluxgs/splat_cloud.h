@@ -11,7 +11,8 @@
 
 namespace fluxgs {
 
-/// Spherical-harmonics coefficients per colour channel beyond the constant one: 0, 3, 8 or 15.
+/// Spherical-SH coefficients coefficients per colour channel beyond the constant one: 0, 3, 8
+/// or 15.
 constexpr int sh_rest_count(int degree) { return (degree + 1) * (degree + 1) - 1; }
 
 /// A scene of 3D Gaussians. Frame: that of an INRIA 3DGS .ply (right-handed, y down, z forward for
@@ -42,7 +43,7 @@ struct SplatCloud {
 /// The splats order[0], order[1], … of a cloud.
 SplatCloud in_order(const SplatCloud& cloud, std::span<const std::uint32_t> order);
 
-/// Leaves out the harmonics beyond a degree; a cloud of that degree or less stays as it is.
+/// Leaves out the SH coefficients beyond a degree; a cloud of that degree or less stays as it is.
 void limit_sh_degree(SplatCloud& cloud, int degree);
 
 /// Whether every attribute of splat i is a finite number.

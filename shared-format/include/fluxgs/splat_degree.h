@@ -1,4 +1,4 @@
-// The degree of spherical harmonics that single splats of a cloud need.
+// The SH degree that single splats of a cloud need.
 #pragma once
 
 #include <array>

@@ -15,7 +15,7 @@
 namespace fluxgs::codec {
 namespace {
 
-constexpr std::size_t kMostChannels = 64;
+constexpr std::size_t kMaxChannels = 64;
 constexpr float kLargestInHeader = 1e30f;  // so that no sum of products overflows
 
 /// Multiples of the step, not yet whole, channel by channel.
@@ -171,7 +171,7 @@ void add_block(float factor, const Block& from, std::size_t count, Block& to) {
 /// x = mean + basis·(step·k) for the splats from `first` on, kBlock of them at most; x, for which
 /// there is room, takes the place of k.
 void restore_block(const Layout& t, std::span<const float> steps, std::span<float> values,
-                   std::size_t splats, std::size_t first, std::array<Block, kMostChannels>& x) {
+                   std::size_t splats, std::size_t first, std::array<Block, kMaxChannels>& x) {
   const std::size_t n = t.mean.size(), count = steps.size();
   Block z;
   for (std::size_t c = 0; c < n; ++c) x[c].fill(t.mean[c]);
@@ -193,7 +193,7 @@ void restore_block(const Layout& t, std::span<const float> steps, std::span<floa
 void restore(const Layout& t, std::span<const float> coarseness, std::span<float> values,
              std::size_t splats) {
   std::array<float, kBlock> steps;
-  std::array<Block, kMostChannels> x;
+  std::array<Block, kMaxChannels> x;
   for (std::size_t first = 0; first < splats; first += kBlock) {
     const std::size_t count = std::min(kBlock, splats - first);
     for (std::size_t i = 0; i < count; ++i)
@@ -244,8 +244,8 @@ Expected<double> channels_bits(const Channels& input, float step) {
 
 Expected<float> decode_channels(Reader& in, std::size_t channels, std::span<const float> coarseness,
                                 std::span<float> values) {
-  if (channels == 0 || channels > kMostChannels)
-    return fail("", "", fmt::format("{} channels, expected 1 to {}", channels, kMostChannels));
+  if (channels == 0 || channels > kMaxChannels)
+    return fail("", "", fmt::format("{} channels, expected 1 to {}", channels, kMaxChannels));
   const std::size_t splats = values.size() / channels;
   if (splats == 0) return 0.0f;
   const auto layout = take_layout(in, channels);

@@ -8,13 +8,13 @@
 #include <fmt/format.h>
 
 #include "codec/channels.h"
-#include "codec/harmonics.h"
 #include "codec/importance.h"
 #include "codec/morton.h"
 #include "codec/positions.h"
 #include "codec/rotations.h"
 #include "codec/rounding.h"
 #include "codec/scales.h"
+#include "codec/sh.h"
 #include "codec/stored_costs.h"
 #include "codec/vectors.h"
 #include "io/activation.h"
@@ -24,13 +24,13 @@
 namespace fluxgs::codec {
 namespace {
 
-// What a picture cannot tell apart from 0 and 1: opacities below 1/255 are not drawn, those above
+// What an image cannot tell apart from 0 and 1: opacities below 1/255 are not drawn, those above
 // 0.99 are cut there (render_options.h)
-constexpr double kLeastOpacity = 1e-3, kMostOpacity = 1 - 1e-3;
+constexpr double kMinOpacity = 1e-3, kMaxOpacity = 1 - 1e-3;
 
 float opacity_logit(float scale) {
   const double root = std::sin(std::clamp(double{scale}, 0.0, 1.0) * std::numbers::pi / 2);
-  const double opacity = std::clamp(root * root, kLeastOpacity, kMostOpacity);
+  const double opacity = std::clamp(root * root, kMinOpacity, kMaxOpacity);
   return io::logit(opacity);
 }
 
@@ -159,7 +159,7 @@ std::vector<float> rounding_weights(std::span<const float> weights,
   if (!(sum > 0)) return {};
   const double mean = sum / static_cast<double>(weights.size());
   for (float& weight : result)
-    weight = static_cast<float>(std::clamp(double{weight} / mean, kLeastWeight, kMostWeight));
+    weight = static_cast<float>(std::clamp(double{weight} / mean, kMinWeight, kMaxWeight));
   return result;
 }
 
@@ -200,15 +200,14 @@ struct Input {
   Rounding rounding() const { return {rate_weight, weights}; }
 };
 
-/// The section sh_rest of colours that are rounded together (harmonics.h); those of degree 0
+/// The section sh_rest of colours that are rounded together (SH coefficients.h); those of degree 0
 /// become what goes best with it.
 Expected<Bytes> encode_rest(const Input& rest, std::span<const float> factors,
                             std::vector<glm::vec3>& sh_dc) {
   std::vector<float> dc;
   for (const glm::vec3& v : sh_dc) put_vec3(dc, v);
   Bytes section;
-  if (auto ok = encode_harmonics(rest.channels, factors, rest.step, rest.rounding(), dc, section);
-      !ok)
+  if (auto ok = encode_sh(rest.channels, factors, rest.step, rest.rounding(), dc, section); !ok)
     return in_attribute(kRest, ok.error());
   for (std::size_t i = 0; i < sh_dc.size(); ++i)
     sh_dc[i] = {dc[3 * i], dc[3 * i + 1], dc[3 * i + 2]};
@@ -234,7 +233,7 @@ class Encoder {
       if (auto ok = decode_section(attribute, *encoded, decoded_); !ok)
         return std::unexpected(ok.error());
     }
-    while (exact_.cloud.size() > most_splats(out.size())) out.push_back(std::byte{0});
+    while (exact_.cloud.size() > max_splats(out.size())) out.push_back(std::byte{0});
     return out;
   }
 
@@ -314,10 +313,10 @@ Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactOptions& op
 
 Expected<SplatCloud> decode_compact(std::span<const std::byte> bytes, std::size_t count,
                                     int sh_degree, std::vector<float>* energy) {
-  if (count > most_splats(bytes.size()))
+  if (count > max_splats(bytes.size()))
     return fail("", "",
                 fmt::format("{} splats in {} bytes, expected {} at most", count, bytes.size(),
-                            most_splats(bytes.size())));
+                            max_splats(bytes.size())));
   if (count == 0 && !bytes.empty())
     return fail("", "", fmt::format("{} bytes for no splats, expected none", bytes.size()));
   auto cloud = io::allocate_cloud(count, sh_degree, "");

@@ -20,7 +20,7 @@ namespace fluxgs::codec {
 /// The most splats that this many bytes may hold: real scenes take five bytes or more for each, so
 /// that a few bytes cannot ask for gigabytes of memory. What the encoder makes of simpler ones is
 /// padded with zeros.
-constexpr std::size_t most_splats(std::size_t bytes) { return 4096 + bytes; }
+constexpr std::size_t max_splats(std::size_t bytes) { return 4096 + bytes; }
 
 inline constexpr std::size_t kEnergyChannels = 12;
 
@@ -42,7 +42,7 @@ float opacity_scale(float logit);
 Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactOptions& options,
                                std::span<const float> energy = {}, const RateFactors& rates = {});
 
-/// Decodes `count` splats, most_splats(bytes.size()) at most. Holds at most the bytes, the cloud,
+/// Decodes `count` splats, max_splats(bytes.size()) at most. Holds at most the bytes, the cloud,
 /// and 64 bytes a splat (with energy 128; of degree 2 and 3: 24, and 12 for each coefficient).
 /// Errors (without a file's name) name the attribute. If `energy` is given, the stream has it
 /// instead of colours, which stay zero.

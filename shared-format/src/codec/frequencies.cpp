@@ -8,7 +8,7 @@ namespace fluxgs::codec {
 namespace {
 
 constexpr unsigned kMantissaBits = 3, kOrderBits = 2;  // of the two numbers before a table
-constexpr std::uint32_t kMostWeight = std::uint32_t{1} << 24;
+constexpr std::uint32_t kMaxWeight = std::uint32_t{1} << 24;
 
 /// A table's form: weights with so many bits behind the first, and the code of their levels.
 struct Form {
@@ -23,13 +23,13 @@ std::uint32_t weight_of(std::uint32_t level, unsigned mantissa) {
   return (whole + 1 + above % whole) << (above / whole);
 }
 
-std::uint32_t most_level(unsigned mantissa) {
-  return (1u << mantissa) * (25 - mantissa);  // of kMostWeight
+std::uint32_t max_level(unsigned mantissa) {
+  return (1u << mantissa) * (25 - mantissa);  // of kMaxWeight
 }
 
 /// The level whose weight is nearest in proportion, at least 1.
 std::uint32_t level_near(double weight, unsigned mantissa) {
-  std::uint32_t low = 1, high = most_level(mantissa);
+  std::uint32_t low = 1, high = max_level(mantissa);
   while (high - low > 1) {
     const std::uint32_t middle = (low + high) / 2;
     (weight_of(middle, mantissa) <= weight ? low : high) = middle;
@@ -41,7 +41,7 @@ std::uint32_t level_near(double weight, unsigned mantissa) {
 /// All levels of a table, runs of zeros as they are.
 std::vector<std::uint32_t> levels_for(std::span<const std::uint32_t> counts, unsigned mantissa) {
   const double most = *std::ranges::max_element(counts);
-  const double factor = std::min(1.0, kMostWeight / most);
+  const double factor = std::min(1.0, kMaxWeight / most);
   std::vector<std::uint32_t> levels(counts.size(), 0);
   for (std::size_t s = 0; s < counts.size(); ++s)
     if (counts[s] > 0) levels[s] = level_near(counts[s] * factor, mantissa);
@@ -134,7 +134,7 @@ Expected<std::vector<std::uint32_t>> take_frequencies(BitReader& in, std::size_t
     const auto difference = in.take_golomb(*order);
     if (!difference) return fail("", "", "the table of frequencies is cut off");
     level += unzigzag(*difference);
-    if (level < 0 || level > most_level(*mantissa))
+    if (level < 0 || level > max_level(*mantissa))
       return fail("", "", "the table of frequencies has one out of range");
     levels[s] = static_cast<std::uint32_t>(level);
     if (level > 0) continue;

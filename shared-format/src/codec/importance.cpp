@@ -13,7 +13,7 @@ namespace fluxgs::codec {
 namespace {
 
 constexpr float kFlattest = 6.5f;            // thinner ones look the same
-constexpr float kLeastOpacity = 1e-3f;       // fainter ones are not drawn
+constexpr float kMinOpacity = 1e-3f;         // fainter ones are not drawn
 constexpr float kFinest = 6, kCoarsest = 2;  // logarithms of the step over the mean one
 
 }  // namespace
@@ -33,7 +33,7 @@ std::vector<Extent> extents_of(std::span<const glm::vec3> log_scales) {
 
 void set_opacities(std::span<Extent> extents, std::span<const float> opacity_logits) {
   for (std::size_t i = 0; i < extents.size(); ++i)
-    extents[i].w = same_log(std::max(io::sigmoid(opacity_logits[i]), kLeastOpacity));
+    extents[i].w = same_log(std::max(io::sigmoid(opacity_logits[i]), kMinOpacity));
 }
 
 double mean_importance(const Importance& importance, std::span<const Extent> extents) {

@@ -26,7 +26,7 @@ void set_opacities(std::span<Extent> extents, std::span<const float> opacity_log
 /// further.
 using Importance = glm::vec4;  // a, b, c, d
 
-// Measured: at equal error of the pictures, scenes trained from photos take 5 to 25% less with
+// Measured: at equal error of the images, scenes trained from images take 5 to 25% less with
 // these than with equal steps and logarithms of the scales; others within ±0.1 change little.
 inline constexpr Importance kOpacityImportance{0.15f, 0.15f, 0, 0};
 inline constexpr Importance kRotationImportance{0.8f, 0.15f, -0.2f, 0.2f};

@@ -15,8 +15,8 @@ namespace {
 
 // Draco's encoder counts every number up to the largest: 2²⁴ steps take it 130 MB for a moment, 2³⁰
 // would take 8 GB.
-constexpr double kMostSteps = 0x1p24;
-constexpr std::size_t kFewest = 1, kMost = std::size_t{1} << 30;
+constexpr double kMaxSteps = 0x1p24;
+constexpr std::size_t kFewest = 1, kMax = std::size_t{1} << 30;
 
 using Cell = std::array<std::int32_t, 3>;
 
@@ -36,10 +36,10 @@ Expected<draco::PointCloudBuilder> builder_of(const std::vector<glm::vec3>& posi
     Cell cell;
     for (int c = 0; c < 3; ++c) {
       const double steps = std::round((double{positions[i][c]} - origin[c]) / step);
-      if (!(steps >= 0 && steps < kMostSteps))
+      if (!(steps >= 0 && steps < kMaxSteps))
         return fail("", "positions",
                     fmt::format("extend over {:g} steps of {:g}, expected less than {:g}", steps,
-                                step, kMostSteps));
+                                step, kMaxSteps));
       cell[static_cast<std::size_t>(c)] = static_cast<std::int32_t>(steps);
     }
     builder.SetAttributeValueForPoint(attribute, draco::PointIndex(static_cast<std::uint32_t>(i)),
@@ -80,9 +80,9 @@ Expected<void> check_draco_header(std::span<const std::byte> bytes, std::size_t 
 }  // namespace
 
 Expected<void> encode_positions(const std::vector<glm::vec3>& positions, double step, Bytes& out) {
-  if (positions.size() < kFewest || positions.size() > kMost)
+  if (positions.size() < kFewest || positions.size() > kMax)
     return fail("", "positions",
-                fmt::format("{} splats, expected {} to {}", positions.size(), kFewest, kMost));
+                fmt::format("{} splats, expected {} to {}", positions.size(), kFewest, kMax));
   const glm::dvec3 origin = lowest(positions);
   auto builder = builder_of(positions, origin, step);
   if (!builder) return std::unexpected(builder.error());

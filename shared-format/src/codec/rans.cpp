@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint32_t kLow = 1u << 16;  // a state is in [2¹⁶, 2³²) between symbols
 constexpr std::size_t kStates = 2;        // interleaved: their dependency chains run side by side
-constexpr unsigned kMostRawBits = 24;
+constexpr unsigned kMaxRawBits = 24;
 constexpr std::int64_t kLimit = std::int64_t{1} << 30;
 constexpr unsigned kRawBitsBits = 5, kSymbolsBits = 12, kLowestOrder = 3;  // of a channel's header
 
@@ -30,7 +30,7 @@ Split split_for(Values values) {
   const auto [low, high] = std::ranges::minmax(values);
   Split split{.lowest = low};
   const std::int64_t range = std::int64_t{high} - low;
-  while (static_cast<std::size_t>(range >> split.raw_bits) >= kMostSymbols) ++split.raw_bits;
+  while (static_cast<std::size_t>(range >> split.raw_bits) >= kMaxSymbols) ++split.raw_bits;
   split.symbols = static_cast<std::size_t>(range >> split.raw_bits) + 1;
   return split;
 }
@@ -108,7 +108,7 @@ Expected<Split> take_split(BitReader& in) {
   if (!lowest || !raw_bits || !symbols) return damaged("the header of a channel is cut off");
   const Split split{.lowest = unzigzag(*lowest), .raw_bits = *raw_bits, .symbols = *symbols + 1};
   const bool sound = split.lowest > -kLimit && split.lowest < kLimit &&
-                     split.raw_bits <= kMostRawBits &&
+                     split.raw_bits <= kMaxRawBits &&
                      split.lowest + (std::int64_t{*symbols} << split.raw_bits) < kLimit;
   if (!sound) return damaged("the range of a channel is not one that this codec writes");
   return split;

@@ -33,7 +33,7 @@ struct Split {
 class ValueDecoder {
  public:
   /// Takes a stream of so many channels of `count` values off the reader's bytes, which must
-  /// outlive the decoder. At most kMostSymbols numbers are kept of each channel.
+  /// outlive the decoder. At most kMaxSymbols numbers are kept of each channel.
   static Expected<ValueDecoder> open(Reader& in, std::size_t channels, std::size_t count);
 
   /// The next channel, whole. Precondition: there is one, and `values` has room for its values.

@@ -11,9 +11,9 @@ namespace fluxgs::codec {
 /// Numbers over their step are smaller.
 inline constexpr double kLargestNumber = 0x1p28;
 
-/// Weights of splats are between these times the mean: what no picture shows keeps a shape all the
+/// Weights of splats are between these times the mean: what no image shows keeps a shape all the
 /// same.
-inline constexpr double kLeastWeight = 0.05, kMostWeight = 20;
+inline constexpr double kMinWeight = 0.05, kMaxWeight = 20;
 
 /// What rounding weighs against each other: weight·(error)² + bits·rate_weight is made small, where
 /// the error is in steps. 0 rounds to the nearest.

@@ -9,7 +9,7 @@
 namespace fluxgs::codec {
 namespace {
 
-constexpr double kMostRootSteps = 0x1p26, kLeastRootSteps = 0x1p-4;
+constexpr double kMaxRootSteps = 0x1p26, kMinRootSteps = 0x1p-4;
 constexpr double kLongestOverMean = 18;
 
 }  // namespace
@@ -24,7 +24,7 @@ double mean_log_scale(std::span<const glm::vec3> log_scales) {
 Stepped roots_of(std::span<const glm::vec3> log_scales, float log_step) {
   const double mean = mean_log_scale(log_scales);
   const double step = std::clamp(0.5 * double{log_step} * std::exp(mean / 2), 1e-30, 1e30);
-  const double most = std::min(std::exp((mean + kLongestOverMean) / 2), kMostRootSteps * step);
+  const double most = std::min(std::exp((mean + kLongestOverMean) / 2), kMaxRootSteps * step);
   Stepped roots{.values = {}, .step = static_cast<float>(step)};
   roots.values.reserve(3 * log_scales.size());
   for (const glm::vec3& s : log_scales)
@@ -34,7 +34,7 @@ Stepped roots_of(std::span<const glm::vec3> log_scales, float log_step) {
 }
 
 void roots_to_logs(std::span<float> roots, float step) {
-  const float least = std::max(static_cast<float>(kLeastRootSteps * double{step}), 1e-30f);
+  const float least = std::max(static_cast<float>(kMinRootSteps * double{step}), 1e-30f);
   for (float& x : roots) x = 2 * same_log(std::max(x, least));
 }
 

@@ -19,7 +19,7 @@ struct Stepped {
 double mean_log_scale(std::span<const glm::vec3> log_scales);
 
 /// Three roots a splat; their step is one of `log_step` for a splat of the mean logarithm. Those of
-/// e^18 times the mean standard deviation, or of more than 2²⁶ steps, fill any picture and are cut.
+/// e^18 times the mean standard deviation, or of more than 2²⁶ steps, fill any image and are cut.
 Stepped roots_of(std::span<const glm::vec3> log_scales, float log_step);
 
 /// Back, in place. Roots below 1/16 of the step, to which rounding leads, count as that much.

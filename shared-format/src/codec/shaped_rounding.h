@@ -31,7 +31,7 @@ struct Shaped {
 
 class ShapedRounding {
  public:
-  static constexpr std::size_t kMost = 16;  ///< numbers in a Shaped
+  static constexpr std::size_t kMax = 16;  ///< numbers in a Shaped
 
   /// Whole numbers of each plane are priced together; where `predicted` is 1, by what they differ
   /// from the prediction (prediction.h) of the splats before.

@@ -14,8 +14,8 @@ namespace {
 
 /// A ratio of steps that undoes one of means; within the range of float.
 float times(float step, double logarithm) {
-  constexpr double kMost = 40;
-  return static_cast<float>(double{step} * std::exp(std::clamp(logarithm, -kMost, kMost)));
+  constexpr double kMax = 40;
+  return static_cast<float>(double{step} * std::exp(std::clamp(logarithm, -kMax, kMax)));
 }
 
 /// weight·step² of each splat.
@@ -37,7 +37,7 @@ double whole_over_part(std::span<const double> weights, std::span<const std::uin
   if (!(whole_sum > 0)) return 1;
   const double share =
       part_sum / whole_sum * static_cast<double>(weights.size()) / static_cast<double>(part.size());
-  return 1 / std::clamp(share, kLeastWeight, kMostWeight);
+  return 1 / std::clamp(share, kMinWeight, kMaxWeight);
 }
 
 }  // namespace

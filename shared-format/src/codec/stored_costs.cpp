@@ -15,8 +15,8 @@ namespace {
 
 using Eigen::Matrix3d;
 
-constexpr double kLeastRoot = 0.02;  // of the mean
-constexpr double kMost = 1e30;       // whatever comes in, sums are finite
+constexpr double kMinRoot = 0.02;  // of the mean
+constexpr double kMax = 1e30;      // whatever comes in, sums are finite
 
 /// Jᵀ·H·J for the triangles of H, where errors of what is stored become J times as much of what
 /// they cost for.
@@ -27,7 +27,7 @@ std::vector<float> turned(std::span<const float> costs, const Jacobian& jacobian
   for (std::size_t i = 0; i < costs.size() / kTriangle3; ++i) {
     const Matrix3d j = jacobian(i);
     const Matrix3d h = j.transpose() * symmetric(triangle_of(costs, i)) * j;
-    const Triangle own = lower_triangle(h.cwiseMax(-kMost).cwiseMin(kMost));
+    const Triangle own = lower_triangle(h.cwiseMax(-kMax).cwiseMin(kMax));
     result.insert(result.end(), own.begin(), own.end());
   }
   return result;
@@ -38,7 +38,7 @@ std::vector<float> turned(std::span<const float> costs, const Jacobian& jacobian
 std::vector<float> costs_of_roots(std::span<const float> costs,
                                   std::span<const glm::vec3> log_scales) {
   if (costs.empty()) return {};
-  const double least = kLeastRoot * std::exp(mean_log_scale(log_scales) / 2);
+  const double least = kMinRoot * std::exp(mean_log_scale(log_scales) / 2);
   return turned(costs, [&](std::size_t i) {
     Matrix3d j = Matrix3d::Zero();
     for (int c = 0; c < 3; ++c)

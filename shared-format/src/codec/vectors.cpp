@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 
 // Added to all, of the mean: curvature is no guide far away, where splats that cost next to nothing
 // would else end up. Measured: 0.06 loses up to 6 dB at coarse steps, 0.2 takes 2% more bits.
-constexpr double kLeastCost = 0.15;
+constexpr double kMinCost = 0.15;
 
 Matrix3d basis_of(const Layout& layout) {
   if (layout.basis.empty()) return Matrix3d::Identity();
@@ -47,7 +47,7 @@ std::vector<Triangle> factors_of(const Channels& input, std::span<const float> c
   for (std::size_t i = 0; i < splats; ++i) {
     const double in_steps = input.coarseness_of(i) * input.coarseness_of(i) / mean;
     Matrix3d h = in_steps * (basis.transpose() * symmetric(triangle_of(costs, i)) * basis);
-    h.diagonal().array() += kLeastCost;
+    h.diagonal().array() += kMinCost;
     factors.push_back(factor_of(h));
   }
   return factors;

@@ -1,5 +1,5 @@
 // Rounding of three numbers a splat whose errors are not all seen alike (shaped_rounding.h), such
-// as the turn of a disc within its plane, which no picture shows.
+// as the turn of a disc within its plane, which no image shows.
 #pragma once
 
 #include <span>

@@ -16,21 +16,21 @@
 
 namespace fluxgs::io {
 
-inline constexpr double kLeastValue = std::numeric_limits<float>::min();
-inline constexpr double kMostOpacity = 1 - 0x1p-25;
+inline constexpr double kMinValue = std::numeric_limits<float>::min();
+inline constexpr double kMaxOpacity = 1 - 0x1p-25;
 
 inline float logit(double opacity) {
-  const double o = opacity <= 0 ? kLeastValue : opacity >= 1 ? kMostOpacity : opacity;
+  const double o = opacity <= 0 ? kMinValue : opacity >= 1 ? kMaxOpacity : opacity;
   return static_cast<float>(std::log(o) - std::log1p(-o));
 }
 inline float sigmoid(float logit) { return static_cast<float>(1 / (1 + std::exp(-double{logit}))); }
 
-inline double log_scale(double scale) { return std::log(scale == 0 ? kLeastValue : scale); }
+inline double log_scale(double scale) { return std::log(scale == 0 ? kMinValue : scale); }
 
 /// Limited to the range of float.
 inline float linear_scale(float log_scale) {
-  constexpr double kMost = std::numeric_limits<float>::max();
-  return static_cast<float>(std::min(std::exp(double{log_scale}), kMost));
+  constexpr double kMax = std::numeric_limits<float>::max();
+  return static_cast<float>(std::min(std::exp(double{log_scale}), kMax));
 }
 
 /// Display-referred colour, 0…1 where it can be shown (3DGS, Kerbl et al. 2023).

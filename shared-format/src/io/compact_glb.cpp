@@ -29,15 +29,15 @@ namespace {
 
 using nlohmann::json;
 
-// Measured on scans and on scenes trained from photos: at these ratios a bit more for any attribute
+// Measured on scans and on scenes trained from images: at these ratios a bit more for any attribute
 // buys about the same error.
 constexpr double kPositionPerSize = 0.36;
-constexpr CompactSteps kUsual{.position = 0,
-                              .log_scale = 0.4f,
-                              .rotation = 0.085f,
-                              .opacity = 0.045f,
-                              .sh_dc = 0.26f,
-                              .sh_rest = 0.18f};
+constexpr CompactSteps kDefault{.position = 0,
+                                .log_scale = 0.4f,
+                                .rotation = 0.085f,
+                                .opacity = 0.045f,
+                                .sh_dc = 0.26f,
+                                .sh_rest = 0.18f};
 
 /// The median over the splats of the geometric mean of their standard deviations.
 double median_size(const SplatCloud& cloud) {
@@ -281,8 +281,8 @@ double finest_position_step(const SplatCloud& cloud) {
   return std::max(std::max({extent.x, extent.y, extent.z}) * 0x1p-23, 1e-30);
 }
 
-CompactSteps usual_compact_steps(const SplatCloud& cloud, double coarseness) {
-  CompactSteps steps = kUsual;
+CompactSteps default_compact_steps(const SplatCloud& cloud, double coarseness) {
+  CompactSteps steps = kDefault;
   steps.position = kPositionPerSize * median_size(cloud);
   steps = scaled(steps, coarseness);
   steps.position = std::max(steps.position, finest_position_step(cloud));

@@ -242,11 +242,11 @@ void store(const Tables& tables, const Chunk& chunk, const std::array<float, 256
   for (int c = 0; c < 3; ++c) cloud.sh_dc[i][c] = dc_of(colour[c]);
   cloud.opacity_logits[i] = logits[packed & 255];
   const auto rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
-  const auto harmonic = [&](std::size_t column) {
+  const auto sh = [&](std::size_t column) {
     return unpack_sh(tables.sh.value<std::uint8_t>(i, column));
   };
   for (std::size_t k = 0; k < rest; ++k) {  // channel-major
-    cloud.sh_rest[i * rest + k] = {harmonic(k), harmonic(rest + k), harmonic(2 * rest + k)};
+    cloud.sh_rest[i * rest + k] = {sh(k), sh(rest + k), sh(2 * rest + k)};
   }
 }
 

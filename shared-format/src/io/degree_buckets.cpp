@@ -14,7 +14,7 @@ void join_small(std::array<std::vector<std::uint32_t>, 4>& by_degree) {
   for (auto small = by_degree.begin(); small != by_degree.end(); ++small) {
     const auto next = std::find_if(small + 1, by_degree.end(),
                                    [](const auto& splats) { return !splats.empty(); });
-    if (small->size() >= kLeastBucket || next == by_degree.end()) continue;
+    if (small->size() >= kMinBucket || next == by_degree.end()) continue;
     next->insert(next->end(), small->begin(), small->end());
     std::ranges::sort(*next);
     small->clear();

@@ -1,4 +1,4 @@
-// Splats sorted by the degree of harmonics that they need, for files that store each degree by
+// Splats sorted by the SH degree that they need, for files that store each degree by
 // itself.
 #pragma once
 
@@ -18,7 +18,7 @@ struct DegreeBucket {
 
 /// Fewer splats than this go into the bucket above: what describes a bucket in a file (its JSON,
 /// its tables) takes more bytes than the bands that they do without.
-inline constexpr std::size_t kLeastBucket = 512;
+inline constexpr std::size_t kMinBucket = 512;
 
 /// All splats of the cloud in buckets of ascending degrees, none of them empty.
 std::vector<DegreeBucket> degree_buckets(const SplatCloud& cloud);

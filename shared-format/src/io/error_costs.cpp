@@ -49,7 +49,7 @@ Expected<void> check_costs(const ErrorCosts& costs, const SplatCloud& cloud,
                             cloud.size()));
   const auto functions = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree) + 1);
   if (auto ok = check_triangles(costs.sh_factors, functions, true, cloud.size(), name,
-                                "factors of harmonics");
+                                "factors of SH coefficients");
       !ok)
     return ok;
   if (auto ok = check_triangles(costs.scale, 3, false, cloud.size(), name, "costs of scales"); !ok)

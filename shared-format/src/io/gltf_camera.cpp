@@ -23,8 +23,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kLargest = 1e15;   // of a position that a picture can be made from
-constexpr double kMostSkew = 1e-3;  // of the axes of a node, as a cosine
+constexpr double kLargest = 1e15;  // of a position that an image can be made from
+constexpr double kMaxSkew = 1e-3;  // of the axes of a node, as a cosine
 constexpr double kNearestAxis = 1e-9;
 
 // Half a turn about z from the cloud to glTF, and about x between the axes of an OpenCV camera and
@@ -68,7 +68,7 @@ std::optional<Place> place_of_matrix(const json& matrix) {
     axes[c] = axis / length;
   }
   for (int c = 0; c < 3; ++c)
-    if (std::abs(glm::dot(axes[c], axes[(c + 1) % 3])) > kMostSkew) return std::nullopt;
+    if (std::abs(glm::dot(axes[c], axes[(c + 1) % 3])) > kMaxSkew) return std::nullopt;
   if (glm::determinant(axes) < 0) return std::nullopt;
   return Place{{(*m)[12], (*m)[13], (*m)[14]}, glm::normalize(glm::quat_cast(axes))};
 }
@@ -126,7 +126,7 @@ bool is_finite(const glm::dvec3& v) {
   return std::abs(v.x) <= kLargest && std::abs(v.y) <= kLargest && std::abs(v.z) <= kLargest;
 }
 
-bool is_unit(double length) { return std::abs(length - 1) < kMostSkew; }
+bool is_unit(double length) { return std::abs(length - 1) < kMaxSkew; }
 
 }  // namespace
 

@@ -89,7 +89,7 @@ Expected<GltfSplats> find_compact_splats(const GltfCompressedPlace& place,
   if (!splats) return splats;
   splats->compression = GltfCompression::compact;
   if (auto ok = check_attributes(place, splats->sh_degree); !ok) return std::unexpected(ok.error());
-  const std::size_t most = codec::most_splats(splats->compressed.size());
+  const std::size_t most = codec::max_splats(splats->compressed.size());
   if (splats->count > most)
     return fail(place.name, splats->compressed_field,
                 fmt::format("{} splats in {} bytes, expected {} at most", splats->count,

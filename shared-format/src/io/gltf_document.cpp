@@ -78,7 +78,7 @@ class PrimitiveReader {
       *target = *attribute;
       if (target == &splats.position) splats.count = attribute->count;
     }
-    if (auto ok = read_harmonics(primitive, field, splats); !ok) {
+    if (auto ok = read_sh(primitive, field, splats); !ok) {
       return std::unexpected(ok.error());
     }
     return splats;
@@ -129,8 +129,8 @@ class PrimitiveReader {
   }
 
   // A degree that is begun must be complete, and so must all below it.
-  Expected<void> read_harmonics(const tinygltf::Primitive& primitive, const std::string& field,
-                                GltfSplats& splats) const {
+  Expected<void> read_sh(const tinygltf::Primitive& primitive, const std::string& field,
+                         GltfSplats& splats) const {
     splats.sh_degree = highest_degree(primitive);
     std::size_t slot = 0;
     for (int degree = 0; degree <= splats.sh_degree; ++degree) {

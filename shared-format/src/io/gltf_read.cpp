@@ -28,7 +28,7 @@ constexpr std::size_t kFileBytesPerSplat = 8;
 // Compressed by SPZ, it may be more: the bounds of spz.h, over all meshes of the file.
 constexpr std::size_t kAlwaysAllowed = std::size_t(1) << 20, kCompressedPerFileByte = 2;
 // And time: compressed meshes are decoded for each node that shows them.
-constexpr std::size_t kMostDecoding = 8;
+constexpr std::size_t kMaxDecoding = 8;
 
 template <class T>
 float load(const std::byte* at, bool normalized) {
@@ -64,12 +64,12 @@ glm::vec3 vec3(const GltfAttribute& a, std::size_t i) {
 struct Placement {
   const GltfTransform& node;
   double log_scale;
-  math::ShRotation harmonics;
+  math::ShRotation sh;
 
   explicit Placement(const GltfTransform& transform)
       : node(transform), log_scale(std::log(transform.scale)) {
     const glm::dmat3 r = glm::mat3_cast(transform.rotation);  // r[column][row]
-    harmonics = math::make_sh_rotation(
+    sh = math::make_sh_rotation(
         {{r[0][0], r[1][0], r[2][0]}, {r[0][1], r[1][1], r[2][1]}, {r[0][2], r[1][2], r[2][2]}});
   }
 };
@@ -97,7 +97,7 @@ void place_splat(const Placement& place, int sh_degree, SplatValues& splat) {
     for (int c = 0; c < 3; ++c) {
       splat.log_scale[c] = static_cast<float>(double{splat.log_scale[c]} + place.log_scale);
     }
-    math::rotate_sh(place.harmonics, sh_degree, splat.sh_rest.data());
+    math::rotate_sh(place.sh, sh_degree, splat.sh_rest.data());
   }
   splat.position = turn_position(splat.position);
   splat.rotation = turn_from_gltf(splat.rotation);
@@ -161,8 +161,8 @@ Expected<void> read_instance(const GltfInstance& instance, const std::string& na
 // every node that shows them, which may take seconds: they belong to scenes of one primitive.
 Expected<std::size_t> count_splats(const std::vector<GltfInstance>& instances, std::size_t file,
                                    const std::string& name) {
-  const std::size_t most_plain = file / kFileBytesPerSplat;
-  const std::size_t most_compressed = std::max(kAlwaysAllowed, kCompressedPerFileByte * file);
+  const std::size_t max_plain = file / kFileBytesPerSplat;
+  const std::size_t max_compressed = std::max(kAlwaysAllowed, kCompressedPerFileByte * file);
   std::size_t plain = 0, compressed = 0, decoded = 0;
   for (const GltfInstance& instance : instances) {
     const GltfSplats& splats = instance.splats;
@@ -173,13 +173,13 @@ Expected<std::size_t> count_splats(const std::vector<GltfInstance>& instances, s
     // Every count has 32 bits or is at most the size of the file, and there are at most 65,536.
     (splats.compression == GltfCompression::none ? plain : compressed) += splats.count;
     decoded += splats.compressed.size();
-    if (plain <= most_plain && compressed <= most_compressed && decoded <= kMostDecoding * file) {
+    if (plain <= max_plain && compressed <= max_compressed && decoded <= kMaxDecoding * file) {
       continue;
     }
     return fail(name, "nodes",
                 fmt::format("show more splats by repeating meshes than a file of {} bytes may: {}, "
                             "compressed {}, decoding {} bytes",
-                            file, most_plain, most_compressed, kMostDecoding * file));
+                            file, max_plain, max_compressed, kMaxDecoding * file));
   }
   return plain + compressed;
 }

@@ -81,11 +81,11 @@ Expected<Announced> announced(const std::string& format, std::span<const std::by
 }
 
 SceneEstimate estimate_of(const std::string& format, const Announced& found) {
-  constexpr std::uint64_t kMost = std::uint64_t{1} << 40;  // beyond, nobody has the memory
+  constexpr std::uint64_t kMax = std::uint64_t{1} << 40;  // beyond, nobody has the memory
   return {.format = format,
           .splats = found.splats,
           .sh_degree = found.sh_degree,
-          .decoded = splat_memory_bytes(std::min(found.splats, kMost), found.sh_degree)};
+          .decoded = splat_memory_bytes(std::min(found.splats, kMax), found.sh_degree)};
 }
 
 }  // namespace

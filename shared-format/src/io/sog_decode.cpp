@@ -26,7 +26,7 @@ class SogDecoder {
 
   Expected<SplatCloud> decode() {
     for (const auto step : {&SogDecoder::positions, &SogDecoder::rotations, &SogDecoder::scales,
-                            &SogDecoder::colours, &SogDecoder::harmonics}) {
+                            &SogDecoder::colours, &SogDecoder::sh}) {
       if (auto done = (this->*step)(); !done) return std::unexpected(done.error());
     }
     return std::move(cloud_);
@@ -72,7 +72,7 @@ class SogDecoder {
     if (!low_bytes) return std::unexpected(low_bytes.error());
     const auto high_bytes = read(meta_.means[1]);
     if (!high_bytes) return std::unexpected(high_bytes.error());
-    const std::size_t most = most_sog_splats(low_bytes->size() + high_bytes->size());
+    const std::size_t most = max_sog_splats(low_bytes->size() + high_bytes->size());
     if (meta_.count > most) {
       return bad(
           meta_.means[0],
@@ -152,11 +152,11 @@ class SogDecoder {
   }
 
   // Section 3.5.
-  Expected<void> harmonics() {
-    if (!meta_.harmonics) return {};
-    const auto palette = load_palette(*meta_.harmonics);
+  Expected<void> sh() {
+    if (!meta_.sh) return {};
+    const auto palette = load_palette(*meta_.sh);
     if (!palette) return std::unexpected(palette.error());
-    const auto labels = load(meta_.harmonics->labels);
+    const auto labels = load(meta_.sh->labels);
     if (!labels) return std::unexpected(labels.error());
     const auto rest = static_cast<std::size_t>(sh_rest_count(cloud_.sh_degree));
     const std::size_t entries = palette->size() / rest;
@@ -164,7 +164,7 @@ class SogDecoder {
     for (std::size_t i = 0; i < meta_.count; ++i) {
       const std::size_t label = (*labels)(i, 0) + std::size_t(256) * (*labels)(i, 1);
       if (label >= entries) {
-        return bad(meta_.harmonics->labels,
+        return bad(meta_.sh->labels,
                    fmt::format("pixel {} has the label {}, but the palette has {} entries", i,
                                label, entries));
       }
@@ -176,47 +176,43 @@ class SogDecoder {
 
   // The entries one after the other; sets the degree of the cloud. The image has 64 entries in a
   // row, so that row after row they are one after the other, too.
-  Expected<std::vector<glm::vec3>> load_palette(const SogHarmonics& harmonics) {
-    const auto bytes = read(harmonics.centroids);
+  Expected<std::vector<glm::vec3>> load_palette(const SogSh& sh) {
+    const auto bytes = read(sh.centroids);
     if (!bytes) return std::unexpected(bytes.error());
     const std::size_t widest = kPaletteRow * static_cast<std::size_t>(sh_rest_count(3));
-    const auto image =
-        decode_webp(*bytes, 1, widest * kPaletteRows, name_, folder_ + harmonics.centroids);
+    const auto image = decode_webp(*bytes, 1, widest * kPaletteRows, name_, folder_ + sh.centroids);
     if (!image) return std::unexpected(image.error());
-    const auto degree = palette_degree(*image, harmonics);
+    const auto degree = palette_degree(*image, sh);
     if (!degree) return std::unexpected(degree.error());
     cloud_.sh_degree = *degree;
     const auto rest = static_cast<std::size_t>(sh_rest_count(*degree));
-    const std::size_t held = kPaletteRow * image->height, entries = harmonics.count.value_or(held);
+    const std::size_t held = kPaletteRow * image->height, entries = sh.count.value_or(held);
     if (entries > held) {
-      return bad(harmonics.centroids, fmt::format("holds {} entries; expected {}", held, entries));
+      return bad(sh.centroids, fmt::format("holds {} entries; expected {}", held, entries));
     }
     std::vector<glm::vec3> palette(entries * rest);
     for (std::size_t c = 0; c < 3; ++c) {
-      if (auto ok = check_bytes(*image, palette.size(), c, harmonics.table, harmonics.centroids);
-          !ok) {
+      if (auto ok = check_bytes(*image, palette.size(), c, sh.table, sh.centroids); !ok) {
         return std::unexpected(ok.error());
       }
       for (std::size_t i = 0; i < palette.size(); ++i) {
-        palette[i][static_cast<int>(c)] = harmonics.table.values[(*image)(i, c)];
+        palette[i][static_cast<int>(c)] = sh.table.values[(*image)(i, c)];
       }
     }
     return palette;
   }
 
-  Expected<int> palette_degree(const RgbaImage& image, const SogHarmonics& harmonics) const {
+  Expected<int> palette_degree(const RgbaImage& image, const SogSh& sh) const {
     for (int degree = 1; degree <= 3; ++degree) {
-      if (harmonics.degree.value_or(degree) != degree) continue;
+      if (sh.degree.value_or(degree) != degree) continue;
       if (image.width == kPaletteRow * static_cast<std::size_t>(sh_rest_count(degree))) {
         return degree;
       }
     }
     const std::string wanted =
-        harmonics.degree ? fmt::format("{} for degree {}", 64 * sh_rest_count(*harmonics.degree),
-                                       *harmonics.degree)
-                         : "192, 512 or 960";
-    return bad(harmonics.centroids,
-               fmt::format("is {} pixels wide; expected {}", image.width, wanted));
+        sh.degree ? fmt::format("{} for degree {}", 64 * sh_rest_count(*sh.degree), *sh.degree)
+                  : "192, 512 or 960";
+    return bad(sh.centroids, fmt::format("is {} pixels wide; expected {}", image.width, wanted));
   }
 
   const SogMeta& meta_;

@@ -46,8 +46,8 @@ class MetaReader {
   }
 
   double number(const json& value, const std::string& where) {
-    constexpr double kMost = std::numeric_limits<float>::max();
-    if (value.is_number() && std::abs(value.get<double>()) <= kMost) return value.get<double>();
+    constexpr double kMax = std::numeric_limits<float>::max();
+    if (value.is_number() && std::abs(value.get<double>()) <= kMax) return value.get<double>();
     bad(where, fmt::format("{}; expected a number", found(value)));
     return 0;
   }
@@ -136,9 +136,9 @@ SogMeta read_common(MetaReader& read, const json& root) {
   meta.quats_image = read.file("quats", 0);
   meta.sh0_image = read.file("sh0", 0);
   if (!member(root, "shN").is_null()) {
-    meta.harmonics.emplace();
-    meta.harmonics->centroids = read.file("shN", 0);
-    meta.harmonics->labels = read.file("shN", 1);
+    meta.sh.emplace();
+    meta.sh->centroids = read.file("shN", 0);
+    meta.sh->labels = read.file("shN", 1);
   }
   return meta;
 }
@@ -148,16 +148,16 @@ void read_version2(MetaReader& read, const json& root, SogMeta& meta) {
   meta.scales.fill(read.codebook("scales"));
   meta.sh0.fill(read.codebook("sh0"));
   meta.sh0[3] = logits();
-  if (!meta.harmonics) return;
-  SogHarmonics& harmonics = *meta.harmonics;
-  harmonics.table = read.codebook("shN");
+  if (!meta.sh) return;
+  SogSh& sh = *meta.sh;
+  sh.table = read.codebook("shN");
   if (const json& count = read.at("shN", "count"); !count.is_null()) {
-    harmonics.count = read.whole(count, "shN.count", kMaxPalette);
+    sh.count = read.whole(count, "shN.count", kMaxPalette);
   }
   if (const json& bands = read.at("shN", "bands"); !bands.is_null()) {
-    harmonics.degree = static_cast<int>(read.whole(bands, "shN.bands", 3));
+    sh.degree = static_cast<int>(read.whole(bands, "shN.bands", 3));
   }
-  if (harmonics.degree == 0) meta.harmonics.reset();
+  if (sh.degree == 0) meta.sh.reset();
 }
 
 // As PlayCanvas' converter reads it: 256 even steps of a range for each channel, opacities already
@@ -171,9 +171,9 @@ void read_version1(MetaReader& read, SogMeta& meta) {
   for (std::size_t c = 0; c < 3; ++c) meta.scales[c] = steps(scale_low[c], scale_high[c]);
   const auto sh0_low = read.numbers("sh0", "mins", 4), sh0_high = read.numbers("sh0", "maxs", 4);
   for (std::size_t c = 0; c < 4; ++c) meta.sh0[c] = steps(sh0_low[c], sh0_high[c]);
-  if (!meta.harmonics) return;
-  meta.harmonics->table = steps(read.number(read.at("shN", "mins"), "shN.mins"),
-                                read.number(read.at("shN", "maxs"), "shN.maxs"));
+  if (!meta.sh) return;
+  meta.sh->table = steps(read.number(read.at("shN", "mins"), "shN.mins"),
+                         read.number(read.at("shN", "maxs"), "shN.maxs"));
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ struct SogTable {
 };
 
 /// Coefficients of degrees 1 to 3: a palette, and for each splat an index into it.
-struct SogHarmonics {
+struct SogSh {
   std::optional<std::size_t>
       count;                  ///< entries of the palette; without: as many as its image holds
   std::optional<int> degree;  ///< without: as the width of the palette's image says
@@ -37,7 +37,7 @@ struct SogMeta {
   std::array<SogTable, 3> scales;       ///< natural logarithms
   std::array<SogTable, 4> sh0;          ///< red, green, blue coefficient; logit of the opacity
   std::string scales_image, quats_image, sh0_image;
-  std::optional<SogHarmonics> harmonics;
+  std::optional<SogSh> sh;
 };
 
 /// Version 2, or version 1, which has no `version` and ranges instead of codebooks. `field` names

@@ -91,10 +91,10 @@ Expected<SogMeta> archive_meta(const NamedFiles& files, std::size_t bytes,
   const auto json = files(kMetaFile, kMaxJsonText);
   if (!json) return std::unexpected(json.error());
   auto meta = meta_from(*json, kMetaFile, name);
-  if (meta && meta->count > most_sog_splats(bytes))
+  if (meta && meta->count > max_sog_splats(bytes))
     return fail(name, kMetaFile,
                 fmt::format("announces {} splats; an archive of {} bytes has at most {}",
-                            meta->count, bytes, most_sog_splats(bytes)));
+                            meta->count, bytes, max_sog_splats(bytes)));
   return meta;
 }
 
@@ -184,7 +184,7 @@ Expected<std::pair<std::size_t, int>> announced_by_sog(std::span<const std::byte
     if (!archive) return std::unexpected(archive.error());
     const auto meta = archive_meta(reader_of(*archive), bytes.size(), name);
     if (!meta) return std::unexpected(meta.error());
-    return std::pair(meta->count, meta->harmonics ? meta->harmonics->degree.value_or(3) : 0);
+    return std::pair(meta->count, meta->sh ? meta->sh->degree.value_or(3) : 0);
   });
 }
 

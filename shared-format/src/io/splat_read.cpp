@@ -29,12 +29,11 @@ glm::quat rotation_of(const SplatRecord& record) {
 
 bool is_plausible(const SplatRecord& record) {
   // Far beyond any scene, yet below what letters make when taken for a float (10¹⁰ and more).
-  constexpr float kMost = 1e9f;
+  constexpr float kMax = 1e9f;
   const bool near = std::ranges::all_of(record.position, [](float p) {
-    return std::abs(p) <= kMost;  // false for NaN
+    return std::abs(p) <= kMax;  // false for NaN
   });
-  const bool sized =
-      std::ranges::all_of(record.scale, [](float s) { return s >= 0 && s <= kMost; });
+  const bool sized = std::ranges::all_of(record.scale, [](float s) { return s >= 0 && s <= kMax; });
   // Digits and spaces make lengths of 1.1 and more, zeros 2.
   const double length = glm::length(rotation_of(record));
   return near && sized && std::abs(length - 1) <= kSplatLengthTolerance;

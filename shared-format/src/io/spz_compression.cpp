@@ -26,15 +26,15 @@ class Pieces {
   }
 
   void refill() {
-    constexpr std::size_t kMost = std::numeric_limits<uInt>::max();
+    constexpr std::size_t kMax = std::numeric_limits<uInt>::max();
     if (stream_.avail_in == 0) {
       stream_.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(input_.data()));
-      stream_.avail_in = static_cast<uInt>(std::min(input_.size(), kMost));
+      stream_.avail_in = static_cast<uInt>(std::min(input_.size(), kMax));
       input_ = input_.subspan(stream_.avail_in);
     }
     if (stream_.avail_out == 0) {
       stream_.next_out = reinterpret_cast<Bytef*>(out_.data());
-      stream_.avail_out = static_cast<uInt>(std::min(out_.size(), kMost));
+      stream_.avail_out = static_cast<uInt>(std::min(out_.size(), kMax));
       out_ = out_.subspan(stream_.avail_out);
     }
   }

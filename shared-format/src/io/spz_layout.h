@@ -30,7 +30,7 @@ enum SpzAttribute : std::size_t {
   kSpzColours,
   kSpzScales,
   kSpzRotations,
-  kSpzHarmonics,
+  kSpzSh,
   kSpzAttributes
 };
 
@@ -58,9 +58,9 @@ inline constexpr glm::vec3 kRightUpBack{1, -1, -1};
 
 /// What flipping axes does to a splat: mirrored twice, a rotation stays one.
 struct AxisFlip {
-  glm::vec3 position;               ///< ±1 for each axis
-  glm::vec3 rotation;               ///< for x, y, z of the quaternion; w stays
-  std::array<float, 15> harmonics;  ///< parity of the basis functions from degree 1
+  glm::vec3 position;        ///< ±1 for each axis
+  glm::vec3 rotation;        ///< for x, y, z of the quaternion; w stays
+  std::array<float, 15> sh;  ///< parity of the basis functions from degree 1
 };
 
 inline AxisFlip make_axis_flip(const glm::vec3& s) {

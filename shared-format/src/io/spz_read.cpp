@@ -77,7 +77,7 @@ AttributeBits bits_of(const SpzHeader& header) {
                        {"rotation", bits(kSpzRotations)},
                        {"opacity", bits(kSpzAlphas)},
                        {"sh_dc", bits(kSpzColours)}};
-  if (header.sh_degree > 0) result["sh_rest"] = bits(kSpzHarmonics);
+  if (header.sh_degree > 0) result["sh_rest"] = bits(kSpzSh);
   return result;
 }
 
@@ -103,11 +103,11 @@ void read_spz_splat(const SpzPacked& packed, std::size_t i, const AxisFlip& flip
       header.version >= 3 ? smallest_three(at(kSpzRotations)) : first_three(at(kSpzRotations));
   splat.rotation =
       glm::quat(q.w, q.x * flip.rotation.x, q.y * flip.rotation.y, q.z * flip.rotation.z);
-  const std::byte* sh = at(kSpzHarmonics);
-  for (std::size_t k = 0; k < bytes[kSpzHarmonics] / 3; ++k, sh += 3) {
+  const std::byte* sh = at(kSpzSh);
+  for (std::size_t k = 0; k < bytes[kSpzSh] / 3; ++k, sh += 3) {
     splat.sh_rest[k] =
         glm::vec3(byte_value(sh[0]) - 128, byte_value(sh[1]) - 128, byte_value(sh[2]) - 128) *
-        (flip.harmonics[k] / 128);
+        (flip.sh[k] / 128);
   }
 }
 

@@ -16,8 +16,8 @@ namespace {
 
 using namespace io;
 
-constexpr double kMostPosition = (1 << 23) - 1;
-constexpr int kMostFractionalBits = 23;
+constexpr double kMaxPosition = (1 << 23) - 1;
+constexpr int kMaxFractionalBits = 23;
 
 Expected<void> check_options(const SpzOptions& options, const std::string& name) {
   const auto outside = [&](const char* what, int value, int least, int most) {
@@ -25,8 +25,8 @@ Expected<void> check_options(const SpzOptions& options, const std::string& name)
   };
   if (options.version != 3 && options.version != 4)
     return outside("version", options.version, 3, 4);
-  if (options.fractional_bits < 0 || options.fractional_bits > kMostFractionalBits) {
-    return outside("fractional_bits", options.fractional_bits, 0, kMostFractionalBits);
+  if (options.fractional_bits < 0 || options.fractional_bits > kMaxFractionalBits) {
+    return outside("fractional_bits", options.fractional_bits, 0, kMaxFractionalBits);
   }
   for (const auto& [what, bits] :
        {std::pair("sh1_bits", options.sh1_bits), std::pair("sh_rest_bits", options.sh_rest_bits)}) {
@@ -42,11 +42,11 @@ Expected<int> choose_fractional_bits(const SplatCloud& cloud, int wanted, const 
     for (int c = 0; c < 3; ++c) farthest = std::max(farthest, std::abs(double{p[c]}));
   }
   int bits = wanted;
-  while (bits > 0 && std::round(std::ldexp(farthest, bits)) > kMostPosition) --bits;
-  if (std::round(farthest) <= kMostPosition) return bits;
+  while (bits > 0 && std::round(std::ldexp(farthest, bits)) > kMaxPosition) --bits;
+  if (std::round(farthest) <= kMaxPosition) return bits;
   return fail(
       name, "positions",
-      fmt::format("reach {} from the origin; SPZ holds at most {}", farthest, kMostPosition));
+      fmt::format("reach {} from the origin; SPZ holds at most {}", farthest, kMaxPosition));
 }
 
 std::byte to_byte(double value) {
@@ -85,7 +85,7 @@ void put_rotation(const glm::quat& rotation, const AxisFlip& flip, std::byte* ou
 }
 
 // A value of -1…1 in 256 steps, rounded so that only `bits` of its 8 bits vary.
-std::byte harmonic(float value, int bits) {
+std::byte sh(float value, int bits) {
   const double step = 1 << (8 - bits);
   return to_byte(128 + step * std::round(double{value} * 128 / step));
 }
@@ -111,9 +111,9 @@ void pack(const SplatCloud& cloud, const SpzOptions& options, int fractional_bit
       to[kSpzScales][at] =
           to_byte((double{cloud.log_scales[i][c]} - kSpzLeastLogScale) * kSpzLogScaleSteps);
       for (std::size_t k = 0; k < rest; ++k) {
-        to[kSpzHarmonics][3 * (i * rest + k) + static_cast<std::size_t>(c)] =
-            harmonic(cloud.sh_rest[i * rest + k][c] * flip.harmonics[k],
-                     k < 3 ? options.sh1_bits : options.sh_rest_bits);
+        to[kSpzSh][3 * (i * rest + k) + static_cast<std::size_t>(c)] =
+            sh(cloud.sh_rest[i * rest + k][c] * flip.sh[k],
+               k < 3 ? options.sh1_bits : options.sh_rest_bits);
       }
     }
   }

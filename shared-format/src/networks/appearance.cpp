@@ -14,7 +14,7 @@
 namespace fluxgs::networks {
 namespace {
 
-constexpr float kLeastDeviation = 1e-6f;
+constexpr float kMinDeviation = 1e-6f;
 constexpr std::size_t kSh = kShColumns, kEnergy = kEnergyColumns;
 
 float limited(double value) {
@@ -52,7 +52,7 @@ struct Spread {
   double mean() const { return count == 0 ? 0 : sum / count; }
   double deviation() const {
     const double variance = count == 0 ? 1 : squares / count - mean() * mean();
-    return std::max(std::sqrt(std::max(variance, 0.0)), double{kLeastDeviation});
+    return std::max(std::sqrt(std::max(variance, 0.0)), double{kMinDeviation});
   }
 };
 
@@ -71,7 +71,7 @@ Expected<void> check_normalisation(const Normalisation& n, const Place& place) {
       !finite(n.log_scale_mean) || !std::ranges::all_of(n.sh_mean, finite)) {
     return fail(place, "a centre or mean is not finite");
   }
-  const auto wide = [](float v) { return std::isfinite(v) && v >= kLeastDeviation; };
+  const auto wide = [](float v) { return std::isfinite(v) && v >= kMinDeviation; };
   if (!wide(n.extent) || !wide(n.log_scale_deviation) ||
       !std::ranges::all_of(n.sh_deviation, wide)) {
     return fail(place, "its extent and deviations must be at least 1e-6");
@@ -211,7 +211,7 @@ Normalisation measure_normalisation(const SplatCloud& cloud) {
   for (const glm::vec3& p : cloud.positions) {
     distances.push_back(glm::length(glm::dvec3(p) - glm::dvec3(n.center)));
   }
-  n.extent = static_cast<float>(std::max(quantile(distances, 0.9), double{kLeastDeviation}));
+  n.extent = static_cast<float>(std::max(quantile(distances, 0.9), double{kMinDeviation}));
   Spread scale;
   std::array<Spread, kSh> sh;
   for (std::size_t i = 0; i < cloud.size(); ++i) {

@@ -57,12 +57,12 @@ class MemoryTest : ViewerScreen() {
         assertEquals(800_000L, session.state()!!.stats.splats)
     }
 
-    /** As large as a phone's screen, whose picture takes more than the scene. */
+    /** As large as a phone's screen, whose image takes more than the scene. */
     private fun openOnAPhone(): Stats {
         memory(2L shl 30)
         openAndDraw()
         giveSurface(activity.view(R.id.surface) as SceneSurface, 1080, 2340)
-        until("the picture has its size") { session.state()!!.stats.width == 1080 }
+        until("the image has its size") { session.state()!!.stats.width == 1080 }
         return session.state()!!.stats
     }
 
@@ -72,7 +72,7 @@ class MemoryTest : ViewerScreen() {
         assertTrue("$less", less.memory <= before.memory * 3 / 4)
         assertEquals("pixels go last", 1080, less.width)
         assertEquals("splats are little here", before.splats, less.shown)
-        assertTrue("there is a picture", spread(settled()) > 100)
+        assertTrue("there is an image", spread(settled()) > 100)
         assertEquals(context.getString(R.string.memory_short), ShadowToast.getTextOfLatestToast())
         until("the numbers say so") { context.getString(R.string.hud_memory) in activity.text(R.id.hud) }
     }
@@ -83,7 +83,7 @@ class MemoryTest : ViewerScreen() {
     }
 
     @Test
-    fun whenTheSystemWantsMemoryThePictureGetsLessUntilThereIsRoom() {
+    fun whenTheSystemWantsMemoryTheImageGetsLessUntilThereIsRoom() {
         val before = openOnAPhone()
         assertFalse(before.reduced)
         @Suppress("DEPRECATION")
@@ -141,7 +141,7 @@ class MemoryTest : ViewerScreen() {
         val splats = session.state()!!.stats.shown
         controller!!.pause().stop()
         until("it is given back") { session.state()!!.stats.memory == 0L }
-        assertNull("there is nothing to see", session.picture())
+        assertNull("there is nothing to see", session.image())
         controller!!.restart().start().resume()
         until("it is drawn with again") { session.state()!!.stats.memory > 0 }
         assertTrue(psnr(before, settled()) > 45)

@@ -41,7 +41,7 @@ class NativeTest {
             assertThrows(IllegalStateException::class.java) { Native.state(session) }
             assertThrows(IllegalStateException::class.java) { Native.destroy(session) }
             assertThrows(IllegalStateException::class.java) { Native.frame(session, 0) }
-            assertThrows(IllegalStateException::class.java) { Native.picture(session, 0, 0) }
+            assertThrows(IllegalStateException::class.java) { Native.image(session, 0, 0) }
             assertThrows(IllegalStateException::class.java) { Native.surfaceDestroyed(session) }
         }
     }
@@ -75,7 +75,7 @@ class NativeTest {
         repeat(5) { Native.frame(session, it * 16_000_000L) }
         until("nothing is there to be drawn") { !Native.frame(session, 99 * 16_000_000L) }
         JSONObject(Native.state(session))
-        assertNull(Native.picture(session, -3, 0))
+        assertNull(Native.image(session, -3, 0))
         assertEquals("", Native.driver(session))
     }
 

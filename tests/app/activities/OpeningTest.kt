@@ -24,9 +24,9 @@ class OpeningTest : ViewerScreen() {
     @Test
     fun theSampleIsDrawnAsTheDesktopDrawsIt() {
         openAndDraw()
-        val picture = settled()
-        keep(picture, "sample-scene")
-        val found = psnr(picture, pictureOf("sample.png"))
+        val image = settled()
+        keep(image, "sample-scene")
+        val found = psnr(image, imageOf("sample.png"))
         assertTrue("$found dB", found > 45)
         assertEquals(0, session.state()!!.dropped)
     }

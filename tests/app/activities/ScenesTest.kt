@@ -74,10 +74,10 @@ class ScenesTest {
     private fun name(position: Int): String =
         grid.getChildAt(position).findViewById<TextView>(R.id.name).text.toString()
 
-    private fun remember(name: String, picture: String): Uri {
+    private fun remember(name: String, image: String): Uri {
         val uri = Documents.uri(name)
         val place = DoubleArray(12) { it.toDouble() }
-        Recents(context).remember(uri, name, 1_500_000, 123_456, place, pictureOf(picture))
+        Recents(context).remember(uri, name, 1_500_000, 123_456, place, imageOf(image))
         return uri
     }
 
@@ -93,17 +93,17 @@ class ScenesTest {
     }
 
     @Test
-    fun scenesThatWereOpenedComeWithTheirPicturesTheNewestFirst() {
+    fun scenesThatWereOpenedComeWithTheirImagesTheNewestFirst() {
         remember("corner.glb", "shown_corner.png")
         val uri = remember("marbles.ply", "shown_marbles.png")
         Recents(context).remember(
-            Scene.SAMPLE, "Sample scene", 282_968, 28_842, null, pictureOf("sample.png"),
+            Scene.SAMPLE, "Sample scene", 282_968, 28_842, null, imageOf("sample.png"),
         )
         open()
         assertEquals(3, grid.adapter.count)
         assertEquals("marbles.ply", name(1))
         assertEquals("corner.glb", name(2))
-        assertNotNull(grid.getChildAt(1).findViewById<ImageView>(R.id.picture).drawable)
+        assertNotNull(grid.getChildAt(1).findViewById<ImageView>(R.id.image).drawable)
         assertTrue(grid.getChildAt(1).contentDescription.startsWith("marbles.ply, "))
         keep(screenOf(activity, null), "scenes")
         tap(1)

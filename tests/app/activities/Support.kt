@@ -32,10 +32,10 @@ import org.robolectric.annotation.RealObject
 import org.robolectric.shadows.ShadowChoreographer
 import org.robolectric.shadows.ShadowParcelFileDescriptor
 
-/** What tests/app/activities/run has made: scenes and pictures of the desktop. */
+/** What tests/app/activities/run has made: scenes and images of the desktop. */
 internal val material = File(System.getProperty("fluxgs.material")!!)
 
-/** Where pictures of the screens are left. */
+/** Where images of the screens are left. */
 internal val screens = File(System.getProperty("fluxgs.screens")!!)
 
 /** Lets the main thread do what it has to for some milliseconds of its clock, and others work. */
@@ -110,9 +110,9 @@ internal fun keep(screen: Bitmap, name: String) {
     File(screens, "$name.png").outputStream().use { screen.compress(Bitmap.CompressFormat.PNG, 100, it) }
 }
 
-internal fun pictureOf(name: String): Bitmap = BitmapFactory.decodeFile(File(material, name).path)
+internal fun imageOf(name: String): Bitmap = BitmapFactory.decodeFile(File(material, name).path)
 
-/** Peak signal-to-noise ratio of 8-bit colours, dB; 99 for the same picture. */
+/** Peak signal-to-noise ratio of 8-bit colours, dB; 99 for the same image. */
 internal fun psnr(a: Bitmap, b: Bitmap): Double {
     require(a.width == b.width && a.height == b.height) {
         "${a.width}x${a.height} is not ${b.width}x${b.height}"
@@ -130,12 +130,12 @@ internal fun psnr(a: Bitmap, b: Bitmap): Double {
     else 10 * log10(255.0 * 255.0 * 3 * a.width * a.height / squares)
 }
 
-/** How different the colours of a picture are: 0 for a plain one. */
-internal fun spread(picture: Bitmap): Int {
+/** How different the colours of an image are: 0 for a plain one. */
+internal fun spread(image: Bitmap): Int {
     var low = 255
     var high = 0
-    for (y in 0 until picture.height step 7) for (x in 0 until picture.width step 7) {
-        val green = picture.getPixel(x, y) shr 8 and 255
+    for (y in 0 until image.height step 7) for (x in 0 until image.width step 7) {
+        val green = image.getPixel(x, y) shr 8 and 255
         low = minOf(low, green)
         high = maxOf(high, green)
     }

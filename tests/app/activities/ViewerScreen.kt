@@ -62,8 +62,8 @@ abstract class ViewerScreen {
     /** Once no other frame is wanted. */
     protected fun settled(): Bitmap {
         val surface = activity.view(R.id.surface) as SceneSurface
-        until("the picture is still") { !surface.isAwake }
-        return session.picture()!!
+        until("the image is still") { !surface.isAwake }
+        return session.image()!!
     }
 
     protected var touched = 0L

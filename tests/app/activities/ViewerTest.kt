@@ -69,11 +69,11 @@ class ViewerTest : ViewerScreen() {
         val after = session.place()!!
         val distance = 7 // of a place's numbers
         assertTrue("nearer", after[distance] < 0.8 * before[distance])
-        assertTrue(spread(session.picture()!!) > 100)
+        assertTrue(spread(session.image()!!) > 100)
     }
 
     @Test
-    fun flipTurnsThePictureUpsideDown() {
+    fun flipTurnsTheImageUpsideDown() {
         openAndDraw()
         val before = settled()
         press(R.id.flip)
@@ -142,7 +142,7 @@ class ViewerTest : ViewerScreen() {
         keepDialog(dialog.window!!.decorView)
         dialog.findViewById<android.widget.Spinner>(R.id.degree).setSelection(0)
         pump()
-        assertTrue("fewer harmonics", psnr(before, settled()) < 45)
+        assertTrue("fewer SH coefficients", psnr(before, settled()) < 45)
         dialog.findViewById<android.widget.Spinner>(R.id.budget).setSelection(4)
         dialog.findViewById<android.widget.Switch>(R.id.hud).isChecked = false
         pump(300)
@@ -161,9 +161,9 @@ class ViewerTest : ViewerScreen() {
             View.MeasureSpec.makeMeasureSpec(900, View.MeasureSpec.AT_MOST),
         )
         decor.layout(0, 0, decor.measuredWidth, decor.measuredHeight)
-        val picture = Bitmap.createBitmap(decor.width, decor.height, Bitmap.Config.ARGB_8888)
-        decor.draw(android.graphics.Canvas(picture))
-        keep(picture, "settings")
+        val image = Bitmap.createBitmap(decor.width, decor.height, Bitmap.Config.ARGB_8888)
+        decor.draw(android.graphics.Canvas(image))
+        keep(image, "settings")
     }
 
     @Test
@@ -178,22 +178,22 @@ class ViewerTest : ViewerScreen() {
     @Test
     fun aScreenshotGoesToTheGallery() {
         openAndDraw()
-        val picture = settled()
+        val image = settled()
         press(R.id.screenshot)
-        if (Build.VERSION.SDK_INT < 29) return isShared(picture)
+        if (Build.VERSION.SDK_INT < 29) return isShared(image)
         val saved = context.getString(R.string.screenshot_saved)
         until("it is saved") { ShadowToast.getTextOfLatestToast() == saved }
     }
 
     /** Android before 10 would ask for a permission. */
-    private fun isShared(picture: Bitmap) {
+    private fun isShared(image: Bitmap) {
         @Suppress("DEPRECATION")
         val send = started().getParcelableExtra<Intent>(Intent.EXTRA_INTENT)!!
         assertEquals("image/png", send.type)
         @Suppress("DEPRECATION")
         val uri = send.getParcelableExtra<Uri>(Intent.EXTRA_STREAM)!!
         val shared = context.contentResolver.openInputStream(uri)!!.use(BitmapFactory::decodeStream)
-        assertTrue(psnr(picture, shared) > 60)
+        assertTrue(psnr(image, shared) > 60)
     }
 
     @Test
@@ -361,16 +361,16 @@ class ViewerTest : ViewerScreen() {
     // Life
 
     @Test
-    fun aSceneThatWasLookedAtIsRememberedWithItsPicture() {
+    fun aSceneThatWasLookedAtIsRememberedWithItsImage() {
         openAndDraw()
         drag(320f to 240f, 380f to 240f)
         settled()
         val place = session.place()!!
         controller!!.pause()
-        Background.start {}.get() // where the picture is taken
+        Background.start {}.get() // where the image is taken
         val recent = Recents(context).find(Scene.SAMPLE)!!
         assertEquals(28842L, recent.splats)
-        assertNotNull(Recents(context).picture(recent))
+        assertNotNull(Recents(context).image(recent))
         for (i in place.indices) assertEquals(place[i], recent.place!![i], 1e-9)
         controller!!.resume()
     }
@@ -414,9 +414,9 @@ class ViewerTest : ViewerScreen() {
         controller!!.configurationChange()
         val surface = activity.view(R.id.surface) as SceneSurface
         surface.surfaceChanged(holder, 0, HEIGHT, WIDTH)
-        until("the picture has the other shape") {
+        until("the image has the other shape") {
             pump()
-            session.picture()?.let { it.width == HEIGHT && it.height == WIDTH } == true
+            session.image()?.let { it.width == HEIGHT && it.height == WIDTH } == true
         }
         assertTrue(before === session)
         assertEquals(1, session.state()!!.contexts)
@@ -472,6 +472,6 @@ class ViewerTest : ViewerScreen() {
         gone.frame(1)
         gone.resetView()
         assertEquals(null, gone.state())
-        assertEquals(null, gone.picture())
+        assertEquals(null, gone.image())
     }
 }

@@ -1,4 +1,4 @@
-// One picture of a scene, drawn off the screen from where the scene asks to be looked at: to
+// One image of a scene, drawn off the screen from where the scene asks to be looked at: to
 // compare processors. Usage: render_once SCENE WIDTHxHEIGHT OUT.ppm; says which driver it was.
 #include <algorithm>
 #include <cmath>
@@ -44,13 +44,13 @@ Image<float> draw(const std::string& file, int width, int height) {
   return expect(renderer->read(target));
 }
 
-void write_ppm(const Image<float>& picture, const char* file) {
+void write_ppm(const Image<float>& image, const char* file) {
   std::ofstream out(file, std::ios::binary);
-  out << "P6\n" << picture.width << ' ' << picture.height << "\n255\n";
-  for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x)
+  out << "P6\n" << image.width << ' ' << image.height << "\n255\n";
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
       for (int c = 0; c < 3; ++c)
-        out.put(static_cast<char>(std::lround(255 * std::clamp(picture.at(x, y)[c], 0.0F, 1.0F))));
+        out.put(static_cast<char>(std::lround(255 * std::clamp(image.at(x, y)[c], 0.0F, 1.0F))));
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ FLUXGS_FUZZ_TARGET(compact) {
   const int kind = parameters.byte();
   const int degree = kind % 4;
   const bool has_energy = kind >= 128;
-  const std::size_t count = std::min(asked, codec::most_splats(parameters.rest().size()));
+  const std::size_t count = std::min(asked, codec::max_splats(parameters.rest().size()));
   if (const auto sizes = codec::attribute_bytes(parameters.rest(), degree, has_energy); !sizes) {
     check_error(sizes.error());
   }

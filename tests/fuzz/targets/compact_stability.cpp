@@ -12,7 +12,7 @@
 namespace fluxgs::fuzz {
 namespace {
 
-constexpr std::size_t kMostSplats = 64;
+constexpr std::size_t kMaxSplats = 64;
 
 // The order changes, the attributes by at most their steps; of these only that of the positions is
 // a plain bound (see codec/compact.h).
@@ -47,7 +47,7 @@ void try_compact(SplatCloud cloud) {
 void try_files(const SplatCloud& cloud) {
   const std::size_t splats = cloud.size() - count_non_finite(cloud);
   for (const bool plain : {false, true}) {
-    const CompactOptions options{usual_compact_steps(cloud), plain};
+    const CompactOptions options{default_compact_steps(cloud), plain};
     const auto file = encode_compact_glb(cloud, options, "x");
     if (!file) {
       check_error(file.error());
@@ -64,7 +64,7 @@ void try_files(const SplatCloud& cloud) {
 }  // namespace
 
 FLUXGS_FUZZ_TARGET(compact_stability) {
-  auto cloud = scene_of(input, kMostSplats);
+  auto cloud = scene_of(input, kMaxSplats);
   if (!cloud) return Worth::forget;
   try_files(*cloud);
   try_compact(std::move(*cloud));

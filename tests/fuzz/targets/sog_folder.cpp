@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostFiles = 64;
+constexpr std::size_t kMaxFiles = 64;
 constexpr char kMeta[] = "meta.json", kLodMeta[] = "lod-meta.json";
 
 // The names are as hostile as the contents, and must not reach beyond the folder from here either.
@@ -41,7 +41,7 @@ void clear(const fs::path& folder) {
 FLUXGS_FUZZ_TARGET(sog_folder) {
   static const test::TempFolder folder;
   const Files files = files_of(input);
-  if (files.empty() || files.size() > kMostFiles) return Worth::forget;
+  if (files.empty() || files.size() > kMaxFiles) return Worth::forget;
   clear(folder.path());
   write_files(folder.path(), files);
   const auto lod = files.find(kLodMeta), meta = files.find(kMeta);

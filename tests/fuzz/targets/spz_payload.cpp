@@ -30,11 +30,10 @@ void put(Bytes& out, T value) {
 
 // Stored, which is fastest, with a checksum that is right.
 Bytes gzip(Input input) {
-  constexpr int kGzip = 16 + MAX_WBITS, kStored = 0, kLeastMemory = 1;
+  constexpr int kGzip = 16 + MAX_WBITS, kStored = 0, kMinMemory = 1;
   z_stream stream{};
-  require(
-      deflateInit2(&stream, kStored, Z_DEFLATED, kGzip, kLeastMemory, Z_DEFAULT_STRATEGY) == Z_OK,
-      "zlib starts");
+  require(deflateInit2(&stream, kStored, Z_DEFLATED, kGzip, kMinMemory, Z_DEFAULT_STRATEGY) == Z_OK,
+          "zlib starts");
   Bytes out(deflateBound(&stream, input.size()));
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(input.data()));
   stream.avail_in = static_cast<uInt>(input.size());

@@ -16,7 +16,7 @@
 namespace fluxgs::fuzz {
 namespace {
 
-constexpr std::size_t kMostSplats = 300;  // more show nothing new
+constexpr std::size_t kMaxSplats = 300;  // more show nothing new
 
 /// What may differ between two generations, 0: nothing. Scales: of the logarithm, opacity: 0…1.
 struct Tolerance {
@@ -112,7 +112,7 @@ void try_writer(const SplatCloud& cloud, const Writer& writer) {
 
 FLUXGS_FUZZ_TARGET(stability) {
   static const std::vector<Writer> writers = all_writers();
-  const auto cloud = scene_of(input, kMostSplats);
+  const auto cloud = scene_of(input, kMaxSplats);
   if (!cloud) return Worth::forget;
   for (const Writer& writer : writers) try_writer(*cloud, writer);
   return Worth::keep;

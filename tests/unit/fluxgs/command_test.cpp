@@ -232,7 +232,7 @@ TEST(Command, ConvertSaysWhatAFormatCannotHold) {
   EXPECT_NE(o.err.find("s.splat: a .splat stores spherical harmonics up to degree 0"),
             std::string::npos)
       << o.err;
-  EXPECT_EQ(convert("s.splat", "t.splat").err.find("harmonics"), std::string::npos);
+  EXPECT_EQ(convert("s.splat", "t.splat").err.find("SH coefficients"), std::string::npos);
   expect_error(convert("s.ply", "s.compressed.ply"), {"s.compressed.ply", "not written"});
   const json facts =
       json::parse(fluxgs(fmt::format("info {} --json", quoted(folder / "s.splat"))).out);
@@ -267,7 +267,7 @@ TEST(Command, CompactScenesAreSearchedForAndReportedOn) {
   EXPECT_TRUE(read_scene(folder / "c.glb")->start);
   const Outcome loss = run("--max-loss 35" + data);
   EXPECT_EQ(loss.status, 0) << loss.err;
-  EXPECT_NE(loss.out.find(" dB from the pictures of "), std::string::npos) << loss.err;
+  EXPECT_NE(loss.out.find(" dB from the images of "), std::string::npos) << loss.err;
   EXPECT_EQ(read_scene(folder / "c.glb")->cloud.size(), 500u);
 
   expect_error(run("--max-bytes 100" + data), {"c.glb: size", "expected 100 at most"});
@@ -340,13 +340,13 @@ TEST(Command, InputIsNeverOverwritten) {
                  {"points.ply", "points of the data set"});
   EXPECT_EQ(text_of(own / "points.ply"), points);
 
-  const auto photo = capture_folder() / "test/r_000.png";
-  const std::string pixels = text_of(photo);
+  const auto view = capture_folder() / "test/r_000.png";
+  const std::string pixels = text_of(view);
   expect_error(
       fluxgs(fmt::format("render {} --renderer cpu --data {} --view 0 -o {}",
-                         quoted(folder / "s.ply"), quoted(capture_folder()), quoted(photo))),
-      {"r_000.png", "photo"});
-  EXPECT_EQ(text_of(photo), pixels);
+                         quoted(folder / "s.ply"), quoted(capture_folder()), quoted(view))),
+      {"r_000.png", "image"});
+  EXPECT_EQ(text_of(view), pixels);
 }
 
 TEST(Command, LostOutputIsAnErrorAndLostMessagesAreNot) {
@@ -379,7 +379,7 @@ TEST(Command, NamesFromStrangersStayOnOneLine) {
   EXPECT_EQ(o.err.find('\033'), std::string::npos);
 }
 
-TEST(Command, ResumingOnOtherPhotosIsRefused) {
+TEST(Command, ResumingOnOtherViewsIsRefused) {
   const test::TempFolder folder;
   ASSERT_EQ(fluxgs(train(folder / "a.ply", "--iterations 20 --checkpoint-every 10")).status, 0);
   std::filesystem::copy(capture_folder(), folder / "other",
@@ -483,7 +483,7 @@ TEST(Command, SaysWhichOptionsDoNothing) {
                {"--phi", "--sh-degree"});
 }
 
-// A .splat holds bytes, and no harmonics
+// A .splat holds bytes, and no SH coefficients
 TEST(Command, TheScoreIsThatOfTheFile) {
   const test::TempFolder folder;
   const auto scene = folder / "scene.splat";

@@ -1,4 +1,4 @@
-// Cameras around a scene: a full circle, or the arc that the photos cover.
+// Cameras around a scene: a full circle, or the arc that the images cover.
 #include "tools/fluxgs/orbit.h"
 
 #include <gtest/gtest.h>
@@ -14,18 +14,18 @@ namespace fluxgs::cli {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr PictureSize kSize{64, 48};
+constexpr ImageSize kSize{64, 48};
 
-/// Photos from 3 units around a point that is far from the origin, one unit above it (y is down).
+/// Images from 3 units around a point that is far from the origin, one unit above it (y is down).
 const glm::dvec3 kCenter(100, -20, 7);
 
-std::vector<Photo> photos_at(const std::vector<double>& degrees) {
-  std::vector<Photo> photos;
+std::vector<View> views_at(const std::vector<double>& degrees) {
+  std::vector<View> views;
   for (double d : degrees) {
     const glm::dvec3 arm(3 * std::sin(d * kDegree), -1, -3 * std::cos(d * kDegree));
-    photos.emplace_back().camera = test::camera_at(kCenter + arm, kCenter, 64, 48);
+    views.emplace_back().camera = test::camera_at(kCenter + arm, kCenter, 64, 48);
   }
-  return photos;
+  return views;
 }
 
 double azimuth(const Camera& camera) {
@@ -40,8 +40,8 @@ void expect_seen_in_the_middle(const Camera& camera, const glm::dvec3& point) {
   EXPECT_NEAR(camera.fy * p.y / p.z, 0, 0.5);
 }
 
-TEST(Orbit, GoesAllAroundWherePhotosDo) {
-  const auto cameras = orbit_along(photos_at({0, 45, 90, 135, 180, 225, 270, 315}), 4, kSize);
+TEST(Orbit, GoesAllAroundWhereViewsDo) {
+  const auto cameras = orbit_along(views_at({0, 45, 90, 135, 180, 225, 270, 315}), 4, kSize);
   ASSERT_EQ(cameras.size(), 4u);
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_NEAR(glm::distance(cameras[i].center(), kCenter), std::sqrt(10.0), 0.01);
@@ -52,10 +52,10 @@ TEST(Orbit, GoesAllAroundWherePhotosDo) {
   }
 }
 
-TEST(Orbit, StaysOnTheArcThatThePhotosCover) {
+TEST(Orbit, StaysOnTheArcThatTheViewsCover) {
   for (const double middle : {0.0, 100.0, 180.0, -90.0}) {
-    const auto photos = photos_at({middle + 20, middle - 60, middle, middle + 60, middle - 30});
-    auto cameras = orbit_along(photos, 5, kSize);
+    const auto views = views_at({middle + 20, middle - 60, middle, middle + 60, middle - 30});
+    auto cameras = orbit_along(views, 5, kSize);
     ASSERT_EQ(cameras.size(), 5u);
     std::vector<double> turns;
     for (const Camera& camera : cameras) {
@@ -65,21 +65,21 @@ TEST(Orbit, StaysOnTheArcThatThePhotosCover) {
     if (turns.front() > 0) std::ranges::reverse(turns);
     for (std::size_t i = 0; i < 5; ++i)
       EXPECT_NEAR(turns[i], -54 + 27 * static_cast<double>(i), 1.5) << middle;
-    cameras = orbit_along(photos, 1, kSize);
+    cameras = orbit_along(views, 1, kSize);
     EXPECT_NEAR(std::remainder(azimuth(cameras[0]) - middle, 360.0), 0, 1.5);
   }
 }
 
-TEST(Orbit, PhotosFromOnePlaceGiveFiniteCameras) {
-  std::vector<Photo> photos = photos_at({10});
+TEST(Orbit, ViewsFromOnePlaceGiveFiniteCameras) {
+  std::vector<View> views = views_at({10});
   for (int count : {1, 3})
-    for (const Camera& camera : orbit_along(photos, count, kSize))
+    for (const Camera& camera : orbit_along(views, count, kSize))
       EXPECT_TRUE(std::isfinite(glm::dot(camera.center(), camera.forward())));
   // A panorama: the views leave one place in opposite directions, and so have no common centre
-  photos = photos_at({0, 180});
-  photos[0].camera.translation = photos[0].camera.rotation * -kCenter;
-  photos[1].camera.translation = photos[1].camera.rotation * -kCenter;
-  for (const Camera& camera : orbit_along(photos, 3, kSize))
+  views = views_at({0, 180});
+  views[0].camera.translation = views[0].camera.rotation * -kCenter;
+  views[1].camera.translation = views[1].camera.rotation * -kCenter;
+  for (const Camera& camera : orbit_along(views, 3, kSize))
     EXPECT_TRUE(std::isfinite(glm::dot(camera.center(), camera.forward())));
 }
 

@@ -157,15 +157,15 @@ TEST(SweepTable, SaysWhoMadeTheRunsAndWithHowManyThreads) {
   EXPECT_THAT(sweep_markdown(table), Not(HasSubstr("builds of fluxgs")));
 }
 
-TEST(SweepTable, MarkdownShowsThePicturesOfItsGroups) {
-  const std::string pictures[] = {"presets.png", "presets-curves.png", "parts.png"};
-  const std::string text = sweep_markdown(table_of({finished(30), finished(32)}), pictures);
+TEST(SweepTable, MarkdownShowsTheImagesOfItsGroups) {
+  const std::string images[] = {"presets.png", "presets-curves.png", "parts.png"};
+  const std::string text = sweep_markdown(table_of({finished(30), finished(32)}), images);
   EXPECT_THAT(text, HasSubstr("](presets.png) !["));
   EXPECT_THAT(text, HasSubstr("](presets-curves.png)\n"));
   EXPECT_THAT(text, Not(HasSubstr("parts.png"))) << "of a group that is not there";
 }
 
-TEST(SweepTable, PicturesHaveAPointARowAndBars) {
+TEST(SweepTable, ImagesHaveAPointARowAndBars) {
   SweepTable table = table_of({finished(30), finished(32)});
   table.rows[0].group = table.rows[0].series = "cameras";
   table.rows[0].x = 6;
@@ -467,7 +467,7 @@ TEST(Sweep, RunsOfAnotherReportAreTakenOver) {
   KnownRuns known;
   ASSERT_TRUE(known.add(folder / "reports"));
 
-  // Neither another seed nor photos of another size are the same run
+  // Neither another seed nor images of another size are the same run
   const json meaning = training_meaning(settings.rows[0], settings.common);
   const std::string& hash = first->scenes[0].hash;
   EXPECT_TRUE(settings.known.find(hash, meaning, 1));
@@ -533,22 +533,22 @@ TEST(Sweep, WithoutGlOnlyTheFrameTimeIsMissing) {
   EXPECT_THAT(report.at("notes").dump(), HasSubstr("no frame time: "));
 }
 
-TEST(Flip, OfTheSamePictureIsNothing) {
+TEST(Flip, OfTheSameImageIsNothing) {
   if (const auto there = check_flip(); !there) GTEST_SKIP() << there.error().message();
-  Photo photo;
-  photo.rgb = Image<std::uint8_t>(24, 16, 3);
-  for (int x = 0; x < 24; ++x) photo.rgb.at(x, 5)[0] = static_cast<std::uint8_t>(10 * x);
+  View view;
+  view.rgb = Image<std::uint8_t>(24, 16, 3);
+  for (int x = 0; x < 24; ++x) view.rgb.at(x, 5)[0] = static_cast<std::uint8_t>(10 * x);
   const auto show = [&](float more) {
-    return [&photo, more](const Camera&) -> Expected<PlanarImage> {
-      PlanarImage picture(24, 16, 3);
+    return [&view, more](const Camera&) -> Expected<PlanarImage> {
+      PlanarImage image(24, 16, 3);
       for (int c = 0; c < 3; ++c)
         for (int y = 0; y < 16; ++y)
           for (int x = 0; x < 24; ++x)
-            picture.row(c, y)[x] = static_cast<float>(photo.rgb.at(x, y)[c]) / 255 + more;
-      return picture;
+            image.row(c, y)[x] = static_cast<float>(view.rgb.at(x, y)[c]) / 255 + more;
+      return image;
     };
   };
-  const auto same = flip_errors({photo}, show(0)), other = flip_errors({photo}, show(0.3f));
+  const auto same = flip_errors({view}, show(0)), other = flip_errors({view}, show(0.3f));
   ASSERT_TRUE(same && other);
   EXPECT_DOUBLE_EQ(same->at(0), 0);
   EXPECT_GT(other->at(0), 0.1);

@@ -29,7 +29,7 @@ using test::fluxgs;
 using test::Outcome;
 using test::quoted;
 
-/// dB between two pictures; of the second one mirrored or turned upside down if asked.
+/// dB between two images; of the second one mirrored or turned upside down if asked.
 double psnr(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b, bool mirror = false,
             bool turn = false) {
   double sum = 0;
@@ -58,7 +58,7 @@ class Window : public testing::Test {
                   "DISPLAY=" + display_.name());
   }
 
-  /// With a script; the picture goes to window.png.
+  /// With a script; the image goes to window.png.
   Outcome play(const json& script, int frames, const std::string& more = "") {
     std::ofstream(folder_ / "script.json") << script;
     return view(fmt::format("--size 320x240 --input {} --frames {} --screenshot {} {}",
@@ -168,7 +168,7 @@ TEST_F(Window, ShowsFewerSplatsWhereMemoryIsShort) {
   // In the end fewer pixels, enlarged
   const Outcome small = play(json::array({kPrint}), 2, "--memory 1");
   EXPECT_EQ(small.status, 0) << small.err;
-  EXPECT_NE(small.err.find("pictures of 160x120 pixels are enlarged"), std::string::npos)
+  EXPECT_NE(small.err.find("images of 160x120 pixels are enlarged"), std::string::npos)
       << small.err;
   expect_error(view("--frames 2 --memory 0.05"),
                {"graphics memory: 50000 bytes do not hold one pixel and one splat"});
@@ -312,14 +312,14 @@ TEST(ViewInput, KeysDoWhatTheHelpSays) {
   EXPECT_TRUE(desk.tell({.kind = Kind::key, .down = true, .key = host::kEscape}).quit);
 }
 
-TEST(ViewStart, IsThePhotoInTheMiddleOfTheOthers) {
-  std::vector<Photo> photos;
+TEST(ViewStart, IsTheViewInTheMiddleOfTheOthers) {
+  std::vector<View> views;
   for (const double x : {-3.0, -1.0, 0.5, 2.0, 9.0})
-    photos.emplace_back().camera = test::camera_at({x, 0, -5}, {0, 0, 0}, 64, 48);
-  EXPECT_LT(glm::distance(cli::start_view_of(photos).position, glm::dvec3(0.5, 0, -5)), 1e-9);
+    views.emplace_back().camera = test::camera_at({x, 0, -5}, {0, 0, 0}, 64, 48);
+  EXPECT_LT(glm::distance(cli::start_view_of(views).position, glm::dvec3(0.5, 0, -5)), 1e-9);
 }
 
-TEST(ViewStart, UpIsWhatIsGivenOrWhatThePhotosSay) {
+TEST(ViewStart, UpIsWhatIsGivenOrWhatTheViewsSay) {
   EXPECT_EQ(**cli::parse_up("0,0,2"), glm::dvec3(0, 0, 1));
   EXPECT_FALSE(*cli::parse_up("auto"));
   SceneFile scene;
@@ -334,8 +334,8 @@ TEST(ViewStart, UpIsWhatIsGivenOrWhatThePhotosSay) {
   const auto given = cli::choose_start(scene, data, std::nullopt, glm::dvec3(0, 0, 1), {640, 480});
   EXPECT_EQ(given.navigation.up, glm::dvec3(0, 0, 1));
   scene.start = {.position = {0, 0, -4}, .fov_y = 1, .up = {1, 0, 0}};
-  const auto photos_first = cli::choose_start(scene, data, std::nullopt, std::nullopt, {640, 480});
-  EXPECT_EQ(photos_first.navigation.view.target, start.navigation.view.target);
+  const auto views_first = cli::choose_start(scene, data, std::nullopt, std::nullopt, {640, 480});
+  EXPECT_EQ(views_first.navigation.view.target, start.navigation.view.target);
   const auto own = cli::choose_start(scene, std::nullopt, std::nullopt, std::nullopt, {640, 480});
   EXPECT_EQ(own.navigation.up, glm::dvec3(1, 0, 0));
   EXPECT_LT(glm::distance(camera::eye(own.navigation.view), glm::dvec3(0, 0, -4)), 1e-9);

@@ -31,7 +31,7 @@ TEST(AreaInside, OfQuadsAcrossTheBorder) {
   EXPECT_DOUBLE_EQ(bench::area_inside(box(-5, -5, 5, 5), 10, 10), 25);
   EXPECT_DOUBLE_EQ(bench::area_inside(box(-50, -50, 50, 50), 10, 8), 80);
   EXPECT_DOUBLE_EQ(bench::area_inside(box(20, 20, 30, 30), 10, 10), 0);
-  // A diamond half of which lies left of the picture
+  // A diamond half of which lies left of the image
   EXPECT_DOUBLE_EQ(bench::area_inside({{-3, 0, 3, 0}, {5, 2, 5, 8}}, 10, 10), 9);
 }
 

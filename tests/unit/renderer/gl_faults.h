@@ -18,7 +18,7 @@ struct FaultState {
   long lost_after = -1;        ///< calls that still reach the driver; negative: all
   std::size_t memory = ~0UL;   ///< bytes that buffers and textures may take
   std::size_t used = 0;        ///< bytes they take
-  std::size_t most_used = 0;   ///< the largest `used` so far
+  std::size_t max_used = 0;    ///< the largest `used` so far
   long allocations = 0;        ///< so far
   long framebuffers = 0;       ///< there are
   bool out_of_memory = false;  ///< the next glGetError() says so
@@ -45,7 +45,7 @@ inline bool FaultState::take(std::size_t bytes, std::size_t old) {
     return false;
   }
   used += bytes - old;
-  most_used = used > most_used ? used : most_used;
+  max_used = used > max_used ? used : max_used;
   return true;
 }
 

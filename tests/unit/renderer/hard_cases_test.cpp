@@ -1,6 +1,6 @@
 // Splats that break renderers, each kind against the float64 reference (or, where float64 has no
 // answer either, against what is said to come out). Views that break them: hard_views_test.cpp. The
-// tolerance is that of PictureTest::expect_like() unless a test says otherwise.
+// tolerance is that of ImageTest::expect_like() unless a test says otherwise.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,14 +9,14 @@
 #include <numeric>
 #include <random>
 
+#include "image_fixture.h"
 #include "packed.h"
-#include "picture_fixture.h"
 #include "render/scene_packing.h"
 
 namespace fluxgs::test {
 namespace {
 
-class HardCasesTest : public PictureTest {};
+class HardCasesTest : public ImageTest {};
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
@@ -66,28 +66,28 @@ TEST_P(HardCasesTest, AcrossAndBehindTheNearPlane) {
 }
 
 // A sheet seen from its edge, 20 units long, whose centre lies a little in front of the camera's
-// plane and far aside: no ray of the picture meets it, but linearised it would veil all of them.
+// plane and far aside: no ray of the image meets it, but linearised it would veil all of them.
 TEST_P(HardCasesTest, SheetsThatReachBehindTheCameraDrawNoVeil) {
   SplatCloud cloud;
   add(cloud, {.position = {0, 0, 4}, .scale = {1, 1, 0.1F}, .opacity = 0.9F, .color = {0, 1, 0}});
   const Camera camera = front_camera(120, 90, 0);
   must(renderer().upload(cloud));
-  const auto alone = picture(camera, kRose, TargetFormat::rgba16f, accurate());
+  const auto alone = draw(camera, kRose, TargetFormat::rgba16f, accurate());
   add(cloud, {.position = {2, 1, 0.15F}, .scale = {0.5F, 0.01F, 20}, .opacity = 0.9F});
   expect_like_reference("sheet", cloud, camera, kRose);
-  EXPECT_EQ(picture(camera, kRose, TargetFormat::rgba16f, accurate()).pixels, alone.pixels);
+  EXPECT_EQ(draw(camera, kRose, TargetFormat::rgba16f, accurate()).pixels, alone.pixels);
   RenderOptions no_limit = kRose;
   no_limit.depth_spread_max = 0;
   expect_like_reference("sheet, without a limit", cloud, camera, no_limit);
-  EXPECT_NE(picture(camera, no_limit, TargetFormat::rgba16f, accurate()).pixels, alone.pixels);
+  EXPECT_NE(draw(camera, no_limit, TargetFormat::rgba16f, accurate()).pixels, alone.pixels);
   // Long sheets beside the camera stay: what of them lies in front of it is as it should be
   cloud.log_scales[1].z = std::log(0.44F);
   expect_like_reference("shorter sheet", cloud, camera, kRose);
   EXPECT_EQ(must(renderer().stats()).drawn, 2U);
 }
 
-// In directions from 20° to 89.4° off the axis, the picture reaching to 27°: without a limit to the
-// slopes of the Jacobian (1.3 times the field of view) all of them would lie over the picture.
+// In directions from 20° to 89.4° off the axis, the image reaching to 27°: without a limit to the
+// slopes of the Jacobian (1.3 times the field of view) all of them would lie over the image.
 TEST_P(HardCasesTest, OffAxisJacobianBeyondTheFieldOfView) {
   SplatCloud cloud;
   for (int ring = 0; ring < 24; ++ring)
@@ -119,33 +119,33 @@ TEST_P(HardCasesTest, ZeroTinyAndNonUnitQuaternions) {
   const Camera camera = orbit_camera(160, 120, {}, 2, 1, 4);
   expect_like_reference("quaternions of any length", cloud, camera, kRose);
 
-  const auto picture_with = [&](const glm::quat& rotation) {
+  const auto image_with = [&](const glm::quat& rotation) {
     std::ranges::fill(cloud.rotations, rotation);
     must(renderer().upload(cloud));
-    return picture(camera, kRose, TargetFormat::rgba16f, accurate());
+    return draw(camera, kRose, TargetFormat::rgba16f, accurate());
   };
-  EXPECT_EQ(picture_with({0, 0, 0, 0}).pixels, picture_with({1, 0, 0, 0}).pixels);
+  EXPECT_EQ(image_with({0, 0, 0, 0}).pixels, image_with({1, 0, 0, 0}).pixels);
 }
 
 // Each splat has the coefficients of its own degree and no others. Ones that change nothing (1e-30)
-// give all splats degree 3: the picture is the same, bit for bit, and takes more memory.
-TEST_P(HardCasesTest, MixedDegreesOfHarmonics) {
+// give all splats degree 3: the image is the same, bit for bit, and takes more memory.
+TEST_P(HardCasesTest, MixedDegreesOfSh) {
   const SplatCloud mixed = mixed_cloud(3000, 21);
   const Camera camera = orbit_camera(160, 120, {}, 2, 1, 4);
   for (int degree = 0; degree <= 3; ++degree)
     expect_like_reference("mixed degrees, " + std::to_string(degree) + " at most", mixed, camera,
                           {.sh_degree = degree});
-  const auto picture_of = [&](const SplatCloud& cloud) {
+  const auto image_of = [&](const SplatCloud& cloud) {
     must(renderer().upload(cloud));
-    return picture(camera, kRose, TargetFormat::rgba16f, accurate()).pixels;
+    return draw(camera, kRose, TargetFormat::rgba16f, accurate()).pixels;
   };
   SplatCloud full = mixed;
   for (glm::vec3& c : full.sh_rest)
     if (c == glm::vec3(0)) c = glm::vec3(1e-30F);
   EXPECT_EQ(count_degrees(full), (DegreeCounts{0, 0, 0, 3000}));
-  EXPECT_EQ(picture_of(mixed), picture_of(full));
-  EXPECT_EQ(packed(full).harmonics.size(), 3000U * 12);
-  EXPECT_EQ(packed(mixed).harmonics.size(), 750U * (3 + 6 + 12));
+  EXPECT_EQ(image_of(mixed), image_of(full));
+  EXPECT_EQ(packed(full).sh.size(), 3000U * 12);
+  EXPECT_EQ(packed(mixed).sh.size(), 750U * (3 + 6 + 12));
   // Bucket by bucket, as files have them: the same but for which of two equal depths is in front
   std::vector<std::uint32_t> by_degree(mixed.size());
   std::iota(by_degree.begin(), by_degree.end(), 0U);
@@ -179,7 +179,7 @@ TEST_P(HardCasesTest, AlphaNearOneAndLongRunsOfNoTransmittance) {
     walls.opacity_logits[i] = 20.0F;
   }
   expect_like_reference("opaque", walls, orbit_camera(160, 120, {}, 2, 1, 4));
-  // Layers over the whole picture: 500 of which each hides all but 1%, 3000 just above the cut-off.
+  // Layers over the whole image: 500 of which each hides all but 1%, 3000 just above the cut-off.
   for (const auto& [label, layers, opacity] :
        {std::tuple{"500 layers of 0.99", 500, 0.9999F}, {"3000 layers of 0.004", 3000, 0.00401F}}) {
     SplatCloud cloud;
@@ -203,7 +203,7 @@ TEST_P(HardCasesTest, NoSplatIsFullyOpaque) {
   for (const double alpha_max : {0.99, 0.5, 1.0}) {
     const RenderOptions options{.alpha_max = alpha_max, .background = {1, 1, 1}};
     const Image<float> image =
-        picture(front_camera(8, 8, 2), options, TargetFormat::rgba16f, accurate());
+        draw(front_camera(8, 8, 2), options, TargetFormat::rgba16f, accurate());
     for (std::size_t i = 0; i < image.pixels.size(); i += 4) {
       EXPECT_NEAR(image.pixels[i], 1 - alpha_max, 5e-4);
       EXPECT_NEAR(image.pixels[i + 3], alpha_max, 1e-3);
@@ -230,7 +230,7 @@ TEST_P(HardCasesTest, HundredThousandUnitsFromTheOrigin) {
                         orbit_camera(200, 150, glm::dvec3(centre), 2, 1, 5));
 }
 
-// Dropped and counted: the picture is, bit for bit, that of the others.
+// Dropped and counted: the image is, bit for bit, that of the others.
 TEST_P(HardCasesTest, NanAndInfinityInAnyAttribute) {
   SplatCloud cloud = random_cloud(700, 1, 9);
   const Camera camera = orbit_camera(120, 90, {}, 2, 1, 4);
@@ -247,9 +247,9 @@ TEST_P(HardCasesTest, NanAndInfinityInAnyAttribute) {
   SplatCloud without = cloud;
   EXPECT_EQ(drop_non_finite(without), i);
   expect_like_reference("non-finite", without, camera, kRose);
-  const Image<float> expected = picture(camera, kRose, TargetFormat::rgba16f, accurate());
+  const Image<float> expected = draw(camera, kRose, TargetFormat::rgba16f, accurate());
   must(renderer().upload(cloud));
-  const Image<float> image = picture(camera, kRose, TargetFormat::rgba16f, accurate());
+  const Image<float> image = draw(camera, kRose, TargetFormat::rgba16f, accurate());
   EXPECT_EQ(image.pixels, expected.pixels);
 }
 
@@ -257,7 +257,7 @@ bool finite(const Image<float>& image) {
   return std::ranges::all_of(image.pixels, [](float v) { return std::isfinite(v); });
 }
 
-// Finite, but beyond what float32 (or float64) can project: nothing of it may reach the picture as
+// Finite, but beyond what float32 (or float64) can project: nothing of it may reach the image as
 // NaN or infinity.
 TEST_P(HardCasesTest, AbsurdButFiniteValues) {
   SplatCloud cloud = random_cloud(300, 1, 10);
@@ -273,7 +273,7 @@ TEST_P(HardCasesTest, AbsurdButFiniteValues) {
   }
   must(renderer().upload(cloud));
   for (const TargetFormat format : {TargetFormat::rgba16f, TargetFormat::rgba8})
-    EXPECT_TRUE(finite(picture(orbit_camera(64, 48, {}, 2, 1, 4), kRose, format, accurate())));
+    EXPECT_TRUE(finite(draw(orbit_camera(64, 48, {}, 2, 1, 4), kRose, format, accurate())));
 }
 
 TEST_P(HardCasesTest, EmptySceneOneSplatAndOneOverTheWholeScreen) {
@@ -308,7 +308,7 @@ double greatest_relative_error(const Image<float>& image, const ReferenceImage& 
 // most). Tolerance: 0.5%, a cut-off α of a splat included; 4% where every layer is rounded towards
 // zero.
 TEST_P(HardCasesTest, HalfFloatOverflowOfColors) {
-  constexpr float kMost = 60'000;
+  constexpr float kMax = 60'000;
   SplatCloud bright = random_cloud(400, 0, 14), cut = bright;
   const std::array<float, 8> colors = {0.5F, 100, 59'000, 65'504, 70'000, 1e6F, 1e12F, -1e12F};
   for (std::size_t i = 0; i < bright.size(); ++i) {
@@ -317,7 +317,7 @@ TEST_P(HardCasesTest, HalfFloatOverflowOfColors) {
     for (int c = 0; c < 3; ++c) {
       const float color = colors[(i + static_cast<std::size_t>(3 * c)) % colors.size()];
       bright.sh_dc[i][c] = dc(color);
-      cut.sh_dc[i][c] = dc(std::min(color, kMost));
+      cut.sh_dc[i][c] = dc(std::min(color, kMax));
     }
   }
   cut.log_scales = bright.log_scales;
@@ -326,13 +326,13 @@ TEST_P(HardCasesTest, HalfFloatOverflowOfColors) {
   must(renderer().upload(bright));
   for (const auto accumulation : {accurate(), Accumulation::half_float}) {
     const bool halves = accumulation == Accumulation::half_float;
-    const Image<float> image = picture(camera, kRose, TargetFormat::rgba16f, accumulation);
+    const Image<float> image = draw(camera, kRose, TargetFormat::rgba16f, accumulation);
     const double error = greatest_relative_error(image, reference);
     std::printf("%-7s colours up to 1e12, %s: greatest relative error %.5f\n",
                 std::string(host::name(GetParam())).c_str(), halves ? "RGBA16F" : "RGBA32F", error);
     EXPECT_LE(error, halves ? 0.04 : 0.005);
   }
-  const Image<float> bytes = picture(camera, kRose, TargetFormat::rgba8, accurate());
+  const Image<float> bytes = draw(camera, kRose, TargetFormat::rgba8, accurate());
   const Difference d = compare(bytes, reference, true);
   print("colours up to 1e12 RGBA8", d);
   EXPECT_GE(d.psnr, 55);
@@ -346,14 +346,14 @@ TEST_P(HardCasesTest, HalfFloatOverflowOfAxes) {
   const auto half =
       must(render::Renderer::create(api(), {.record = render::RecordPrecision::half}));
   const Camera camera = orbit_camera(160, 120, {}, 2, 1, 4);
-  const auto draw = [&](const std::string& label, const SplatCloud& cloud,
-                        const RenderOptions& options) {
+  const auto check = [&](const std::string& label, const SplatCloud& cloud,
+                         const RenderOptions& options) {
     must(half->upload(cloud));
-    const Image<float> image = picture(*half, camera, options, TargetFormat::rgba16f, accurate());
+    const Image<float> image = draw(*half, camera, options, TargetFormat::rgba16f, accurate());
     EXPECT_TRUE(finite(image)) << label;
     const Difference d = compare(image, render_reference(cloud, camera, options), false);
     print(label, d);
-    keep_picture(std::string(host::name(GetParam())) + "_" + label, image);
+    keep_image(std::string(host::name(GetParam())) + "_" + label, image);
     return d.psnr;
   };
   SplatCloud cloud = random_cloud(60, 0, 15);
@@ -363,12 +363,12 @@ TEST_P(HardCasesTest, HalfFloatOverflowOfAxes) {
     if (i % 2 == 0) cloud.log_scales[i] += static_cast<float>(i);
     if (i % 3 == 0) cloud.log_scales[i].x = 20;
   }
-  EXPECT_GE(draw("half records, huge", cloud, kRose), 45);
+  EXPECT_GE(check("half records, huge", cloud, kRose), 45);
   for (glm::vec3& scale : cloud.log_scales) scale = {-1.0F, -20.0F, -20.0F};
-  EXPECT_GE(draw("half records, needles", cloud, kRose), 45);
+  EXPECT_GE(check("half records, needles", cloud, kRose), 45);
   RenderOptions sharp = kRose;
   sharp.dilation = 1e-12;
-  EXPECT_GE(draw("half records, no dilation", cloud, sharp), 45);
+  EXPECT_GE(check("half records, no dilation", cloud, sharp), 45);
 }
 
 FLUXGS_GL_TEST_SUITE(HardCasesTest);

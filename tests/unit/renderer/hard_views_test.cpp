@@ -1,5 +1,5 @@
 // Views that break renderers, against the float64 reference, and a scene as large as phones get.
-// Splats that do: hard_cases_test.cpp. The tolerance is that of PictureTest::expect_like() unless a
+// Splats that do: hard_cases_test.cpp. The tolerance is that of ImageTest::expect_like() unless a
 // test says otherwise.
 #include <gmock/gmock.h>
 
@@ -8,17 +8,17 @@
 #include <cmath>
 #include <numbers>
 
-#include "picture_fixture.h"
+#include "image_fixture.h"
 
 namespace fluxgs::test {
 namespace {
 
-class HardViewsTest : public PictureTest {};
+class HardViewsTest : public ImageTest {};
 
 TEST_P(HardViewsTest, CameraInsideTheCloud) {
   const SplatCloud cloud = random_cloud(5000, 1, 3);
   expect_like_reference("inside the cloud", cloud, orbit_camera(203, 151, {}, 0.4, 1, 4), kRose);
-  // At the very centre of a splat, and just so far that the near plane leaves it in the picture
+  // At the very centre of a splat, and just so far that the near plane leaves it in the image
   const glm::dvec3 at(cloud.positions[7]);
   expect_like_reference("at a splat", cloud, orbit_camera(120, 90, at, 0, 1, 5), kRose);
   expect_like_reference("close to a splat", cloud, orbit_camera(120, 90, at, 0.0101, 1, 5), kRose);
@@ -90,7 +90,7 @@ TEST_P(HardViewsTest, ExtremeAspectsAndPrincipalPoints) {
   expect_like_reference("172 by 170 degrees", cloud, view(150, 110, 5, 5, 75, 55, 0.3), kRose);
 }
 
-// The same view from a camera that was turned about its axis, so that the picture turns by `angle`
+// The same view from a camera that was turned about its axis, so that the image turns by `angle`
 // (from x to y). For the right angles the numbers are exact.
 Camera rolled(Camera camera, double cosine, double sine) {
   const glm::dmat3 turn(cosine, sine, 0, -sine, cosine, 0, 0, 0, 1);
@@ -128,21 +128,21 @@ Difference between(const Image<float>& a, const Image<float>& b) {
   return {-10 * std::log10(sum / static_cast<double>(a.pixels.size())), greatest};
 }
 
-// The picture turns with the camera. Tolerance between a turned picture and the picture of the
+// The image turns with the camera. Tolerance between a turned image and the image of the
 // turned camera: 80 dB, and one splat at its cut-off, for the footprint's factor is not symmetric
 // in x and y.
-TEST_P(HardViewsTest, ARolledCameraTurnsThePicture) {
+TEST_P(HardViewsTest, ARolledCameraTurnsTheImage) {
   const SplatCloud cloud = random_cloud(3000, 1, 23);
   Camera camera = orbit_camera(150, 110, {}, 1.8, 1, 5);
   camera.fx = 140;
   camera.cx = 60.25;
   must(renderer().upload(cloud));
   const Camera upright = camera;
-  Image<float> expected = picture(camera, kRose, TargetFormat::rgba16f, accurate());
+  Image<float> expected = draw(camera, kRose, TargetFormat::rgba16f, accurate());
   for (const char* label : {"rolled by 90", "rolled by 180", "rolled by 270"}) {
     camera = quarter_turn(camera);
     expected = quarter_turn(expected);
-    const Image<float> image = picture(camera, kRose, TargetFormat::rgba16f, accurate());
+    const Image<float> image = draw(camera, kRose, TargetFormat::rgba16f, accurate());
     const Difference d = between(image, expected);
     print(label, d);
     EXPECT_GE(d.psnr, 80) << label;
@@ -171,7 +171,7 @@ void expect_sorted(const std::vector<std::uint32_t>& order, const SplatCloud& cl
   EXPECT_LE(greatest, 1e-6);
 }
 
-// In a small picture, for the reference's sake.
+// In a small image, for the reference's sake.
 TEST_P(HardViewsTest, AMillionSplats) {
   constexpr std::size_t kCount = 1'000'000;
   SplatCloud cloud = random_cloud(kCount, 0, 24);
@@ -181,7 +181,7 @@ TEST_P(HardViewsTest, AMillionSplats) {
     cloud.opacity_logits[i] = -1.0F + 0.5F * cloud.opacity_logits[i];
     visible += 1 / (1 + std::exp(-static_cast<double>(cloud.opacity_logits[i]))) >= 1.0 / 255;
   }
-  const Camera camera = orbit_camera(128, 96, {}, 3, 1, 5);  // All are inside the picture
+  const Camera camera = orbit_camera(128, 96, {}, 3, 1, 5);  // All are inside the image
   must(renderer().upload(cloud));
   expect_like("a million splats", render_reference(cloud, camera, kRose), camera, kRose,
               TargetFormat::rgba16f);

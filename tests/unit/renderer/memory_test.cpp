@@ -54,7 +54,7 @@ TEST_P(MemoryTest, IsAsEstimated) {
   if (!api().capabilities.half_float_targets) return;
   expect_as_estimated("halves", 10, 0, {},
                       {.width = 65, .height = 33, .accumulation = Accumulation::half_float});
-  expect_as_estimated("a smaller picture", 10, 0, {},
+  expect_as_estimated("a smaller image", 10, 0, {},
                       {.width = 65, .height = 33, .format = TargetFormat::rgba16f, .scale = 0.5});
   if (!api().capabilities.float_targets) return;
   expect_as_estimated("floats", 10, 0, {},
@@ -88,7 +88,7 @@ TEST(LargestOf, TakesHighDegreesFirst) {
   EXPECT_EQ(render::largest_of(scene, 40), (DegreeCounts{0, 0, 0, 40}));
   EXPECT_EQ(render::largest_of(scene, 75), (DegreeCounts{0, 5, 30, 40}));
   EXPECT_EQ(render::largest_of(scene, 1000), scene);
-  EXPECT_EQ(render::harmonics_bytes(scene), 20U * 24 + 30 * 48 + 40 * 96);
+  EXPECT_EQ(render::sh_bytes(scene), 20U * 24 + 30 * 48 + 40 * 96);
 }
 
 TEST(MostSplats, FitIntoTheDriversBlocks) {
@@ -96,11 +96,11 @@ TEST(MostSplats, FitIntoTheDriversBlocks) {
   driver.max_work_groups_x = 65535;
   const auto most = [&](std::int64_t block, const DegreeCounts& scene) {
     driver.max_storage_block_bytes = block;
-    return render::most_splats(driver, scene);
+    return render::max_splats(driver, scene);
   };
   EXPECT_EQ(most(1 << 20, {10, 20, 30, 40}), 100U);
   EXPECT_EQ(most(6400, {1000, 0, 0, 0}), 100U);  // 64 bytes of geometry
-  EXPECT_EQ(most(6400, {0, 1000, 0, 0}), 100U);  // more than the 24 of harmonics
+  EXPECT_EQ(most(6400, {0, 1000, 0, 0}), 100U);  // more than the 24 of SH coefficients
   EXPECT_EQ(most(6400, {0, 0, 1000, 0}), 100U);  // 48
   EXPECT_EQ(most(9600, {0, 0, 0, 1000}), 100U);  // 96
   EXPECT_EQ(most(96 * 140 + 48 * 3 + 47, {1000, 0, 130, 140}), 143U);

@@ -24,7 +24,7 @@ static_assert(sizeof(Record) == render::record_bytes(render::RecordPrecision::fu
 // From Record's factor, whose squares are exponents of 2, to Footprint's.
 const double kFromLevels = 1 / std::sqrt(0.5 * std::numbers::log2e);
 
-// The greatest differences from the reference over all splats of a picture.
+// The greatest differences from the reference over all splats of an image.
 struct Errors {
   double centre = 0;  // px
   double factor = 0;  // relative to the row's length
@@ -103,7 +103,7 @@ class ProjectionTest : public GlTest {
   }
 };
 
-TEST_P(ProjectionTest, EveryDegreeOfHarmonics) {
+TEST_P(ProjectionTest, EveryDegreeOfSh) {
   for (int stored = 0; stored <= 3; ++stored) {
     const SplatCloud cloud = random_cloud(2000, stored, 1 + static_cast<std::uint32_t>(stored));
     for (int wanted = 0; wanted <= 3; ++wanted)
@@ -113,7 +113,7 @@ TEST_P(ProjectionTest, EveryDegreeOfHarmonics) {
   }
 }
 
-TEST_P(ProjectionTest, MixedDegreesOfHarmonics) {
+TEST_P(ProjectionTest, MixedDegreesOfSh) {
   for (int wanted = 0; wanted <= 3; ++wanted)
     expect_small("degree " + std::to_string(wanted) + " of mixed",
                  errors(mixed_cloud(2000, 5), orbit_camera(640, 360, {}, 2.5, wanted, 4),
@@ -157,7 +157,7 @@ TEST_P(ProjectionTest, OtherOptions) {
                errors(random_cloud(2000, 2, 9), orbit_camera(320, 240, {}, 2.2, 3, 7), options));
 }
 
-TEST_P(ProjectionTest, PrincipalPointOutsideThePicture) {
+TEST_P(ProjectionTest, PrincipalPointOutsideTheImage) {
   Camera camera = orbit_camera(320, 240, {}, 2.2, 3, 7);
   camera.cx = -50;
   camera.cy = 300;

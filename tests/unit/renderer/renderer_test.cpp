@@ -19,8 +19,8 @@ class RendererTest : public GlTest {
   RenderTarget target(int width, int height, TargetFormat format = TargetFormat::rgba16f) {
     return must(RenderTarget::create(api(), width, height, format));
   }
-  Image<float> picture(render::Renderer& with, const Camera& camera,
-                       const RenderOptions& options = {}) {
+  Image<float> draw(render::Renderer& with, const Camera& camera,
+                    const RenderOptions& options = {}) {
     const RenderTarget made = target(camera.width, camera.height);
     must(with.draw(camera, options, made));
     return must(with.read(made));
@@ -31,7 +31,7 @@ TEST_P(RendererTest, AnEmptySceneIsTheBackground) {
   const auto fresh = must(render::Renderer::create(api()));
   const RenderOptions options{.background = {0.25, 0.5, 1.0}};
   for (int round = 0; round < 2; ++round) {  // Before any upload, and after an empty one
-    const Image<float> image = picture(*fresh, front_camera(5, 3, 1), options);
+    const Image<float> image = draw(*fresh, front_camera(5, 3, 1), options);
     for (std::size_t i = 0; i < image.pixels.size(); i += 4) {
       EXPECT_EQ(image.pixels[i], 0.25F);
       EXPECT_EQ(image.pixels[i + 1], 0.5F);
@@ -57,7 +57,7 @@ TEST_P(RendererTest, EveryCountDrawsEverySplat) {
     }
     must(renderer().upload(cloud));
     // So little dilation that a splat is gone at its neighbour's centre.
-    const Image<float> image = picture(renderer(), camera, {.dilation = 0.04});
+    const Image<float> image = draw(renderer(), camera, {.dilation = 0.04});
     for (int i = 0; i < kSide * kSide; ++i)
       ASSERT_NEAR(image.at(i % kSide, i / kSide)[0], i < count ? 0.8F : 0.0F, 1e-3F)
           << "splat " << i << " of " << count;
@@ -65,19 +65,19 @@ TEST_P(RendererTest, EveryCountDrawsEverySplat) {
   }
 }
 
-TEST_P(RendererTest, TheSamePictureAgainBitForBit) {
+TEST_P(RendererTest, TheSameImageAgainBitForBit) {
   must(renderer().upload(random_cloud(4000, 2, 1)));
   const Camera camera = orbit_camera(160, 120, {}, 2, 1, 4);
-  const Image<float> first = picture(renderer(), camera);
-  static_cast<void>(picture(renderer(), orbit_camera(90, 70, {}, 2, 2, 4)));
-  EXPECT_EQ(picture(renderer(), camera).pixels, first.pixels);
+  const Image<float> first = draw(renderer(), camera);
+  static_cast<void>(draw(renderer(), orbit_camera(90, 70, {}, 2, 2, 4)));
+  EXPECT_EQ(draw(renderer(), camera).pixels, first.pixels);
 }
 
 TEST_P(RendererTest, BatchAndDigitWidthChangeNothing) {
   const SplatCloud cloud = random_cloud(3001, 1, 2);
   must(renderer().upload(cloud));
   const Camera camera = orbit_camera(160, 120, {}, 2, 1, 4);
-  const Image<float> expected = picture(renderer(), camera);
+  const Image<float> expected = draw(renderer(), camera);
   for (const render::RendererSettings& settings : {render::RendererSettings{.batch = 1},
                                                    {.batch = 3},
                                                    {.batch = 32},
@@ -85,7 +85,7 @@ TEST_P(RendererTest, BatchAndDigitWidthChangeNothing) {
                                                    {.batch = 128, .sort_digit_bits = 4}}) {
     const auto other = must(render::Renderer::create(api(), settings));
     must(other->upload(cloud));
-    EXPECT_EQ(picture(*other, camera).pixels, expected.pixels) << settings.batch;
+    EXPECT_EQ(draw(*other, camera).pixels, expected.pixels) << settings.batch;
   }
 }
 
@@ -93,11 +93,11 @@ TEST_P(RendererTest, ScenesReplaceEachOther) {
   const Camera camera = orbit_camera(100, 80, {}, 2, 1, 4);
   const SplatCloud small = random_cloud(100, 3, 3), large = random_cloud(5000, 0, 4);
   must(renderer().upload(small));
-  const Image<float> expected = picture(renderer(), camera);
+  const Image<float> expected = draw(renderer(), camera);
   must(renderer().upload(large));
-  EXPECT_NE(picture(renderer(), camera).pixels, expected.pixels);
+  EXPECT_NE(draw(renderer(), camera).pixels, expected.pixels);
   must(renderer().upload(small));
-  EXPECT_EQ(picture(renderer(), camera).pixels, expected.pixels);
+  EXPECT_EQ(draw(renderer(), camera).pixels, expected.pixels);
 }
 
 TEST_P(RendererTest, StatsCountAndTimeTheFrame) {
@@ -106,7 +106,7 @@ TEST_P(RendererTest, StatsCountAndTimeTheFrame) {
   for (std::size_t i = 400; i < 500; ++i) cloud.opacity_logits[i] = -10;
   for (std::size_t i = 500; i < 1000; ++i) cloud.opacity_logits[i] = 1;
   must(renderer().upload(cloud));
-  static_cast<void>(picture(renderer(), front_camera(100, 100, 3)));
+  static_cast<void>(draw(renderer(), front_camera(100, 100, 3)));
   const render::FrameStats stats = must(renderer().stats());
   EXPECT_EQ(stats.drawn, 500U);
   ASSERT_EQ(stats.stages.has_value(), api().capabilities.timestamps);
@@ -118,7 +118,7 @@ TEST_P(RendererTest, StatsCountAndTimeTheFrame) {
   }
 }
 
-TEST_P(RendererTest, RefusesWhatMakesNoPicture) {
+TEST_P(RendererTest, RefusesWhatMakesNoImage) {
   must(renderer().upload(random_cloud(10, 0, 6)));
   const RenderTarget made = target(20, 10);
   const auto refusal = [&](auto change) {
@@ -164,14 +164,14 @@ TEST_P(RendererTest, RefusesCloudsThatDoNotFit) {
   // that was there stays.
   must(renderer().upload(random_cloud(10, 0, 7)));
   const Camera camera = front_camera(20, 20, 2);
-  const Image<float> before = picture(renderer(), camera);
+  const Image<float> before = draw(renderer(), camera);
   const auto limit = api().capabilities.max_storage_block_bytes;
   api().capabilities.max_storage_block_bytes = 1000;
   const auto refused = renderer().upload(random_cloud(16, 0, 8));
   api().capabilities.max_storage_block_bytes = limit;
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message(), HasSubstr("it can hold 15"));
-  EXPECT_EQ(picture(renderer(), camera).pixels, before.pixels);
+  EXPECT_EQ(draw(renderer(), camera).pixels, before.pixels);
 }
 
 TEST_P(RendererTest, RefusesTargetsAndSettingsThatCannotBe) {
@@ -196,28 +196,28 @@ TEST_P(RendererTest, RefusesTargetsAndSettingsThatCannotBe) {
   EXPECT_THAT(gl::check_limits(weak).error().message(), HasSubstr("SHARED_MEMORY"));
 }
 
-// As a Mali: the same picture, bit for bit, with nothing but textures in the vertex stage.
+// As a Mali: the same image, bit for bit, with nothing but textures in the vertex stage.
 TEST_P(RendererTest, DriversWithoutStorageInTheVertexStageUseTextures) {
   const SplatCloud cloud = random_cloud(5000, 1, 12);  // Several rows of the textures
   const Camera camera = orbit_camera(160, 120, {}, 2, 1, 4);
   must(renderer().upload(cloud));
-  const Image<float> expected = picture(renderer(), camera);
+  const Image<float> expected = draw(renderer(), camera);
   const int blocks = std::exchange(api().capabilities.max_vertex_storage_blocks, 0);
   const auto weak = must(render::Renderer::create(api()));
   api().capabilities.max_vertex_storage_blocks = blocks;
   EXPECT_TRUE(weak->settings().texture_fetch);
   must(weak->upload(cloud));
-  EXPECT_EQ(picture(*weak, camera).pixels, expected.pixels);
+  EXPECT_EQ(draw(*weak, camera).pixels, expected.pixels);
   const auto half = must(render::Renderer::create(
       api(), {.record = render::RecordPrecision::half, .texture_fetch = true}));
   const auto half_stored =
       must(render::Renderer::create(api(), {.record = render::RecordPrecision::half}));
   must(half->upload(cloud));
   must(half_stored->upload(cloud));
-  EXPECT_EQ(picture(*half, camera).pixels, picture(*half_stored, camera).pixels);
+  EXPECT_EQ(draw(*half, camera).pixels, draw(*half_stored, camera).pixels);
 }
 
-// What each shortcut costs, against float64: none of them breaks the picture.
+// What each shortcut costs, against float64: none of them breaks the image.
 TEST_P(RendererTest, ShortcutsCostWhatTheyMay) {
   const SplatCloud cloud = random_cloud(3000, 1, 13);
   const Camera camera = orbit_camera(160, 120, {}, 2, 1, 4);
@@ -231,7 +231,7 @@ TEST_P(RendererTest, ShortcutsCostWhatTheyMay) {
     must(made->draw(camera, {}, target));
     const Image<float> image = must(made->read(target));
     const double found = compare(image, reference, false).psnr;
-    keep_picture(std::string(host::name(GetParam())) + " shortcut", image);
+    keep_image(std::string(host::name(GetParam())) + " shortcut", image);
     std::printf("%-7s %.2f dB\n", std::string(host::name(GetParam())).c_str(), found);
     return found;
   };
@@ -255,7 +255,7 @@ TEST_P(RendererTest, SmallMotionsKeepTheOrder) {
   const auto difference = [&](const Camera& camera) {
     must(lazy->draw(camera, {}, shown));
     const Image<float> kept = must(lazy->read(shown));
-    const Image<float> exact = picture(renderer(), camera);
+    const Image<float> exact = draw(renderer(), camera);
     double sum = 0;
     for (std::size_t i = 0; i < kept.pixels.size(); ++i)
       sum += std::pow(static_cast<double>(kept.pixels[i] - exact.pixels[i]), 2);

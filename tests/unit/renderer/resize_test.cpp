@@ -1,7 +1,7 @@
 // A surface whose size changes in every frame, as while a window is dragged at its corner or a
 // phone is turned.
 #include "gl_faults.h"
-#include "picture_fixture.h"
+#include "image_fixture.h"
 #include "render/memory_estimate.h"
 
 namespace fluxgs::test {
@@ -9,9 +9,9 @@ namespace {
 
 using render::TargetPlan;
 
-class ResizeTest : public PictureTest {
+class ResizeTest : public ImageTest {
  protected:
-  // Of frame `i`: every format and way of blending there is, now and then a smaller picture.
+  // Of frame `i`: every format and way of blending there is, now and then a smaller image.
   TargetPlan plan(int i) {
     const bool half = api().capabilities.half_float_targets;
     return {.width = 9 + i * 37 % 151,

@@ -22,10 +22,10 @@ std::vector<glm::vec4> unpacked(const std::vector<std::uint64_t>& halves) {
 }
 
 TEST(PackScene, StridesHoldWholeGroupsOfFourCoefficients) {
-  EXPECT_EQ(render::harmonics_stride(0), 0U);
-  EXPECT_EQ(render::harmonics_stride(1), 3U);
-  EXPECT_EQ(render::harmonics_stride(2), 6U);
-  EXPECT_EQ(render::harmonics_stride(3), 12U);
+  EXPECT_EQ(render::sh_stride(0), 0U);
+  EXPECT_EQ(render::sh_stride(1), 3U);
+  EXPECT_EQ(render::sh_stride(2), 6U);
+  EXPECT_EQ(render::sh_stride(3), 12U);
 }
 
 TEST(PackScene, PutsEveryAttributeInItsPlace) {
@@ -48,7 +48,7 @@ TEST(PackScene, PutsEveryAttributeInItsPlace) {
   near(2, {0, 0.6F, 0.8F, 0});  // x y z w, of length 1
   near(3, {0.5F, 1, 0, 0});
   const std::vector<glm::vec4> wanted = {{1, 2, 3, 4}, {5, 6, 7, 8}, {9, 0, 0, 0}};
-  EXPECT_EQ(unpacked(scene.harmonics), wanted);
+  EXPECT_EQ(unpacked(scene.sh), wanted);
 }
 
 TEST(PackScene, EachSplatHasTheCoefficientsOfItsDegree) {
@@ -63,16 +63,16 @@ TEST(PackScene, EachSplatHasTheCoefficientsOfItsDegree) {
   EXPECT_EQ(word(2), 4U * 12 + 2);  // undrawable: its place stays empty
   EXPECT_EQ(word(3), 4U * 18 + 1);
   EXPECT_EQ(word(4), 4U * 21 + 3);
-  ASSERT_EQ(scene.harmonics.size(), 33U);
-  EXPECT_EQ(render::harmonics_bytes(count_degrees(cloud)), 33U * 8);
-  const std::vector<glm::vec4> harmonics = unpacked(scene.harmonics);
+  ASSERT_EQ(scene.sh.size(), 33U);
+  EXPECT_EQ(render::sh_bytes(count_degrees(cloud)), 33U * 8);
+  const std::vector<glm::vec4> sh = unpacked(scene.sh);
   const auto expect_half = [](float found, float wanted) {
     EXPECT_NEAR(found, wanted, std::fabs(wanted) * 0x1p-11F) << "to the nearest half";
   };
-  expect_half(harmonics[18][1], cloud.sh_rest[45].y);
-  expect_half(harmonics[20][0], cloud.sh_rest[47].z);
-  EXPECT_EQ(harmonics[20][1], 0.0F);
-  expect_half(harmonics[32][0], cloud.sh_rest[74].z);
+  expect_half(sh[18][1], cloud.sh_rest[45].y);
+  expect_half(sh[20][0], cloud.sh_rest[47].z);
+  EXPECT_EQ(sh[20][1], 0.0F);
+  expect_half(sh[32][0], cloud.sh_rest[74].z);
 }
 
 TEST(PackScene, CoefficientsBeyondHalfFloatsAreTheLargestOfThem) {
@@ -80,9 +80,9 @@ TEST(PackScene, CoefficientsBeyondHalfFloatsAreTheLargestOfThem) {
   cloud.sh_degree = 1;
   add(cloud, {});
   cloud.sh_rest = {{1e6F, -1e14F, 65504}, {65519, 1e-9F, 0}, {0, 0, 0}};
-  const std::vector<glm::vec4> harmonics = unpacked(packed(cloud).harmonics);
-  EXPECT_EQ(harmonics[0], glm::vec4(65504, -65504, 65504, 65504));
-  EXPECT_NEAR(harmonics[1][0], 0, 1e-7);
+  const std::vector<glm::vec4> sh = unpacked(packed(cloud).sh);
+  EXPECT_EQ(sh[0], glm::vec4(65504, -65504, 65504, 65504));
+  EXPECT_NEAR(sh[1][0], 0, 1e-7);
 }
 
 TEST(PackScene, OriginIgnoresStraysAndKeepsBits) {
@@ -118,7 +118,7 @@ TEST(PackScene, PartsMakeTheWhole) {
     packer.next(4, part);
     EXPECT_EQ(part.geometry.size(), 4 * wanted);
     all.geometry.insert(all.geometry.end(), part.geometry.begin(), part.geometry.end());
-    all.harmonics.insert(all.harmonics.end(), part.harmonics.begin(), part.harmonics.end());
+    all.sh.insert(all.sh.end(), part.sh.begin(), part.sh.end());
     render::add_positions(part, positions);
   }
   const auto bits = [](const std::vector<std::array<float, 4>>& values) {  // some are no numbers
@@ -127,7 +127,7 @@ TEST(PackScene, PartsMakeTheWhole) {
     return words;
   };
   EXPECT_EQ(bits(all.geometry), bits(whole.geometry));
-  EXPECT_EQ(all.harmonics, whole.harmonics);
+  EXPECT_EQ(all.sh, whole.sh);
   ASSERT_EQ(positions.size(), some.size());
   EXPECT_TRUE(std::isnan(positions[4].x));
   EXPECT_EQ(positions[5].y, whole.geometry[20][1]);
@@ -136,7 +136,7 @@ TEST(PackScene, PartsMakeTheWhole) {
 TEST(PackScene, AnEmptyCloudIsEmpty) {
   const Packed scene = packed({});
   EXPECT_TRUE(scene.geometry.empty());
-  EXPECT_TRUE(scene.harmonics.empty());
+  EXPECT_TRUE(scene.sh.empty());
 }
 
 }  // namespace

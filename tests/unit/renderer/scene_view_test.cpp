@@ -36,15 +36,15 @@ class SceneViewTest : public GlTest {
     GlTest::TearDown();
   }
 
-  static Expected<Image<float>> picture(gl::Api& api, SceneView& view, const Camera& camera) {
+  static Expected<Image<float>> image(gl::Api& api, SceneView& view, const Camera& camera) {
     if (auto drawn = view.draw(camera, {}); !drawn) return std::unexpected(drawn.error());
     return render::read_pixels(api, view.target());
   }
-  Expected<Image<float>> picture(SceneView& view, const Camera& camera = kCamera) {
-    return picture(api(), view, camera);
+  Expected<Image<float>> image(SceneView& view, const Camera& camera = kCamera) {
+    return image(api(), view, camera);
   }
 
-  /// What pictures are blended in where memory is short.
+  /// What images are blended in where memory is short.
   render::Accumulation coarse() {
     const gl::Capabilities& driver = api().capabilities;
     return driver.float_targets && driver.half_float_targets
@@ -55,8 +55,8 @@ class SceneViewTest : public GlTest {
   void survive_a_loss_at_every_call(const SceneViewSettings& settings, bool reset_status);
 };
 
-// Every call of a frame for which the picture is made anew, of its reading and its counting:
-// nothing hangs or crashes, it is noticed, and nothing that was left half done is in the pictures
+// Every call of a frame for which the image is made anew, of its reading and its counting:
+// nothing hangs or crashes, it is noticed, and nothing that was left half done is in the images
 // after.
 void SceneViewTest::survive_a_loss_at_every_call(const SceneViewSettings& settings,
                                                  bool reset_status) {
@@ -65,18 +65,18 @@ void SceneViewTest::survive_a_loss_at_every_call(const SceneViewSettings& settin
   must(view.open(api(), kWidth, kHeight));
   const Camera other = orbit_camera(kWidth + 1, kHeight, {}, 2, 2, 4);
   const auto frame = [&] {
-    auto found = picture(view);
+    auto found = image(view);
     static_cast<void>(view.renderer().stats());
     return found;
   };
   const Image<float> expected = must(frame());
-  must(picture(view, other));
+  must(image(view, other));
   faults.calls = 0;
   must(frame());
   const long calls = faults.calls;
   ASSERT_GT(calls, 40);
   for (long call = 0; call < calls; ++call) {
-    must(picture(view, other));
+    must(image(view, other));
     faults.calls = 0;
     faults.lost_after = call;
     static_cast<void>(frame());
@@ -106,7 +106,7 @@ TEST_P(SceneViewTest, ALossDuringTheStartIsAnError) {
     SceneView view(cloud, {});
     must(view.open(api(), kWidth, kHeight));
     calls = faults.calls;
-    expected = must(picture(view));
+    expected = must(image(view));
   }
   // A few calls stand for all: most make programs, all alike, and slowly on some drivers
   const long step = calls / 7;
@@ -123,7 +123,7 @@ TEST_P(SceneViewTest, ALossDuringTheStartIsAnError) {
   }
   SceneView view(cloud, {});
   must(view.open(api(), kWidth, kHeight));
-  EXPECT_EQ(must(picture(view)).pixels, expected.pixels);
+  EXPECT_EQ(must(image(view)).pixels, expected.pixels);
 }
 
 // Which call of a frame belongs to which stage.
@@ -166,7 +166,7 @@ TEST_P(SceneViewTest, IsMadeAgainInANewContextWhateverStageLostTheOldOne) {
   SceneView view(shared_cloud(300), {});
   auto old = must(host::HostContext::create(GetParam()));
   must(view.open(old->api(), kWidth, kHeight));
-  const Image<float> expected = must(picture(old->api(), view, kCamera));
+  const Image<float> expected = must(image(old->api(), view, kCamera));
   std::vector<std::pair<const char*, long>> all;
   {
     const GlFaults between(old->api());
@@ -179,14 +179,14 @@ TEST_P(SceneViewTest, IsMadeAgainInANewContextWhateverStageLostTheOldOne) {
     {
       const GlFaults between(old->api());
       faults.lost_after = call;
-      static_cast<void>(picture(old->api(), view, kCamera));
+      static_cast<void>(image(old->api(), view, kCamera));
       EXPECT_TRUE(gl::context_lost(old->api())) << stage;
     }
     auto fresh = must(host::HostContext::create(GetParam()));
     must(view.open(fresh->api(), kWidth, kHeight));
     old = std::move(fresh);
     must(old->make_current());
-    EXPECT_EQ(must(picture(old->api(), view, kCamera)).pixels, expected.pixels) << stage;
+    EXPECT_EQ(must(image(old->api(), view, kCamera)).pixels, expected.pixels) << stage;
     EXPECT_TRUE(old->api().debug.mistakes().empty());
   }
   EXPECT_GE(all.size(), 5U);
@@ -198,34 +198,34 @@ TEST_P(SceneViewTest, ShowsWhatTheMemoryHolds) {
   const GlFaults between(api());
   SceneView all(cloud, {});
   must(all.open(api(), kWidth, kHeight));
-  must(picture(all));
+  must(image(all));
   EXPECT_TRUE(all.shows_all());
   all.close();
   EXPECT_EQ(faults.used, 0U) << "something was not deleted";
 
   // By the estimate: never, not even in between, more than was granted
-  const std::size_t budget = faults.most_used / 2;
-  faults.most_used = 0;
+  const std::size_t budget = faults.max_used / 2;
+  faults.max_used = 0;
   SceneView some(cloud, {.memory = budget});
   must(some.open(api(), kWidth, kHeight));
-  const Image<float> shown = must(picture(some));
+  const Image<float> shown = must(image(some));
   EXPECT_FALSE(some.shows_all());
   EXPECT_GT(some.splats(), 1000U);
   const std::size_t splats = some.splats();
   EXPECT_GT(faults.used, budget * 3 / 4);
-  // A larger picture leaves room for fewer splats, and the first one again for as many
-  must(picture(some, orbit_camera(2 * kWidth, kHeight, {}, 2, 1, 4)));
+  // A larger image leaves room for fewer splats, and the first one again for as many
+  must(image(some, orbit_camera(2 * kWidth, kHeight, {}, 2, 1, 4)));
   EXPECT_LT(some.splats(), splats);
-  EXPECT_EQ(must(picture(some)).pixels, shown.pixels);
+  EXPECT_EQ(must(image(some)).pixels, shown.pixels);
   EXPECT_EQ(some.splats(), splats);
-  EXPECT_LE(faults.most_used, budget);
+  EXPECT_LE(faults.max_used, budget);
 
   // They are the ones that add most
   SceneView selected(
-      std::make_shared<SplatCloud>(in_order(*cloud, render::most_contributing(*cloud, splats))),
+      std::make_shared<SplatCloud>(in_order(*cloud, render::max_contributing(*cloud, splats))),
       {.accumulation = coarse()});
   must(selected.open(api(), kWidth, kHeight));
-  EXPECT_EQ(must(picture(selected)).pixels, shown.pixels);
+  EXPECT_EQ(must(image(selected)).pixels, shown.pixels);
 }
 
 TEST_P(SceneViewTest, GivesWayWhereTheDriverHasLessThanItSays) {
@@ -233,60 +233,60 @@ TEST_P(SceneViewTest, GivesWayWhereTheDriverHasLessThanItSays) {
   const GlFaults between(api());
   SceneView view(cloud, {});
   must(view.open(api(), kWidth, kHeight));
-  must(picture(view));
+  must(image(view));
   faults.memory = faults.used * 3 / 5;
   must(view.open(api(), kWidth, kHeight));
   EXPECT_FALSE(api().lost);
   EXPECT_GT(view.splats(), 5000U / 3);
   EXPECT_LT(view.splats(), 5000U * 3 / 5);
-  must(picture(view));
+  must(image(view));
   EXPECT_LE(faults.used, faults.memory);
-  // Less and less while it runs: seen when the picture changes its size
+  // Less and less while it runs: seen when the image changes its size
   faults.memory = faults.memory / 2;
   const std::size_t before = view.splats();
-  must(picture(view, orbit_camera(kWidth + 2, kHeight, {}, 2, 1, 4)));
+  must(image(view, orbit_camera(kWidth + 2, kHeight, {}, 2, 1, 4)));
   EXPECT_LT(view.splats(), before);
   EXPECT_GT(view.splats(), 0U);
-  // Nothing at all: an error, and a picture again once there is room
+  // Nothing at all: an error, and an image again once there is room
   const std::size_t some = std::exchange(faults.memory, 1000);
-  const auto refused = picture(view);
+  const auto refused = image(view);
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message(), HasSubstr("out of graphics memory"));
-  EXPECT_FALSE(picture(view));
+  EXPECT_FALSE(image(view));
   faults.memory = 2 * some;
-  must(picture(view));
+  must(image(view));
   EXPECT_GT(view.splats(), before / 2);
 }
 
 // In the end fewer pixels: half of the memory is the splats'.
-TEST_P(SceneViewTest, APictureThatDoesNotFitIsMadeSmaller) {
+TEST_P(SceneViewTest, AImageThatDoesNotFitIsMadeSmaller) {
   const auto cloud = shared_cloud(300);
   const Camera large = orbit_camera(8 * kWidth, 8 * kHeight, {}, 2, 1, 4);
   const GlFaults between(api());
   {
     SceneView view(cloud, {.memory = 800'000});
     must(view.open(api(), large.width, large.height));
-    must(picture(view, large));
+    must(image(view, large));
     EXPECT_LT(view.target().width(), large.width);
     EXPECT_GE(view.target().width(), kWidth);
     EXPECT_EQ(view.target().width() * large.height, view.target().height() * large.width);
     EXPECT_TRUE(view.shows_all());
-    EXPECT_LE(faults.most_used, 800'000U);
-    must(picture(view));
+    EXPECT_LE(faults.max_used, 800'000U);
+    must(image(view));
     EXPECT_EQ(view.target().width(), kWidth);
   }
   // The driver says no: the same, and the scene as it would be drawn at that size
   faults.memory = 800'000;
   SceneView view(cloud, {});
   must(view.open(api(), large.width, large.height));
-  const Image<float> shown = must(picture(view, large));
+  const Image<float> shown = must(image(view, large));
   ASSERT_LT(shown.width, large.width);
   faults.memory = ~0UL;
   SceneView small(std::make_shared<SplatCloud>(
-                      in_order(*cloud, render::most_contributing(*cloud, view.splats()))),
+                      in_order(*cloud, render::max_contributing(*cloud, view.splats()))),
                   {.accumulation = coarse()});
   must(small.open(api(), shown.width, shown.height));
-  EXPECT_EQ(must(picture(small, orbit_camera(shown.width, shown.height, {}, 2, 1, 4))).pixels,
+  EXPECT_EQ(must(image(small, orbit_camera(shown.width, shown.height, {}, 2, 1, 4))).pixels,
             shown.pixels);
 }
 
@@ -300,12 +300,12 @@ TEST_P(SceneViewTest, HalfFloatsThenSplatsThenPixels) {
     int width = 0;
     std::size_t memory = 0, splats = 0;
   };
-  for (const std::size_t splats : {10U, 20'000U}) {  // less than the picture, and more
+  for (const std::size_t splats : {10U, 20'000U}) {  // less than the image, and more
     const auto cloud = shared_cloud(splats);
     const auto opened = [&](const SceneViewSettings& settings) {
       SceneView view(cloud, settings);
       must(view.open(api(), camera.width, camera.height));
-      must(picture(view, camera));
+      must(image(view, camera));
       EXPECT_EQ(faults.used, view.memory());
       EXPECT_EQ(view.is_reduced(), settings.memory.has_value());
       return Opened{view.target().width(), view.memory(), view.splats()};
@@ -341,29 +341,29 @@ TEST_P(SceneViewTest, HalfFloatsThenSplatsThenPixels) {
 }
 
 // The scale changes while something moves: the splats are not to come and go with it.
-TEST_P(SceneViewTest, AnotherScaleIsAnotherPictureOfTheSameSplats) {
+TEST_P(SceneViewTest, AnotherScaleIsAnotherImageOfTheSameSplats) {
   const GlFaults between(api());
   const auto cloud = shared_cloud(5000);
   SceneView whole(cloud, {});
   must(whole.open(api(), kWidth, kHeight));
-  must(picture(whole));
+  must(image(whole));
   const std::size_t budget = whole.memory() / 2;
   whole.close();
   SceneView view(cloud, {.memory = budget});
   must(view.open(api(), kWidth, kHeight));
-  const Image<float> first = must(picture(view));
+  const Image<float> first = must(image(view));
   const std::size_t splats = view.splats();
   EXPECT_LT(splats, 5000U);
-  faults.most_used = 0;
+  faults.max_used = 0;
   for (const double scale : {0.5, 0.85, 0.3, 1.0}) {
     const long before = faults.allocations;
     view.set_scale(scale);
-    must(picture(view));
+    must(image(view));
     EXPECT_EQ(view.splats(), splats) << scale;
     EXPECT_LE(faults.allocations - before, 4) << scale << ": more than a target was made";
-    EXPECT_LE(faults.most_used, budget) << scale;
+    EXPECT_LE(faults.max_used, budget) << scale;
   }
-  EXPECT_EQ(must(picture(view)).pixels, first.pixels);
+  EXPECT_EQ(must(image(view)).pixels, first.pixels);
 }
 
 TEST_P(SceneViewTest, AMemoryThatHoldsNothingIsRefused) {
@@ -390,8 +390,8 @@ TEST_P(SceneViewTest, SplatsOfLowDegreesTakeLessOfABudget) {
   const std::size_t budget = 800'000;
   SceneView some(mixed, {.memory = budget});
   must(some.open(api(), kWidth, kHeight));
-  must(picture(some));
-  EXPECT_LE(faults.most_used, budget);
+  must(image(some));
+  EXPECT_LE(faults.max_used, budget);
   EXPECT_GT(faults.used, budget / 2);
   const std::size_t splats = some.splats();
   EXPECT_FALSE(some.shows_all());
@@ -405,7 +405,7 @@ TEST_P(SceneViewTest, AnEmptySceneIsShown) {
   SceneView view(std::make_shared<SplatCloud>(), {});
   must(view.open(api(), kWidth, kHeight));
   EXPECT_TRUE(view.shows_all());
-  for (const float value : must(picture(view)).pixels) ASSERT_EQ(value, 0.0F);
+  for (const float value : must(image(view)).pixels) ASSERT_EQ(value, 0.0F);
 }
 
 FLUXGS_GL_TEST_SUITE(SceneViewTest);
@@ -423,11 +423,11 @@ TEST(SplatBudget, TheLeastGoFirstAndTiesByIndex) {
   SplatCloud cloud;
   for (const float size : {1.0F, 3.0F, 2.0F, 1.0F, 3.0F}) add(cloud, {.scale = glm::vec3(size)});
   using Indices = std::vector<std::uint32_t>;
-  EXPECT_EQ(render::most_contributing(cloud, 0), (Indices{}));
-  EXPECT_EQ(render::most_contributing(cloud, 1), (Indices{1}));
-  EXPECT_EQ(render::most_contributing(cloud, 3), (Indices{1, 2, 4}));
-  EXPECT_EQ(render::most_contributing(cloud, 4), (Indices{0, 1, 2, 4}));
-  EXPECT_EQ(render::most_contributing(cloud, 9), (Indices{0, 1, 2, 3, 4}));
+  EXPECT_EQ(render::max_contributing(cloud, 0), (Indices{}));
+  EXPECT_EQ(render::max_contributing(cloud, 1), (Indices{1}));
+  EXPECT_EQ(render::max_contributing(cloud, 3), (Indices{1, 2, 4}));
+  EXPECT_EQ(render::max_contributing(cloud, 4), (Indices{0, 1, 2, 4}));
+  EXPECT_EQ(render::max_contributing(cloud, 9), (Indices{0, 1, 2, 3, 4}));
 }
 
 }  // namespace

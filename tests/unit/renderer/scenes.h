@@ -47,8 +47,8 @@ inline void add(SplatCloud& cloud, const SimpleSplat& splat) {
   cloud.sh_rest.resize(cloud.size() * static_cast<std::size_t>(sh_rest_count(cloud.sh_degree)));
 }
 
-/// `count` splats of every shape in a ball of radius 1 around `centre`, with random harmonics and
-/// quaternions of any length.
+/// `count` splats of every shape in a ball of radius 1 around `centre`, with random SH coefficients
+/// and quaternions of any length.
 inline SplatCloud random_cloud(std::size_t count, int sh_degree, std::uint32_t seed,
                                const glm::vec3& centre = {0, 0, 0}) {
   std::mt19937 random(seed);
@@ -107,7 +107,7 @@ inline Camera orbit_camera(int width, int height, const glm::dvec3& centre, doub
   return camera;
 }
 
-/// The difference between a picture and the reference.
+/// The difference between an image and the reference.
 struct Difference {
   double psnr = 0;      ///< dB, over RGB, for a signal of 1
   double greatest = 0;  ///< over RGB and 1 − A against transmittance
@@ -149,10 +149,10 @@ inline glm::dvec3 mean_position(const SplatCloud& cloud) {
   return sum / static_cast<double>(std::max<std::size_t>(cloud.size(), 1));
 }
 
-/// Writes RGB to $FLUXGS_TEST_PICTURES/NAME.ppm, for people to look at; does nothing where that is
+/// Writes RGB to $FLUXGS_TEST_IMAGES/NAME.ppm, for people to look at; does nothing where that is
 /// not set.
-inline void keep_picture(const std::string& name, const Image<float>& image) {
-  const char* folder = std::getenv("FLUXGS_TEST_PICTURES");
+inline void keep_image(const std::string& name, const Image<float>& image) {
+  const char* folder = std::getenv("FLUXGS_TEST_IMAGES");
   if (!folder) return;
   std::ofstream file(std::filesystem::path(folder) / (name + ".ppm"), std::ios::binary);
   file << "P6\n" << image.width << ' ' << image.height << "\n255\n";

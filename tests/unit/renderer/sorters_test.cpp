@@ -1,4 +1,4 @@
-// Every sorter against the exact one: the order of the splats that the picture shows.
+// Every sorter against the exact one: the order of the splats that the image shows.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ std::string name(SorterKind kind) {
 
 class SortersTest : public GlTest {
  protected:
-  // Draws the cloud; returns the order without splats that the picture does not show.
+  // Draws the cloud; returns the order without splats that the image does not show.
   Order shown_order(SorterKind kind, const SplatCloud& cloud, const Camera& camera, int key_bits) {
     const auto made = must(
         render::Renderer::create(api(), {.sorter = kind, .shortcuts = {.key_bits = key_bits}}));
@@ -32,7 +32,7 @@ class SortersTest : public GlTest {
     const auto target = must(render::RenderTarget::create(api(), camera.width, camera.height,
                                                           render::TargetFormat::rgba16f));
     must(made->draw(camera, {}, target));
-    picture_ = must(made->read(target)).pixels;
+    image_ = must(made->read(target)).pixels;
     if (cloud.size() == 0) return {};
     const auto count = must(made->sorter().count().read_all<std::uint32_t>(1)).front();
     Order order = must(made->sorter().order().read_all<std::uint32_t>(count));
@@ -60,7 +60,7 @@ class SortersTest : public GlTest {
     }
   }
 
-  std::vector<float> picture_;
+  std::vector<float> image_;
 };
 
 TEST_P(SortersTest, RandomClouds) {
@@ -95,21 +95,21 @@ TEST_P(SortersTest, NothingToSort) {
     EXPECT_TRUE(shown_order(kind, {}, front_camera(8, 8, 2), 24).empty());
     SplatCloud behind = random_cloud(300, 0, 4, {0, 0, -50});
     EXPECT_TRUE(shown_order(kind, behind, front_camera(8, 8, 2), 24).empty()) << name(kind);
-    EXPECT_TRUE(std::ranges::all_of(picture_, [](float v) { return v == 0; })) << name(kind);
+    EXPECT_TRUE(std::ranges::all_of(image_, [](float v) { return v == 0; })) << name(kind);
     SplatCloud broken = random_cloud(300, 0, 4);
     for (glm::vec3& p : broken.positions) p.x = std::nanf("");
     EXPECT_TRUE(shown_order(kind, broken, front_camera(8, 8, 2), 24).empty()) << name(kind);
   }
 }
 
-TEST_P(SortersTest, TheSamePictureFromEach) {
+TEST_P(SortersTest, TheSameImageFromEach) {
   const SplatCloud cloud = random_cloud(4000, 1, 5);
   const Camera camera = orbit_camera(160, 120, {}, 2, 1, 4);
   static_cast<void>(shown_order(SorterKind::exact, cloud, camera, 32));
-  const std::vector<float> expected = picture_;
+  const std::vector<float> expected = image_;
   for (const SorterKind kind : {SorterKind::gpu_radix, SorterKind::cpu_async}) {
     static_cast<void>(shown_order(kind, cloud, camera, 32));
-    EXPECT_EQ(picture_, expected) << name(kind);
+    EXPECT_EQ(image_, expected) << name(kind);
   }
 }
 
@@ -127,9 +127,9 @@ TEST_P(SortersTest, OrdersOfAMovingCameraCatchUp) {
   }
   late->wait_for_sorts(true);
   must(late->draw(camera, {}, target));
-  const auto picture = must(late->read(target)).pixels;
+  const auto image = must(late->read(target)).pixels;
   static_cast<void>(shown_order(SorterKind::exact, cloud, camera, 24));
-  EXPECT_EQ(picture, picture_);
+  EXPECT_EQ(image, image_);
 }
 
 // So that a viewer can come to rest, however long its scene takes to be sorted.

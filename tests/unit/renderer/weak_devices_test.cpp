@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "picture_fixture.h"
+#include "image_fixture.h"
 #include "render/vertex_source.h"
 
 namespace fluxgs::test {
@@ -40,7 +40,7 @@ void GL_APIENTRY claimed_integer(GLenum name, GLint* value) {
   }
 }
 
-class WeakDevicesTest : public PictureTest {
+class WeakDevicesTest : public ImageTest {
  protected:
   /// The functions of this context by their names, as a platform's getProcAddress knows them.
   std::map<std::string, void*> functions() {

@@ -82,7 +82,7 @@ TEST(CompressedPly, OpacitiesAtTheEndsStayFinite) {
   EXPECT_NEAR(scene.cloud.opacity_logits[1], 17.3f, 0.1f);
 }
 
-TEST(CompressedPly, HarmonicsAreChannelMajorBytes) {
+TEST(CompressedPly, ShAreChannelMajorBytes) {
   CompressedPly file = one_splat_file({});
   file.sh_degree = 1;
   file.sh = {0, 1, 127, 128, 254, 255, 64, 192, 2};  // red, green, blue of three coefficients each
@@ -292,14 +292,14 @@ TEST(CompressedPly, BoundsThatAreNotFiniteAreRefused) {
 
 // Bounds of any finite size, also in the wrong order, give finite splats or dropped ones.
 TEST(CompressedPly, ExtremeBoundsAreHarmless) {
-  constexpr float kMost = std::numeric_limits<float>::max();
+  constexpr float kMax = std::numeric_limits<float>::max();
   CompressedPly file = compress(random_cloud(256, 0));
-  file.chunks[0].fill(-kMost);
-  for (const std::size_t at : {3, 4, 5, 9, 10, 11}) file.chunks[0][at] = kMost;
+  file.chunks[0].fill(-kMax);
+  for (const std::size_t at : {3, 4, 5, 9, 10, 11}) file.chunks[0][at] = kMax;
   for (const std::size_t at : {12, 13, 14, 15, 16, 17}) file.chunks[0][at] = 0.5f;
   FLUXGS_UNWRAP(wide, read(file));
   EXPECT_EQ(wide.cloud.size(), 256u);
-  file.chunks[0][12] = kMost;  // a coefficient 3.5 times as large: beyond float
+  file.chunks[0][12] = kMax;  // a coefficient 3.5 times as large: beyond float
   FLUXGS_UNWRAP(coloured, read(file));
   EXPECT_GT(coloured.dropped, 0u);
   EXPECT_EQ(coloured.cloud.size() + coloured.dropped, 256u);

@@ -25,25 +25,25 @@ using Files = std::map<std::string, Bytes>;  // name → content
 /// A WebP image, with the colours of transparent pixels kept.
 inline Bytes webp(const std::vector<Pixel>& pixels, int width, int height, bool lossless = true) {
   WebPConfig config;
-  WebPPicture picture;
+  WebPPicture image;
   WebPMemoryWriter writer;
-  if (!WebPConfigInit(&config) || !WebPPictureInit(&picture)) throw std::runtime_error("webp");
+  if (!WebPConfigInit(&config) || !WebPPictureInit(&image)) throw std::runtime_error("webp");
   WebPMemoryWriterInit(&writer);
   config.lossless = lossless;
   config.exact = 1;
   config.method = 0;
-  picture.use_argb = 1;
-  picture.width = width;
-  picture.height = height;
-  picture.writer = WebPMemoryWrite;
-  picture.custom_ptr = &writer;
+  image.use_argb = 1;
+  image.width = width;
+  image.height = height;
+  image.writer = WebPMemoryWrite;
+  image.custom_ptr = &writer;
   std::vector<Pixel> padded = pixels;
   padded.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   const bool done =
-      WebPPictureImportRGBA(&picture, padded[0].data(), 4 * width) && WebPEncode(&config, &picture);
+      WebPPictureImportRGBA(&image, padded[0].data(), 4 * width) && WebPEncode(&config, &image);
   Bytes bytes(writer.size);
   if (done) std::memcpy(bytes.data(), writer.mem, writer.size);
-  WebPPictureFree(&picture);
+  WebPPictureFree(&image);
   WebPMemoryWriterClear(&writer);
   if (!done) throw std::runtime_error("webp");
   return bytes;

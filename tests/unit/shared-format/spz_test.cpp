@@ -23,7 +23,7 @@ const Bytes kAlpha = raw({51});                                                 
 const Bytes kColour = raw({255, 0, 51});
 const Bytes kScale = raw({160, 0, 255});
 const Bytes kThree = raw({204, 51, 153});  // x 0.6, y -0.6, z 0.2
-const Bytes kHarmonics = raw({192, 128, 64, 64, 128, 192, 255, 0, 160});
+const Bytes kSh = raw({192, 128, 64, 64, 128, 192, 255, 0, 160});
 
 // Largest w; x +511, y -256, z +0 of 511, in units of 1/√2.
 Bytes smallest_three() {
@@ -34,9 +34,9 @@ Bytes smallest_three() {
 
 Bytes known_file(std::uint32_t version) {
   const Bytes rotation = version >= 3 ? smallest_three() : kThree;
-  if (version == 4) return spz4(1, 1, {kFixed, kAlpha, kColour, kScale, rotation, kHarmonics});
+  if (version == 4) return spz4(1, 1, {kFixed, kAlpha, kColour, kScale, rotation, kSh});
   return gzip(joined({spz_header(version, 1, 1), version == 1 ? kHalves : kFixed, kAlpha, kColour,
-                      kScale, rotation, kHarmonics}));
+                      kScale, rotation, kSh}));
 }
 
 // `s` is the sign of y and z against what is stored.
@@ -233,7 +233,7 @@ TEST(Spz, FlippedAxesAreThoseOfTheFormulas) {
     math::sh_basis(3, math::Vec3<double>{d.x, d.y, d.z}, here.data());
     math::sh_basis(3, math::Vec3<double>{d.x * s.x, d.y * s.y, d.z * s.z}, there.data());
     for (std::size_t k = 0; k < 15; ++k) {
-      EXPECT_NEAR(here[k] * double{flip.harmonics[k]}, there[k], 1e-12) << code << ' ' << k;
+      EXPECT_NEAR(here[k] * double{flip.sh[k]}, there[k], 1e-12) << code << ' ' << k;
     }
     const glm::dquat q =
         glm::normalize(glm::dquat(normal(random), normal(random), normal(random), normal(random)));
@@ -315,7 +315,7 @@ TEST(Spz, AgreesWithAnIndependentWriter) {
         data_file(fmt::format("splats/plush-dog/converted/plush-dog.{}.spz", version));
     ASSERT_TRUE(path);
     FLUXGS_UNWRAP(scene, read_spz(*read_file(*path), "spz"));
-    // Their harmonics are rounded to 8 bits first and then to fewer.
+    // Their SH coefficients are rounded to 8 bits first and then to fewer.
     SpzWorst allowed = spz_allowed();
     allowed.sh1 += 1.0 / 256;
     allowed.sh_rest += 1.0 / 256;

@@ -62,7 +62,7 @@ TEST(StartView, AddsNoMoreThanSaid) {
                        .up = kView.up};
   const auto file = with_start_view(plain, view, "a.glb");
   ASSERT_TRUE(file) << file.error().message();
-  EXPECT_LE(file->size(), plain.size() + kMostStartViewBytes);
+  EXPECT_LE(file->size(), plain.size() + kMaxStartViewBytes);
 }
 
 TEST(StartView, IsWrittenAndReadAgain) {

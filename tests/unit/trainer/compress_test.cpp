@@ -31,12 +31,12 @@ SplatCloud faint_cloud() {
   return cloud;
 }
 
-/// A scene, its pictures, and a search of it.
+/// A scene, its images, and a search of it.
 struct Fixture {
   SplatCloud cloud = faint_cloud();
   Threads threads{1};
   SceneError error{cloud, some_cameras(), {}, threads};
-  CompactOptions options{.steps = usual_compact_steps(cloud)};
+  CompactOptions options{.steps = default_compact_steps(cloud)};
 };
 
 // The camera is inside of the splat
@@ -63,8 +63,8 @@ TEST(SceneError, ColoursBeyondTheDisplayDoNotCount) {
   EXPECT_EQ(*error.mse(cloud), 0);
 }
 
-// Σ over the splats of Σ α·T is what the pictures of a grey scene add up to, over the grey.
-TEST(SeenSplats, WeightsAddUpToThePicture) {
+// Σ over the splats of Σ α·T is what the images of a grey scene add up to, over the grey.
+TEST(SeenSplats, WeightsAddUpToTheImage) {
   const Threads threads(1);
   SplatCloud cloud = test::random_cloud(400, 2, 3);
   const auto cameras = some_cameras();
@@ -75,9 +75,9 @@ TEST(SeenSplats, WeightsAddUpToThePicture) {
   const ViewRenderer render = cpu_view_renderer(cloud, {}, threads);
   double sum = 0;
   for (const Camera& camera : cameras) {
-    const auto picture = render(camera);
-    for (int y = 0; y < picture->height(); ++y)
-      for (int x = 0; x < picture->width(); ++x) sum += 2 * double{picture->row(0, y)[x]};
+    const auto image = render(camera);
+    for (int y = 0; y < image->height(); ++y)
+      for (int x = 0; x < image->width(); ++x) sum += 2 * double{image->row(0, y)[x]};
   }
   EXPECT_NEAR(std::accumulate(weights.begin(), weights.end(), 0.0) / sum, 1, 1e-4);
 }
@@ -120,15 +120,15 @@ TEST(SeenSplats, FactorsAreThoseOfTheDirections) {
   EXPECT_EQ(splat_views(views, parameters, 0).weight, 0);
 }
 
-/// All pixels and colours of a scene's pictures, one after the other.
+/// All pixels and colours of a scene's images, one after the other.
 std::vector<double> pixels_of(const SplatCloud& cloud, const Threads& threads) {
   std::vector<double> pixels;
   const ViewRenderer render = cpu_view_renderer(cloud, {}, threads);
   for (const Camera& camera : some_cameras()) {
-    const auto picture = render(camera);
+    const auto image = render(camera);
     for (int c = 0; c < 3; ++c)
-      for (int y = 0; y < picture->height(); ++y)
-        for (int x = 0; x < picture->width(); ++x) pixels.push_back(double{picture->row(c, y)[x]});
+      for (int y = 0; y < image->height(); ++y)
+        for (int x = 0; x < image->width(); ++x) pixels.push_back(double{image->row(c, y)[x]});
   }
   return pixels;
 }
@@ -159,7 +159,7 @@ double form(const float* triangle, const glm::dvec3& u) {
 }
 
 // Each is a mean of few random numbers, whose mean over the splats is near.
-TEST(ErrorCurvature, IsWhatPicturesChangeBy) {
+TEST(ErrorCurvature, IsWhatImagesChangeBy) {
   constexpr std::size_t kSplats = 40;
   SplatCloud cloud = test::random_cloud(kSplats, 1, 6);
   for (glm::quat& q : cloud.rotations) q = 2.0f * glm::normalize(q);
@@ -216,7 +216,7 @@ TEST(CompactSearch, StaysWithinTheLossAndUsesIt) {
   }
 }
 
-TEST(CompactSearch, PicturesThatShowNothingAreNoReasonForCoarseSteps) {
+TEST(CompactSearch, ImagesThatShowNothingAreNoReasonForCoarseSteps) {
   Fixture f;
   for (glm::vec3& dc : f.cloud.sh_dc) dc = glm::vec3(-100);  // black on black
   const SceneError error(f.cloud, some_cameras(), {}, f.threads);
@@ -253,7 +253,7 @@ TEST(CompactSearch, SplatsOfSeveralDegrees) {
   for (std::size_t i = 0; i < cloud.size(); ++i)
     for (std::size_t k = i % 2 == 0 ? 0 : 3; k < 15; ++k) cloud.sh_rest[15 * i + k] = glm::vec3(0);
   const SceneError error(cloud, some_cameras(), {}, f.threads);
-  const CompactOptions options{.steps = usual_compact_steps(cloud)};
+  const CompactOptions options{.steps = default_compact_steps(cloud)};
   const auto found = CompactSearch(cloud, error, options).within_loss(40);
   ASSERT_TRUE(found) << found.error().message();
   EXPECT_GE(found->psnr(), 40);
@@ -274,7 +274,7 @@ TEST(CompactSearch, ASplatFarAwayIsNoError) {
   Fixture f;
   f.cloud.positions[0].x = 1e20f;
   const SceneError error(f.cloud, some_cameras(), {}, f.threads);
-  const CompactSearch search(f.cloud, error, {.steps = usual_compact_steps(f.cloud)});
+  const CompactSearch search(f.cloud, error, {.steps = default_compact_steps(f.cloud)});
   EXPECT_TRUE(search.within_bytes(50'000));
 }
 

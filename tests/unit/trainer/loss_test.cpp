@@ -25,7 +25,7 @@ PlanarImage planar(const Image<double>& image) {
   return out;
 }
 
-/// Mean SSIM straight from the definition (Wang et al. 2004), zero outside the picture.
+/// Mean SSIM straight from the definition (Wang et al. 2004), zero outside the image.
 double ssim_reference(const Image<double>& a, const Image<double>& b) {
   double window[11], total = 0, norm = 0;
   for (int k = 0; k < 11; ++k) norm += window[k] = std::exp(-(k - 5) * (k - 5) / 4.5);

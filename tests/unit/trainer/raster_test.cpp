@@ -104,7 +104,7 @@ class CpuRaster : public testing::TestWithParam<Isa> {};
 INSTANTIATE_TEST_SUITE_P(EveryIsa, CpuRaster, testing::ValuesIn(available_isas()),
                          [](const auto& isa) { return std::string(name_of(isa.param)); });
 
-TEST_P(CpuRaster, PictureAndGradientsEqualTheReference) {
+TEST_P(CpuRaster, ImageAndGradientsEqualTheReference) {
   for (int degree = 0; degree <= 3; ++degree) {
     const SplatCloud cloud = test::random_cloud(600, degree, 11, 0.8f, 0.06f);
     const Camera camera = test::camera_at({1.0, -0.7, -2.4}, {0, 0, 0}, 93, 71);
@@ -124,7 +124,7 @@ TEST_P(CpuRaster, PictureAndGradientsEqualTheReference) {
   }
 }
 
-/// Compares the picture and demands finite gradients; returns the largest difference.
+/// Compares the image and demands finite gradients; returns the largest difference.
 double hard_case(const SplatCloud& cloud, const Camera& camera, const RenderOptions& options,
                  Isa isa) {
   const Rendered fast = run(cloud, camera, options, isa);

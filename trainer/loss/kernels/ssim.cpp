@@ -12,7 +12,7 @@ constexpr float kC1 = 0.01f * 0.01f, kC2 = 0.03f * 0.03f;
 constexpr std::size_t kStep = static_cast<std::size_t>(kLanes);
 constexpr std::size_t kGuard = 16;  // zeros at both ends of a blurred row: the window reads there
 
-/// Scratch memory: a row of zeros, which stands for the rows outside the picture, and rows that are
+/// Scratch memory: a row of zeros, which stands for the rows outside the image, and rows that are
 /// blurred over their columns and not yet along themselves. The columns come first because they
 /// need no neighbouring row's results: nothing is computed twice where strips meet, and what is
 /// kept stays in the first-level cache.

@@ -28,10 +28,10 @@ struct CompactSteps {
   float energy = 0.1f;  ///< of the networks' input, which then stands for the two above
 };
 
-/// Steps that suit most scenes, times `coarseness` (> 0): at 1, pictures of scans and of scenes
-/// trained from photos are about 40 dB from those of the exact scene. Positions are rounded
+/// Steps that suit most scenes, times `coarseness` (> 0): at 1, images of scans and of scenes
+/// trained from images are about 40 dB from those of the exact scene. Positions are rounded
 /// relative to the median size of the splats, or as finely as a file can.
-CompactSteps usual_compact_steps(const SplatCloud& cloud, double coarseness = 1);
+CompactSteps default_compact_steps(const SplatCloud& cloud, double coarseness = 1);
 
 /// The finest step of positions that a file can have: it counts fewer than 2²⁴ along an axis.
 double finest_position_step(const SplatCloud& cloud);
@@ -45,7 +45,7 @@ std::vector<std::uint32_t> compact_order(const SplatCloud& cloud, bool has_netwo
 
 /// How many squared steps of error a bit is worth when values are rounded. At fine steps, where a
 /// bit more quarters the mean square error of step²/12, it is 2·ln 2/12.
-inline constexpr double kUsualRateWeight = 0.115;
+inline constexpr double kDefaultRateWeight = 0.115;
 
 /// Makes the rotations those that a compact file stores, before they are rounded: unit quaternions,
 /// and of the four that differ by half turns about the splat's own axes, and so have the same
@@ -54,7 +54,8 @@ void canonicalize_rotations(SplatCloud& cloud);
 glm::quat canonical_rotation(const glm::quat& rotation);  ///< of one splat
 
 /// Networks that make the colours when the scene is opened (networks/appearance.h). They know the
-/// scene in glTF's frame (turn_gltf_frame()): positions, rotations and harmonics, and the energy.
+/// scene in glTF's frame (turn_gltf_frame()): positions, rotations and SH coefficients, and the
+/// energy.
 struct CompactNetworks {
   networks::AppearanceNetworks models;  ///< one of them at least
   networks::Normalisation normalisation = {};
@@ -63,8 +64,8 @@ struct CompactNetworks {
 
 struct CompactOptions {
   CompactSteps steps = {};
-  bool plain_attributes = false;          ///< also store what is decoded as plain floats, see below
-  double rate_weight = kUsualRateWeight;  ///< ≥ 0; 0 rounds to the nearest
+  bool plain_attributes = false;  ///< also store what is decoded as plain floats, see below
+  double rate_weight = kDefaultRateWeight;  ///< ≥ 0; 0 rounds to the nearest
   /// What errors cost when values are rounded. Of networks' scenes, only by weights.
   ErrorCosts costs = {};
   /// The cloud is then of degree 1, and its colours are what Φ begins with; with Ψ they are not

@@ -1,4 +1,4 @@
-// What it costs that the numbers of a splat are stored with errors: how much worse the pictures
+// What it costs that the numbers of a splat are stored with errors: how much worse the images
 // become that show it.
 #pragma once
 
@@ -25,12 +25,12 @@ inline constexpr std::size_t kTriangle3 = 6;
 /// Each list has as many numbers for each splat of a cloud, in its order, or none at all where
 /// nothing is known. Each is on any scale of its own.
 struct ErrorCosts {
-  /// How much each splat's errors count, such as its contribution to the pictures Σ α·T: those of
+  /// How much each splat's errors count, such as its contribution to the images Σ α·T: those of
   /// attributes for which there is no better list below. Without any: by area and opacity alone.
   std::vector<float> weights = {};
-  /// From where each splat is seen, so that errors of its harmonics can be put where they are not:
-  /// the lower triangle, row by row, of L in 4π·G = L·Lᵀ, where G is the mean of y(d)·y(d)ᵀ over
-  /// the directions d from cameras to the splat, and y the basis functions up to the cloud's
+  /// From where each splat is seen, so that errors of its SH coefficients can be put where they are
+  /// not: the lower triangle, row by row, of L in 4π·G = L·Lᵀ, where G is the mean of y(d)·y(d)ᵀ
+  /// over the directions d from cameras to the splat, and y the basis functions up to the cloud's
   /// degree, the constant one first. sh_factor_size() numbers a splat, the diagonal above 0.
   /// Without any: from all sides.
   std::vector<float> sh_factors = {};

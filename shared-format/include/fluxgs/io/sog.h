@@ -6,7 +6,7 @@
 // Version 1 of meta.json is read, too. Attributes are those of an INRIA .ply, in its frame,
 // quantised: positions in 16 bits of sign(x)·ln(|x| + 1), scales and colours by codebooks of 256,
 // opacities in 8 bits (0 and 1 become finite logits, as read_glb() says), rotations in 26 bits,
-// harmonics by a palette.
+// SH coefficients by a palette.
 //
 // Files from strangers: image names must be plain and lie in the scene's folder (symbolic links
 // that lead out are refused, and no file is read twice); nothing is fetched. Before memory is

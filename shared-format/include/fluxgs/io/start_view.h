@@ -17,7 +17,7 @@ namespace fluxgs {
 struct StartView {
   glm::dvec3 position{0.0};            ///< of the eye, scene units
   glm::dquat orientation{1, 0, 0, 0};  ///< camera → world, of unit length
-  /// Of the picture's height, radians, 0…π; in one that is higher than wide we show as much across.
+  /// Of the image's height, radians, 0…π; in one that is higher than wide we show as much across.
   double fov_y = 0.87;
   glm::dvec3 up{0, -1, 0};  ///< what is up in the scene, of unit length
 };
@@ -30,6 +30,6 @@ Expected<std::vector<std::byte>> with_start_view(std::span<const std::byte> glb,
                                                  const StartView& view, const std::string& name);
 
 /// The most bytes that with_start_view() adds.
-inline constexpr std::size_t kMostStartViewBytes = 640;
+inline constexpr std::size_t kMaxStartViewBytes = 640;
 
 }  // namespace fluxgs

@@ -1,4 +1,4 @@
-// Real spherical harmonics of degrees 0…3 in the order and with the signs that 3DGS scenes use
+// Real SH of degrees 0…3 in the order and with the signs that 3DGS scenes use
 // (Kerbl et al. 2023; Ramamoorthi & Hanrahan 2001 for the polynomials).
 #pragma once
 

@@ -1,6 +1,6 @@
 // Colours that a scene stores as the input of two small networks (the Flux-GS paper, "Monte Carlo
 // Specular Energy Aggregator" and "Gaussian Attribute Awareness"): evaluated once when the scene is
-// opened and baked into plain spherical harmonics of degree 1.
+// opened and baked into plain SH of degree 1.
 //
 //   c′ = Ψ(E, f(μ̂))                 12 + 3 → 12
 //   c  = c′ + Φ(μ̂, ŝ, r, o, ĉ′)     3 + 3 + 4 + 1 + 12 → 12

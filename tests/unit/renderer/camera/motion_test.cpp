@@ -130,7 +130,7 @@ TEST(Navigation, ResetGoesHome) {
   expect_same_view(n.view, some_view());
 }
 
-TEST(Navigation, FlippingUpTurnsThePictureAndTwiceIsNothing) {
+TEST(Navigation, FlippingUpTurnsTheImageAndTwiceIsNothing) {
   Navigation n = navigation();
   const glm::dvec3 above = n.view.target + 0.3 * kUp;
   EXPECT_LT(pixel_of(n.view, above).y, 240);

@@ -82,7 +82,7 @@ TEST(Orbit, StartsFromThePoleItself) {
   }
 }
 
-TEST(Orbit, ARolledPictureTurnsAsItLooks) {
+TEST(Orbit, ARolledImageTurnsAsItLooks) {
   const ViewState rolled = twist(some_view(), 90 * kDegree, kSize / 2.0, kSize);
   const double before = roll(rolled, kUp);
   EXPECT_NEAR(std::abs(before), 90 * kDegree, 1e-9);

@@ -70,7 +70,7 @@ TEST(Pinch, WithoutTwistItStaysLevelAndTheMiddleStays) {
             1e-9);
 }
 
-TEST(Pinch, ClockwiseFingersTurnThePictureClockwise) {
+TEST(Pinch, ClockwiseFingersTurnTheImageClockwise) {
   const ViewState view = some_view();
   const TwoFingers before{{220, 240}, {420, 240}}, now{{320, 140}, {320, 340}};
   const glm::dvec3 top = point_at(view, {320, 140}, view.distance, kSize);

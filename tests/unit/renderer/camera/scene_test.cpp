@@ -113,7 +113,7 @@ TEST(UpOfCameras, ParallelViewsGiveTheirOwnUp) {
   const std::vector<Camera> same(5, camera_of(view_between({0, 0, -3}, {0, 0, 0}, kUp, 1), 9, 9));
   EXPECT_LT(glm::distance(up_of_cameras(same).direction, kUp), 1e-9);
   EXPECT_NEAR(up_of_cameras(same).confidence, 1, 1e-9);
-  EXPECT_EQ(up_of_cameras({}).direction, kUsualUp);
+  EXPECT_EQ(up_of_cameras({}).direction, kDefaultUp);
   EXPECT_EQ(up_of_cameras({}).confidence, 0);
 }
 
@@ -144,7 +144,7 @@ TEST(UpOfCloud, WhereNothingIsToBeFoundUpIsTheUsual) {
   SplatCloud pole = ball;
   for (glm::vec3& p : pole.positions) p.x *= 0.1f, p.z *= 0.1f;
   for (const SplatCloud& cloud : {SplatCloud(), one_splat({1, 1, 1}, 1, 0), ball, pole}) {
-    EXPECT_EQ(up_of_cloud(cloud).direction, kUsualUp);
+    EXPECT_EQ(up_of_cloud(cloud).direction, kDefaultUp);
     EXPECT_EQ(up_of_cloud(cloud).confidence, 0);
   }
 }

@@ -30,7 +30,7 @@ inline glm::dvec2 pixel_of(const ViewState& view, const glm::dvec3& point,
   return {c.fx * p.x / p.z + c.cx, c.fy * p.y / p.z + c.cy};
 }
 
-/// The angle between the directions of two views and their pictures' tops.
+/// The angle between the directions of two views and their images' tops.
 inline double turn_between(const ViewState& a, const ViewState& b) {
   const double cosine = std::min(1.0, std::abs(glm::dot(a.orientation, b.orientation)));
   return 2 * std::acos(cosine);
@@ -41,7 +41,7 @@ inline bool is_finite(const ViewState& v) {
          v.distance > 0 && std::abs(glm::length(v.orientation) - 1) < 1e-9 && std::isfinite(v.fov);
 }
 
-/// The same picture, but for `tolerance` scene units and about as many radians.
+/// The same image, but for `tolerance` scene units and about as many radians.
 inline void expect_same_view(const ViewState& a, const ViewState& b, double tolerance = 1e-9) {
   EXPECT_LT(glm::distance(eye(a), eye(b)), tolerance);
   EXPECT_LT(glm::distance(a.target, b.target), tolerance);

@@ -186,7 +186,7 @@ DevicePose held(double heading, double pitch, double seconds, int screen_turns =
   const glm::dquat upright = glm::angleAxis(std::numbers::pi / 2, glm::dvec3(1, 0, 0));
   const glm::dquat turn = glm::angleAxis(heading, glm::dvec3(0, 0, 1));
   const glm::dquat tilt = glm::angleAxis(pitch, glm::dvec3(1, 0, 0));
-  // The picture is turned against the device
+  // The image is turned against the device
   const glm::dquat screen =
       glm::angleAxis(screen_turns * std::numbers::pi / 2, glm::dvec3(0, 0, 1));
   return {
@@ -286,7 +286,7 @@ TEST(ScaleControl, StopsWhereTheRestIsNotOfPixels) {
   EXPECT_LT(lower, 60 * 6);
 }
 
-TEST(ScaleControl, APictureThatWasGivenUpOnIsTriedAgain) {
+TEST(ScaleControl, AImageThatWasGivenUpOnIsTriedAgain) {
   ScaleControl control(1.0 / 60);
   const auto bound_by_the_sort = [&](int frames) {
     for (int i = 0; i < frames; ++i) control.frame(0.025);
@@ -348,7 +348,7 @@ TEST(ScaleControl, HeatLowersItBeforeTheSystemDoes) {
   EXPECT_LT(coolest_scale({.status = 2}), coolest_scale({.status = 1}));
   EXPECT_EQ(coolest_scale({.status = 4}), 0.5);
   ScaleControl control(1.0 / 60);
-  control.set_most(0.7);
+  control.set_max(0.7);
   for (int i = 0; i < 100; ++i) control.frame(1.0 / 60);
   EXPECT_EQ(control.scale(), 0.7);
   for (int i = 0; i < 12; ++i) control.frame(0.05);

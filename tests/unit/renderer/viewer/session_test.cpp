@@ -77,13 +77,13 @@ class SessionTest : public testing::TestWithParam<host::HostGl> {
     session_->load(file_of(bytes), "scene.glb", {}, place);
     return run_until([](const SessionState& s) { return s.drawn || !s.error.empty(); });
   }
-  /// The picture once everything has come to rest.
-  Image<std::uint8_t> picture() {
+  /// The image once everything has come to rest.
+  Image<std::uint8_t> image() {
     for (int i = 0; i < 20; ++i) {
       session_->frame(time_ += 1.0 / 60);
       std::this_thread::sleep_for(5ms);
     }
-    const auto taken = session_->picture();
+    const auto taken = session_->image();
     EXPECT_TRUE(taken);
     return taken.value_or(Image<std::uint8_t>(kWidth, kHeight, 4));
   }
@@ -103,7 +103,7 @@ class SessionTest : public testing::TestWithParam<host::HostGl> {
   double time_ = 0;
 };
 
-/// dB between two pictures of 8 bits.
+/// dB between two images of 8 bits.
 double psnr(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b) {
   if (a.width != b.width || a.height != b.height) return 0;
   double sum = 0;
@@ -116,7 +116,7 @@ double psnr(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b) {
   return -10 * std::log10(std::max(sum / (3.0 * a.width * a.height), 1e-12));
 }
 
-Image<std::uint8_t> reference_picture() {
+Image<std::uint8_t> reference_image() {
   const SceneFile file = *read_glb(file_with_start(), "scene");
   const auto n = camera::first_view(file.cloud, file.start, {kWidth, kHeight});
   RenderOptions options;
@@ -142,12 +142,12 @@ TEST_P(SessionTest, ShowsASceneFromItsStart) {
   EXPECT_EQ(state.stats.splats, 400U);
   EXPECT_EQ(state.stats.width, kWidth);
   EXPECT_TRUE(nlohmann::json::parse(session_->driver()).contains("renderer"));
-  EXPECT_GT(psnr(picture(), reference_picture()), 50);
+  EXPECT_GT(psnr(image(), reference_image()), 50);
 }
 
 TEST_P(SessionTest, StandsStillWhenNothingMoves) {
   ASSERT_TRUE(load(file_with_start()));
-  picture();
+  image();
   EXPECT_TRUE(run_until([](const SessionState& s) { return s.stats.frames_per_second == 0; }));
 }
 
@@ -191,15 +191,15 @@ TEST_P(SessionTest, AFingerThatDragsIsMeasured) {
   }
 }
 
-TEST_P(SessionTest, PicturesAreSharpAndThumbnailsSmall) {
+TEST_P(SessionTest, ImagesAreSharpAndThumbnailsSmall) {
   settings_.scale = 0;
   session_->set(settings_);
   session_->set_heat({.status = 2});
   ASSERT_TRUE(load(file_with_start()));
-  const auto whole = session_->picture();
+  const auto whole = session_->image();
   ASSERT_TRUE(whole);
   EXPECT_EQ(session_->state().stats.scale, 0.7) << "heat holds at rest, too";
-  const auto small = session_->picture(24);
+  const auto small = session_->image(24);
   ASSERT_TRUE(small);
   EXPECT_EQ(small->width, 24);
   EXPECT_EQ(small->height, 16);
@@ -213,31 +213,31 @@ TEST_P(SessionTest, PicturesAreSharpAndThumbnailsSmall) {
         mean.at(x, y)[c] = static_cast<std::uint8_t>((sum + 8) / 16);
       }
   EXPECT_GT(psnr(*small, mean), 40);
-  EXPECT_EQ(session_->picture(1000)->width, kWidth);
+  EXPECT_EQ(session_->image(1000)->width, kWidth);
   const std::uint64_t number = session_->state().shown;
-  EXPECT_TRUE(session_->picture(24, number));
-  EXPECT_FALSE(session_->picture(24, number + 1)) << "of another scene";
+  EXPECT_TRUE(session_->image(24, number));
+  EXPECT_FALSE(session_->image(24, number + 1)) << "of another scene";
 }
 
 TEST_P(SessionTest, AFingerTurnsItAndResetLeadsBack) {
   ASSERT_TRUE(load(file_with_start()));
-  const auto before = picture();
+  const auto before = image();
   session_->touch(TouchPhase::down, 0, {{0, {50, 30}}}, 1);
   session_->touch(TouchPhase::moved, 0, {{0, {80, 30}}}, 1.1);
   session_->touch(TouchPhase::up, 0, {{0, {80, 30}}}, 2);
-  EXPECT_LT(psnr(picture(), before), 30);
+  EXPECT_LT(psnr(image(), before), 30);
   session_->reset_view();
   ASSERT_TRUE(run_until([this](const SessionState&) { return time_ > 3; }));
-  EXPECT_GT(psnr(picture(), before), 50);
+  EXPECT_GT(psnr(image(), before), 50);
 }
 
 TEST_P(SessionTest, FlippingTurnsItUpsideDown) {
   ASSERT_TRUE(load(file_with_start()));
-  const auto before = picture();
+  const auto before = image();
   session_->flip_up();
-  const auto flipped = picture();
+  const auto flipped = image();
   EXPECT_TRUE(session_->state().flipped);
-  Image<std::uint8_t> turned = before;  // half a turn in the picture's plane
+  Image<std::uint8_t> turned = before;  // half a turn in the image's plane
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x)
       std::copy_n(before.at(kWidth - 1 - x, kHeight - 1 - y), 3, turned.at(x, y));
@@ -250,31 +250,31 @@ TEST_P(SessionTest, APlaceIsKeptOverTheEndOfTheProcess) {
   session_->touch(TouchPhase::moved, 0, {{0, {80, 40}}}, 1.1);
   session_->touch(TouchPhase::cancelled, 0, {}, 2);
   session_->flip_up();
-  const auto before = picture();
+  const auto before = image();
   const auto place = session_->place();
   ASSERT_TRUE(place);
   begin();
   ASSERT_TRUE(load(file_with_start(), place));
-  EXPECT_GT(psnr(picture(), before), 50);
+  EXPECT_GT(psnr(image(), before), 50);
   EXPECT_TRUE(session_->state().flipped);
   begin();
   Place broken = *place;
   broken[7] = std::nan("");
   ASSERT_TRUE(load(file_with_start(), broken));
-  EXPECT_GT(psnr(picture(), reference_picture()), 50) << "no place, so the start";
+  EXPECT_GT(psnr(image(), reference_image()), 50) << "no place, so the start";
 }
 
 TEST_P(SessionTest, TheWindowComesAndGoes) {
   ASSERT_TRUE(load(file_with_start()));
-  const auto before = picture();
+  const auto before = image();
   session_->surface_destroyed();
   session_->flip_up();
   session_->flip_up();
   session_->surface_changed(40, 60, 3);
   session_->surface_created(this);
-  EXPECT_EQ(picture().width, 40) << "turned to portrait";
+  EXPECT_EQ(image().width, 40) << "turned to portrait";
   session_->surface_changed(kWidth, kHeight, 1);
-  EXPECT_GT(psnr(picture(), before), 50);
+  EXPECT_GT(psnr(image(), before), 50);
   session_->surface_changed(0, 0, 0);
   session_->frame(time_ += 1);
   EXPECT_EQ(session_->state().error, "");
@@ -282,15 +282,15 @@ TEST_P(SessionTest, TheWindowComesAndGoes) {
 
 TEST_P(SessionTest, GraphicsThatWereFreedAreMadeAgain) {
   ASSERT_TRUE(load(file_with_start()));
-  const auto before = picture();
+  const auto before = image();
   session_->surface_destroyed();
   session_->free_graphics();
-  EXPECT_FALSE(session_->picture());
+  EXPECT_FALSE(session_->image());
   for (int i = 0; i < 200 && session_->state().stats.memory > 0; ++i)
     std::this_thread::sleep_for(5ms);
   EXPECT_EQ(session_->state().stats.memory, 0U);
   session_->surface_created(this);
-  EXPECT_GT(psnr(picture(), before), 50);
+  EXPECT_GT(psnr(image(), before), 50);
   EXPECT_GT(session_->state().stats.memory, 0U);
   EXPECT_EQ(session_->state().contexts, 1);
 }
@@ -302,10 +302,10 @@ TEST_P(SessionTest, FramesOfBeforeDoNotMakeFreedGraphicsAgain) {
     session_->reset_view();
     session_->frame(time_ += 1.0 / 60);
     session_->free_graphics();
-    EXPECT_FALSE(session_->picture());
-    EXPECT_FALSE(session_->picture()) << "nor in the round after";
+    EXPECT_FALSE(session_->image());
+    EXPECT_FALSE(session_->image()) << "nor in the round after";
   }
-  picture();  // there is one
+  image();  // there is one
 }
 
 // A shell that asked for several, and cancelled some, knows by the number which it sees.
@@ -319,7 +319,7 @@ TEST_P(SessionTest, TheSceneThatIsShownIsKnownByItsNumber) {
   const auto second = begin_loading(2);
   EXPECT_NE(second, first);
   session_->cancel_loading();
-  picture();
+  image();
   EXPECT_EQ(session_->state().shown, first);
   const auto third = begin_loading(3);
   ASSERT_TRUE(run_until([&](const SessionState& s) { return s.shown == third; }));
@@ -327,10 +327,10 @@ TEST_P(SessionTest, TheSceneThatIsShownIsKnownByItsNumber) {
 
 TEST_P(SessionTest, ALostContextIsMadeAgain) {
   ASSERT_TRUE(load(file_with_start()));
-  const auto before = picture();
+  const auto before = image();
   session_->lose_context();
   EXPECT_TRUE(run_until([](const SessionState& s) { return s.contexts == 2; }));
-  EXPECT_GT(psnr(picture(), before), 50);
+  EXPECT_GT(psnr(image(), before), 50);
   EXPECT_EQ(session_->state().error, "");
 }
 
@@ -354,7 +354,7 @@ class ForgetfulScreen final : public Screen {
   std::unique_ptr<Screen> real_;
 };
 
-/// What a window does to pictures, and how many were to be shown in it.
+/// What a window does to images, and how many were to be shown in it.
 struct WindowFaults {
   std::atomic<int> going = 0;       ///< so many of them are not shown: it is about to go
   std::atomic<bool> fails = false;  ///< all the time
@@ -386,7 +386,7 @@ class FaultyScreen final : public Screen {
   WindowFaults& faults_;
 };
 
-TEST_P(SessionTest, APictureThatAWindowDidNotShowIsShownByTheNextFrame) {
+TEST_P(SessionTest, AImageThatAWindowDidNotShowIsShownByTheNextFrame) {
   WindowFaults faults;
   begin_on(std::make_unique<FaultyScreen>(host::make_offscreen_screen(GetParam()), faults));
   faults.going = 3;
@@ -402,7 +402,7 @@ TEST_P(SessionTest, AnotherWindowIsAnotherTry) {
   WindowFaults faults;
   begin_on(std::make_unique<FaultyScreen>(host::make_offscreen_screen(GetParam()), faults));
   ASSERT_TRUE(load(file_with_start()));
-  const auto before = picture();
+  const auto before = image();
   faults.fails = true;
   session_->reset_view();
   session_->surface_changed(kWidth, kHeight, 1);
@@ -412,33 +412,33 @@ TEST_P(SessionTest, AnotherWindowIsAnotherTry) {
   session_->surface_destroyed();
   session_->surface_created(this);
   EXPECT_TRUE(run_until([](const SessionState& s) { return s.has_scene && s.error.empty(); }));
-  EXPECT_GT(psnr(picture(), before), 50);
+  EXPECT_GT(psnr(image(), before), 50);
   session_.reset();  // before the faults
 }
 
 TEST_P(SessionTest, AContextThatIsLostWhileTheWindowIsAwayIsMadeAgain) {
   begin_on(std::make_unique<ForgetfulScreen>(host::make_offscreen_screen(GetParam())));
   ASSERT_TRUE(load(file_with_start()));
-  const auto before = picture();
+  const auto before = image();
   session_->surface_destroyed();
   session_->surface_created(this);
   EXPECT_TRUE(run_until([](const SessionState& s) { return s.contexts == 2; }));
-  EXPECT_GT(psnr(picture(), before), 50);
+  EXPECT_GT(psnr(image(), before), 50);
   EXPECT_EQ(session_->state().error, "");
 }
 
 TEST_P(SessionTest, LessMemoryThanTheSceneTakesLeavesOutSplats) {
   ASSERT_TRUE(load(file_with_start()));
-  const auto before = picture();
+  const auto before = image();
   const ViewerStats all = session_->state().stats;
   ASSERT_GT(all.memory, 0U);
   settings_.memory = all.memory;
   session_->set(settings_);
-  EXPECT_GT(psnr(picture(), before), 50);
+  EXPECT_GT(psnr(image(), before), 50);
   EXPECT_EQ(session_->state().stats.shown, all.splats);
   settings_.memory = all.memory / 2;
   session_->set(settings_);
-  picture();
+  image();
   const ViewerStats fewer = session_->state().stats;
   EXPECT_LT(fewer.shown, all.splats);
   EXPECT_GT(fewer.shown, 0U);
@@ -447,54 +447,54 @@ TEST_P(SessionTest, LessMemoryThanTheSceneTakesLeavesOutSplats) {
 
 TEST_P(SessionTest, ABadFileLeavesTheSceneBefore) {
   ASSERT_TRUE(load(file_with_start()));
-  const auto before = picture();
+  const auto before = image();
   session_->load(file_of(std::vector<std::byte>(100)), "bad.glb", {});
   ASSERT_TRUE(
       run_until([](const SessionState& s) { return s.loading.phase == LoadPhase::failed; }));
   EXPECT_THAT(session_->state().loading.error, HasSubstr("bad.glb: format"));
-  EXPECT_GT(psnr(picture(), before), 50);
+  EXPECT_GT(psnr(image(), before), 50);
   ASSERT_TRUE(load(file_with_start(2)));
   EXPECT_TRUE(run_until([](const SessionState& s) { return s.loading.phase == LoadPhase::ready; }));
-  EXPECT_LT(psnr(picture(), before), 40) << "another scene";
+  EXPECT_LT(psnr(image(), before), 40) << "another scene";
 }
 
 TEST_P(SessionTest, SettingsChangeWhatIsDrawn) {
   ASSERT_TRUE(load(file_with_start()));
-  const auto before = picture();
+  const auto before = image();
   settings_.sorter = SorterChoice::gpu;
   session_->set(settings_);
-  EXPECT_GT(psnr(picture(), before), 45) << "the other sorter";
+  EXPECT_GT(psnr(image(), before), 45) << "the other sorter";
   settings_.scale = 0.5;
   session_->set(settings_);
   EXPECT_TRUE(run_until([](const SessionState& s) { return s.stats.width == kWidth / 2; }));
-  EXPECT_LT(psnr(picture(), before), 45);
+  EXPECT_LT(psnr(image(), before), 45);
   settings_.scale = 1;
-  settings_.most_splats = 100;
+  settings_.max_splats = 100;
   session_->set(settings_);
   EXPECT_TRUE(run_until([](const SessionState& s) { return s.stats.shown == 100; }));
-  settings_.most_splats = 0;
+  settings_.max_splats = 0;
   settings_.sh_degree = 0;
   session_->set(settings_);
   EXPECT_TRUE(run_until([](const SessionState& s) { return s.stats.shown == 400; }));
-  EXPECT_LT(psnr(picture(), before), 45);
+  EXPECT_LT(psnr(image(), before), 45);
 }
 
 TEST_P(SessionTest, TheGyroscopeLooksAround) {
   ASSERT_TRUE(load(file_with_start()));
-  const auto before = picture();
+  const auto before = image();
   settings_.gyroscope = true;
   session_->set(settings_);
   const glm::dquat upright = glm::angleAxis(std::numbers::pi / 2, glm::dvec3(1, 0, 0));
   session_->turn({.rotation = upright, .seconds = 0});
   session_->turn({.rotation = upright, .seconds = 9});
-  EXPECT_GT(psnr(picture(), before), 40);
+  EXPECT_GT(psnr(image(), before), 40);
   session_->turn({.rotation = glm::angleAxis(0.3, glm::dvec3(0, 0, 1)) * upright, .seconds = 9.1});
-  EXPECT_LT(psnr(picture(), before), 30);
+  EXPECT_LT(psnr(image(), before), 30);
 }
 
 TEST_P(SessionTest, BenchmarksAndDrawsOn) {
   ASSERT_TRUE(load(file_with_start()));
-  const auto before = picture();
+  const auto before = image();
   session_->start_benchmark(
       {.sizes = {{64, 48}, {32, 24}}, .protocol = {.warmup = 1, .frames = 3}});
   EXPECT_TRUE(run_until([this](const SessionState&) { return !session_->benchmark().running; }));
@@ -508,7 +508,7 @@ TEST_P(SessionTest, BenchmarksAndDrawsOn) {
     EXPECT_GT(row["draw_ms"]["median"].get<double>(), 0);
     EXPECT_GT(row["splats_drawn"].get<int>(), 0);
   }
-  EXPECT_GT(psnr(picture(), before), 50);
+  EXPECT_GT(psnr(image(), before), 50);
 }
 
 TEST_P(SessionTest, ABenchmarkCanBeStopped) {
@@ -527,7 +527,7 @@ TEST_P(SessionTest, WithoutASceneThereIsNothingToMeasure) {
   session_->start_benchmark({});
   EXPECT_TRUE(run_until([this](const SessionState&) { return !session_->benchmark().running; }));
   EXPECT_THAT(session_->benchmark().error, HasSubstr("there is no scene"));
-  EXPECT_FALSE(session_->picture());
+  EXPECT_FALSE(session_->image());
 }
 
 TEST_P(SessionTest, EndsInTheMiddleOfAnything) {

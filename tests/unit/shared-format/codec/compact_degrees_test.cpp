@@ -108,7 +108,7 @@ TEST(CompactDegrees, AreRoundedAlike) {
   }
   SplatCloud alike = cloud;  // has degree 3 throughout, and so one stream
   for (std::size_t i = 0; i < 1500; ++i) alike.sh_rest[15 * i + 14].x = 1e-6f;
-  const CompactOptions options{.steps = usual_compact_steps(cloud, 0.2), .rate_weight = 0};
+  const CompactOptions options{.steps = default_compact_steps(cloud, 0.2), .rate_weight = 0};
   // Root mean square errors of opacity, colour and size of the first and the last 1500
   const auto errors = [&](const SplatCloud& stored) {
     const auto scene = read_glb(*encode_compact_glb(stored, options, "x"), "x");
@@ -220,7 +220,8 @@ TEST(CompactDegrees, BitsAreAddedAndWeightsFollowTheirSplats) {
   const SplatCloud cloud = mixed_cloud(8000);
   std::vector<float> weights(cloud.size(), 1);
   weights[4001] = 1e4f;
-  const CompactOptions options{.steps = usual_compact_steps(cloud), .costs = {.weights = weights}};
+  const CompactOptions options{.steps = default_compact_steps(cloud),
+                               .costs = {.weights = weights}};
   const Bytes glb = *encode_compact_glb(cloud, options, "x");
   const auto scene = read(glb);
   ASSERT_TRUE(scene);

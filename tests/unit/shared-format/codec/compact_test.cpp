@@ -84,7 +84,7 @@ Worst worst_errors(const SplatCloud& before, const SplatCloud& after, const Comp
               steps.position);
     worst.see("scale", glm::distance(roots(after.log_scales[k]), roots(before.log_scales[i])),
               root_step);
-    // The ends that a picture cannot tell from 0 and 1 are cut
+    // The ends that an image cannot tell from 0 and 1 are cut
     const double u = double{opacity_scale(before.opacity_logits[i])};
     worst.see(
         "opacity",
@@ -111,7 +111,7 @@ Worst worst_errors(const SplatCloud& before, const SplatCloud& after, const Comp
 
 // To the nearest, each of n numbers is off by half a step; by rate, by one and a half.
 TEST(Compact, ErrorsFollowTheSteps) {
-  for (const double rate_weight : {0.0, kUsualRateWeight})
+  for (const double rate_weight : {0.0, kDefaultRateWeight})
     for (int degree = 0; degree <= 3; ++degree) {
       const SplatCloud cloud = test::random_cloud(2000, degree, 5);
       const CompactSteps steps{.position = 1e-3,
@@ -184,7 +184,7 @@ TEST(Compact, EncodingAgainIsStable) {
     ASSERT_LE(glm::distance(twice->positions[k], once->positions[order[k]]), 1e-6f);  // one grid
 }
 
-// From a millionth of an atom to beyond all pictures
+// From a millionth of an atom to beyond all images
 TEST(Compact, ScalesOfAnySizeComeBackFinite) {
   SplatCloud cloud = test::random_cloud(50, 1, 10);
   cloud.log_scales[3] = glm::vec3(80, -80, 0);

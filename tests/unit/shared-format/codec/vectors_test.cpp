@@ -21,7 +21,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kAdded = 0.15;  // kLeastCost of vectors.cpp
+constexpr double kAdded = 0.15;  // kMinCost of vectors.cpp
 
 Vector3d random_vector(std::mt19937& random) {
   std::normal_distribution<double> normal;
@@ -128,8 +128,8 @@ TEST(Vectors, WithEqualCostsTheyAreRoundedToTheNearest) {
 TEST(Vectors, FewerBytesCostLess) {
   const Splats splats = some_splats(4000, false);
   const std::vector<Matrix3d> blind(4000, Matrix3d::Identity());
-  const Rounded a = rounded(splats, splats.costs, 0.32f, kUsualRateWeight);
-  const Rounded b = rounded(splats, blind, 0.3f, kUsualRateWeight);
+  const Rounded a = rounded(splats, splats.costs, 0.32f, kDefaultRateWeight);
+  const Rounded b = rounded(splats, blind, 0.3f, kDefaultRateWeight);
   EXPECT_LT(a.bytes, b.bytes);
   EXPECT_LT(mean_cost(splats, a), 0.95 * mean_cost(splats, b));
 }
@@ -143,8 +143,8 @@ TEST(Vectors, NeighboursThatAreAlikeTakeFewerBytes) {
     for (std::size_t c = 0; c < 3; ++c)
       std::swap(shuffled.input.values[3 * (i - 1) + c], shuffled.input.values[3 * j + c]);
   }
-  EXPECT_LT(rounded(walk, walk.costs, 0.3f, kUsualRateWeight).bytes,
-            rounded(shuffled, walk.costs, 0.3f, kUsualRateWeight).bytes * 9 / 10);
+  EXPECT_LT(rounded(walk, walk.costs, 0.3f, kDefaultRateWeight).bytes,
+            rounded(shuffled, walk.costs, 0.3f, kDefaultRateWeight).bytes * 9 / 10);
 }
 
 TEST(Vectors, CostsThatCannotBeAreNoError) {

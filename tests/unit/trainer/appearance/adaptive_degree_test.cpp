@@ -29,12 +29,12 @@ using Degrees = std::vector<std::uint8_t>;
 
 TEST(AdaptiveDegree, TakesTheLeastThatIsGoodEnough) {
   const Unexplained u = four_splats();
-  EXPECT_EQ(least_degrees(u, 0), (Degrees{3, 1, 3, 3}));
-  EXPECT_EQ(least_degrees(u, 1), (Degrees{3, 1, 0, 3}));
-  EXPECT_EQ(least_degrees(u, 2), (Degrees{2, 1, 0, 2}));
-  EXPECT_EQ(least_degrees(u, 3.5), (Degrees{2, 1, 0, 0}));
-  EXPECT_EQ(least_degrees(u, 4), (Degrees{1, 1, 0, 0}));
-  EXPECT_EQ(least_degrees(u, 100), (Degrees{0, 0, 0, 0}));
+  EXPECT_EQ(min_degrees(u, 0), (Degrees{3, 1, 3, 3}));
+  EXPECT_EQ(min_degrees(u, 1), (Degrees{3, 1, 0, 3}));
+  EXPECT_EQ(min_degrees(u, 2), (Degrees{2, 1, 0, 2}));
+  EXPECT_EQ(min_degrees(u, 3.5), (Degrees{2, 1, 0, 0}));
+  EXPECT_EQ(min_degrees(u, 4), (Degrees{1, 1, 0, 0}));
+  EXPECT_EQ(min_degrees(u, 100), (Degrees{0, 0, 0, 0}));
   EXPECT_DOUBLE_EQ(degree_loss(u, {2, 1, 0, 2}, 10), (2 + 0 + 1 + 2) / 30.0);
 }
 
@@ -56,7 +56,7 @@ TEST(AdaptiveDegree, FindsTheThresholdOfALoss) {
 TEST(AdaptiveDegree, UsesTheAllowedLossAndNoMore) {
   Random random(3);
   const std::size_t count = 2000;
-  PlanarFloats p = test::random_harmonics(count, 4);
+  PlanarFloats p = test::random_sh(count, 4);
   for (std::size_t i = 0; i < count; ++i) {  // some hardly depend on the view
     const float size = static_cast<float>(std::exp(-3 * std::abs(normal(random))));
     for (int r = row::sh_rest; r < p.rows(); ++r) p.row(r)[i] *= size;
@@ -68,7 +68,7 @@ TEST(AdaptiveDegree, UsesTheAllowedLossAndNoMore) {
   double before = 0;
   for (const double mse : {0.0, 1e-6, 1e-4, 1e-2, 1.0, 100.0}) {
     const double threshold = threshold_for(u, views.pixels, mse);
-    const Degrees degrees = least_degrees(u, threshold);
+    const Degrees degrees = min_degrees(u, threshold);
     const double loss = degree_loss(u, degrees, views.pixels);
     EXPECT_LE(loss, mse * (1 + 1e-9));
     EXPECT_GE(threshold, before);
@@ -88,7 +88,7 @@ TEST(AdaptiveDegree, UsesTheAllowedLossAndNoMore) {
   }
 }
 
-TEST(AdaptiveDegree, PicturesLoseLessThanTheBound) {
+TEST(AdaptiveDegree, ImagesLoseLessThanTheBound) {
   const Threads threads(1);
   const SplatCloud cloud = test::random_cloud(1500, 3, 5, 1.0f, 0.15f);
   std::vector<Camera> cameras;
@@ -100,10 +100,10 @@ TEST(AdaptiveDegree, PicturesLoseLessThanTheBound) {
   const Unexplained u = unexplained_variance(p, views, kSpherePrior, threads);
   const SceneError error(cloud, cameras, {}, threads);
   for (const double mse : {1e-6, 1e-5, 1e-4, 1e-3}) {
-    const Degrees degrees = least_degrees(u, threshold_for(u, views.pixels, mse));
+    const Degrees degrees = min_degrees(u, threshold_for(u, views.pixels, mse));
     const PlanarFloats fitted = fit_to_views(p, degrees, views, kSpherePrior, threads);
     const double real = *error.mse(to_cloud(fitted, 3));
-    std::printf("allowed %.0e: pictures %.2e; splats of degree 0 %td, 1 %td, 2 %td, 3 %td\n", mse,
+    std::printf("allowed %.0e: images %.2e; splats of degree 0 %td, 1 %td, 2 %td, 3 %td\n", mse,
                 real, std::ranges::count(degrees, 0), std::ranges::count(degrees, 1),
                 std::ranges::count(degrees, 2), std::ranges::count(degrees, 3));
     EXPECT_LT(real, mse);

@@ -78,7 +78,7 @@ SphereRule rule_of(Quadrature quadrature, int samples, std::uint64_t seed = 1) {
 TEST(EnergyMoments, AreThoseOfTheDefinitionOnEveryInstructionSet) {
   const Threads threads(1);
   for (const int degree : {0, 1, 2, 3}) {
-    const PlanarFloats p = test::random_harmonics(437, 3, degree);
+    const PlanarFloats p = test::random_sh(437, 3, degree);
     for (const Residual residual : {Residual::from_0, Residual::from_1, Residual::from_2})
       for (const Quadrature q : {Quadrature::fibonacci, Quadrature::lebedev, Quadrature::mc}) {
         const SphereRule rule = rule_of(q, 100);
@@ -97,7 +97,7 @@ TEST(EnergyMoments, AreThoseOfTheDefinitionOnEveryInstructionSet) {
 }
 
 TEST(EnergyMoments, AreTheSameForAnyNumberOfThreads) {
-  const PlanarFloats p = test::random_harmonics(5000, 4);
+  const PlanarFloats p = test::random_sh(5000, 4);
   const SphereRule rule = rule_of(Quadrature::fibonacci, 64);
   const auto one = columns(energy_moments(p, Residual::from_1, rule, Threads(1)));
   EXPECT_EQ(one, columns(energy_moments(p, Residual::from_1, rule, Threads(3))));
@@ -105,7 +105,7 @@ TEST(EnergyMoments, AreTheSameForAnyNumberOfThreads) {
 
 TEST(EnergyMoments, AreFiniteWhateverTheCoefficientsAre) {
   const Threads threads(1);
-  PlanarFloats p = test::random_harmonics(40, 5);
+  PlanarFloats p = test::random_sh(40, 5);
   const PlanarFloats before = p;
   p.row(row::sh_rest + 30)[3] = std::numeric_limits<float>::quiet_NaN();
   p.row(row::sh_rest + 31)[4] = std::numeric_limits<float>::infinity();
@@ -132,7 +132,7 @@ TEST(EnergyMoments, AreFiniteWhateverTheCoefficientsAre) {
 // to degree 4 says so; Monte Carlo returns noise that falls as 1/√K.
 TEST(EnergyMoments, DirectionOfThePapersResidualIsZero) {
   const Threads threads(1);
-  const PlanarFloats p = test::random_harmonics(300, 7);
+  const PlanarFloats p = test::random_sh(300, 7);
   for (const int samples : {14, 38, 110, 302}) {
     const SphereRule rule = rule_of(Quadrature::lebedev, samples);
     EXPECT_LT(rms(references(p, Residual::from_2, rule)).dir, 1e-15);
@@ -193,7 +193,7 @@ TEST(EnergyMoments, ErrorAgainstSamples) {
                                      {Quadrature::lebedev, 38, .026, 0},
                                      {Quadrature::lebedev, 110, .006, 0},
                                      {Quadrature::lebedev, 302, 0, 0}};
-  const PlanarFloats p = test::random_harmonics(50, 11);
+  const PlanarFloats p = test::random_sh(50, 11);
   const SphereRule fine = rule_of(Quadrature::fibonacci, 50'000);
   const auto all = references(p, Residual::from_0, fine);
   const auto upper = references(p, Residual::from_1, fine);

@@ -1,4 +1,4 @@
-// Ψ learns given colours before its first picture.
+// Ψ learns given colours before its first image.
 #include "trainer/appearance/fit_psi.h"
 
 #include <gtest/gtest.h>

@@ -13,8 +13,8 @@
 
 namespace fluxgs::test {
 
-/// Splats at the origin whose harmonics beyond the constant one are standard normal.
-inline PlanarFloats random_harmonics(std::size_t count, std::uint64_t seed, int degree = 3) {
+/// Splats at the origin whose SH coefficients beyond the constant one are standard normal.
+inline PlanarFloats random_sh(std::size_t count, std::uint64_t seed, int degree = 3) {
   Random random(seed);
   PlanarFloats p(row::count(degree), count);
   for (int r = row::sh_dc; r < p.rows(); ++r)

@@ -56,7 +56,7 @@ glm::dvec3 dropped_at(const PlanarFloats& p, const PlanarFloats& fitted, std::si
 }
 
 TEST(ShReductionHardCases, SeenByNoCameraIsTruncated) {
-  const PlanarFloats p = test::random_harmonics(kSplats, 1);
+  const PlanarFloats p = test::random_sh(kSplats, 1);
   expect_same(fit(p, ViewWeights{.weights = PlanarFloats(0, kSplats)}), rows_of_degree(p, 1), 0);
   ViewWeights views = views_along({{0, 0, 1}, {0, 1, 0}});
   for (int v = 0; v < 2; ++v) std::fill_n(views.weights.row(v), kSplats, 0.0f);
@@ -68,7 +68,7 @@ TEST(ShReductionHardCases, SeenByNoCameraIsTruncated) {
 
 // The smallest change that keeps the colour in the one view: along the basis functions there.
 TEST(ShReductionHardCases, SeenByOneCameraKeepsItsColourThere) {
-  const PlanarFloats p = test::random_harmonics(kSplats, 2);
+  const PlanarFloats p = test::random_sh(kSplats, 2);
   const glm::dvec3 d = glm::normalize(glm::dvec3(1, -2, 3));
   const PlanarFloats cut = rows_of_degree(p, 1), fitted = fit(p, views_along({d}));
   double y[4] = {math::kSh0};
@@ -85,13 +85,13 @@ TEST(ShReductionHardCases, SeenByOneCameraKeepsItsColourThere) {
 }
 
 TEST(ShReductionHardCases, IdenticalCamerasAreOneCamera) {
-  const PlanarFloats p = test::random_harmonics(kSplats, 3);
+  const PlanarFloats p = test::random_sh(kSplats, 3);
   const glm::dvec3 d = glm::normalize(glm::dvec3(2, 1, 1));
   expect_same(fit(p, views_along(Directions(50, d))), fit(p, views_along({d})), 1e-5);
 }
 
 TEST(ShReductionHardCases, TwoCamerasAndALineOfCamerasKeepColoursThereAndStaySmall) {
-  const PlanarFloats p = test::random_harmonics(kSplats, 4);
+  const PlanarFloats p = test::random_sh(kSplats, 4);
   Directions line;  // coplanar directions, over 60°
   for (int v = 0; v < 30; ++v) line.push_back({std::sin(v * 0.035), 0, std::cos(v * 0.035)});
   for (const Directions& directions : {Directions{line.front(), line.back()}, line}) {
@@ -111,7 +111,7 @@ TEST(ShReductionHardCases, TwoCamerasAndALineOfCamerasKeepColoursThereAndStaySma
 
 // The bound of sh_fit.h, and no jumps: cameras that move a little change the colours a little.
 TEST(ShReductionHardCases, IsBoundedAndSmoothForAnyNumberOfCamerasInANarrowCone) {
-  const PlanarFloats p = test::random_harmonics(kSplats, 5);
+  const PlanarFloats p = test::random_sh(kSplats, 5);
   Random random(6);
   for (const int degree : {0, 1, 2})
     for (const double half_angle : {0., 1e-6, 1e-3, 0.03, 0.3})
@@ -135,7 +135,7 @@ TEST(ShReductionHardCases, IsBoundedAndSmoothForAnyNumberOfCamerasInANarrowCone)
 }
 
 TEST(ShReductionHardCases, TheScaleOfTheWeightsDoesNotMatter) {
-  const PlanarFloats p = test::random_harmonics(kSplats, 6);
+  const PlanarFloats p = test::random_sh(kSplats, 6);
   Random random(7);
   Directions directions;
   for (int v = 0; v < 6; ++v) directions.push_back(test::in_cone(0.4, random));
@@ -150,7 +150,7 @@ TEST(ShReductionHardCases, TheScaleOfTheWeightsDoesNotMatter) {
 }
 
 TEST(ShReductionHardCases, ViewsThatAreNoneDoNotCount) {
-  const PlanarFloats p = test::random_harmonics(kSplats, 7);
+  const PlanarFloats p = test::random_sh(kSplats, 7);
   const Directions directions{{0, 0, 1}, {0.6, 0, 0.8}, {0, 0.6, 0.8}};
   ViewWeights views = views_along(directions);
   const PlanarFloats expected = fit(p, views);
@@ -166,7 +166,7 @@ TEST(ShReductionHardCases, ViewsThatAreNoneDoNotCount) {
 }
 
 TEST(ShReductionHardCases, NumbersThatAreNoneStayNone) {
-  const PlanarFloats clean = test::random_harmonics(kSplats, 8);
+  const PlanarFloats clean = test::random_sh(kSplats, 8);
   PlanarFloats p = clean;
   p.row(row::sh_rest + 40)[0] = kNaN;
   p.row(row::sh_dc)[1] = kInfinity;
@@ -194,7 +194,7 @@ TEST(ShReductionHardCases, NumbersThatAreNoneStayNone) {
       EXPECT_TRUE(std::isfinite(u.fitted.row(d)[i]));
       EXPECT_TRUE(std::isfinite(u.truncated.row(d)[i]));
     }
-  EXPECT_EQ(least_degrees(u, 0)[0], 0);  // nothing to lose
+  EXPECT_EQ(min_degrees(u, 0)[0], 0);  // nothing to lose
   EXPECT_GE(threshold_for(u, views.pixels, 1e-3), 0);
 }
 

@@ -30,7 +30,7 @@ void expect_same_rows(const PlanarFloats& a, const PlanarFloats& b, double toler
 }
 
 /// The definition, solved as one tall least-squares problem: a row for each view, and rows for the
-/// sphere, by a quadrature that is exact for the squares of all harmonics.
+/// sphere, by a quadrature that is exact for the squares of all SH coefficients.
 Eigen::MatrixXd tall_solution(const PlanarFloats& p, const ViewWeights& views, std::size_t i,
                               int degree, double prior) {
   const SphereRule sphere = *sphere_rule(Quadrature::lebedev, 26, 1);
@@ -63,7 +63,7 @@ std::vector<glm::dvec3> cone(double half_angle, int count, Random& random) {
 
 TEST(ShReduction, SolvesTheLeastSquaresProblem) {
   Random random(3);
-  const PlanarFloats p = test::random_harmonics(20, 1);
+  const PlanarFloats p = test::random_sh(20, 1);
   const ViewWeights views = test::views_along(cone(test::degrees(50), 40, random), 20, random);
   for (const double prior : {1e-4, 1e-3, 0.3})
     for (const int degree : {0, 1, 2}) {
@@ -79,7 +79,7 @@ TEST(ShReduction, SolvesTheLeastSquaresProblem) {
 
 TEST(ShReduction, KeepsTheOtherRowsAndTruncatesAsAsked) {
   Random random(4);
-  PlanarFloats p = test::random_harmonics(33, 2);
+  PlanarFloats p = test::random_sh(33, 2);
   for (int r = 0; r < row::sh_dc; ++r)
     for (std::size_t i = 0; i < p.size(); ++i) p.row(r)[i] = static_cast<float>(normal(random));
   const ViewWeights views = test::views_along(cone(1, 20, random), 33, random);
@@ -97,7 +97,7 @@ TEST(ShReduction, KeepsTheOtherRowsAndTruncatesAsAsked) {
 
 // Over the whole sphere, least squares is truncation.
 TEST(ShReduction, UniformLeastSquaresIsTruncation) {
-  const PlanarFloats p = test::random_harmonics(100, 3);
+  const PlanarFloats p = test::random_sh(100, 3);
   for (const int degree : {0, 1, 2}) {
     const PlanarFloats cut = rows_of_degree(p, degree);
     for (const int exact : {14, 26, 110})  // degree 5 at least
@@ -111,7 +111,7 @@ TEST(ShReduction, UniformLeastSquaresIsTruncation) {
 
 TEST(ShReduction, IsTheSameForAnyNumberOfThreads) {
   Random random(5);
-  const PlanarFloats p = test::random_harmonics(3000, 4);
+  const PlanarFloats p = test::random_sh(3000, 4);
   const ViewWeights views = test::views_along(cone(0.5, 12, random), p.size(), random);
   expect_same_rows(fit_to_views(p, 1, views, kSpherePrior, Threads(1)),
                    fit_to_views(p, 1, views, kSpherePrior, Threads(3)), 0);
@@ -119,7 +119,7 @@ TEST(ShReduction, IsTheSameForAnyNumberOfThreads) {
 
 TEST(ShReduction, ReportsWhatIsLeft) {
   Random random(6);
-  const PlanarFloats p = test::random_harmonics(50, 5);
+  const PlanarFloats p = test::random_sh(50, 5);
   const ViewWeights views = test::views_along(cone(0.8, 30, random), p.size(), random);
   const Unexplained u = unexplained_variance(p, views, kSpherePrior, Threads(1));
   for (const int degree : {0, 1, 2, 3}) {
@@ -158,7 +158,7 @@ TEST(ShReduction, LeavesLessThanTruncationInACone) {
     double least, most;  // to degree 1
   } cones[] = {{30, 15, 27},   {45, 4.5, 7.5},   {60, 2.2, 3.5}, {75, 1.6, 2.1},
                {90, 1.3, 1.6}, {120, 1.1, 1.25}, {180, 1, 1.1}};
-  const PlanarFloats p = test::random_harmonics(100, 6);
+  const PlanarFloats p = test::random_sh(100, 6);
   std::printf("variance unexplained after truncation / after the fit\n");
   std::printf("half-angle  degree 0, 1, 2   in other directions\n");
   for (const auto& [half_angle, least, most] : cones) {

@@ -15,9 +15,9 @@ namespace {
 
 constexpr std::size_t kCount = 300;
 
-/// Bands of harmonics get smaller with the degree, as those of trained scenes do.
-PlanarFloats smooth_harmonics() {
-  PlanarFloats p = test::random_harmonics(kCount, 8);
+/// Bands of SH coefficients get smaller with the degree, as those of trained scenes do.
+PlanarFloats smooth_sh() {
+  PlanarFloats p = test::random_sh(kCount, 8);
   for (int r = row::sh_rest; r < p.rows(); ++r) {
     const int function = 1 + (r - row::sh_rest) / 3;
     const float degree = function < 4 ? 1 : function < 9 ? 2 : 3;
@@ -56,7 +56,7 @@ double refitted(const PlanarFloats& p, const ViewWeights& views, std::size_t i, 
 
 TEST(SpherePrior, LeavesEachViewOutOnce) {
   Random random(2);
-  const PlanarFloats p = test::random_harmonics(kCount, 3);
+  const PlanarFloats p = test::random_sh(kCount, 3);
   for (const int count : {1, 2, 7, 30}) {
     const ViewWeights views = cone_of_views(count, 50, random);
     for (const double prior : kSpherePriors) {
@@ -83,7 +83,7 @@ TEST(SpherePrior, LeavesEachViewOutOnce) {
 glm::dvec2 losses_of(const PlanarFloats& p, const ViewWeights& views, const ViewWeights& others,
                      double prior) {
   const Unexplained u = unexplained_variance(p, views, prior, Threads(1));
-  const auto degrees = least_degrees(u, threshold_for(u, views.pixels, 1e-4));
+  const auto degrees = min_degrees(u, threshold_for(u, views.pixels, 1e-4));
   const PlanarFloats fitted = fit_to_views(p, degrees, views, prior, Threads(1));
   glm::dvec2 losses(0);
   for (std::size_t i = 0; i < kCount; ++i)
@@ -94,7 +94,7 @@ glm::dvec2 losses_of(const PlanarFloats& p, const ViewWeights& views, const View
 
 // Fitted to a few views only, colours elsewhere may become anything; many views say enough.
 TEST(SpherePrior, IsLargeWhereViewsAreFew) {
-  const PlanarFloats p = smooth_harmonics();
+  const PlanarFloats p = smooth_sh();
   Random random(9);
   const ViewWeights few = cone_of_views(6, 40, random), many = cone_of_views(100, 40, random);
   EXPECT_EQ(best_sphere_prior(p, many, Threads(1)), kSpherePrior);
@@ -111,7 +111,7 @@ TEST(SpherePrior, IsLargeWhereViewsAreFew) {
 }
 
 TEST(SpherePrior, IsTheLeastWhereViewsSayNothing) {
-  PlanarFloats p = test::random_harmonics(kCount, 3);
+  PlanarFloats p = test::random_sh(kCount, 3);
   const ViewWeights none{.weights = PlanarFloats(0, kCount)};
   EXPECT_EQ(left_out_loss(p, none, 0.1, Threads(1)), 0);
   EXPECT_EQ(best_sphere_prior(p, none, Threads(1)), kSpherePrior);

@@ -19,14 +19,14 @@ std::vector<Camera> some_cameras() {
 }
 
 double sum_of_red(const SplatCloud& cloud, const Camera& camera, const Threads& threads) {
-  const auto picture = cpu_view_renderer(cloud, {}, threads)(camera);
+  const auto image = cpu_view_renderer(cloud, {}, threads)(camera);
   double sum = 0;
-  for (int y = 0; y < picture->height(); ++y)
-    for (int x = 0; x < picture->width(); ++x) sum += double{picture->row(0, y)[x]};
+  for (int y = 0; y < image->height(); ++y)
+    for (int x = 0; x < image->width(); ++x) sum += double{image->row(0, y)[x]};
   return sum;
 }
 
-TEST(ViewWeights, AreWhatAChangeOfColourDoesToThePicture) {
+TEST(ViewWeights, AreWhatAChangeOfColourDoesToTheImage) {
   const Threads threads(1);
   SplatCloud cloud = test::random_cloud(60, 3, 2, 1.0f, 0.2f);
   const auto cameras = some_cameras();

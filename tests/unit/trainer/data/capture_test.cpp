@@ -26,17 +26,17 @@ TEST(Capture, RoundTrip) {
   ASSERT_EQ(data->train.size(), 5U);
   ASSERT_EQ(data->test.size(), 2U);
   const Scene scene = make_scene(1);
-  for (const auto& [photos, made] :
+  for (const auto& [views, made] :
        {std::pair(&data->train, &cameras.train), std::pair(&data->test, &cameras.test)})
     for (std::size_t i = 0; i < made->size(); ++i) {
-      const Camera &a = (*photos)[i].camera, &b = (*made)[i];
+      const Camera &a = (*views)[i].camera, &b = (*made)[i];
       EXPECT_EQ(a.name, b.name + ".png");
       EXPECT_NEAR(a.fx, b.fx, 1e-12);
       EXPECT_NEAR(a.cy, b.cy, 1e-12);
       EXPECT_LT(glm::distance(a.center(), b.center()), 1e-12);
       EXPECT_LT(glm::distance(a.forward(), b.forward()), 1e-12);
       EXPECT_LT(glm::distance(a.rotation[0], b.rotation[0]), 1e-12);
-      EXPECT_EQ((*photos)[i].rgb.pixels, render_view(scene, b, kSmall.samples).pixels);
+      EXPECT_EQ((*views)[i].rgb.pixels, render_view(scene, b, kSmall.samples).pixels);
     }
 }
 

@@ -15,12 +15,12 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// A complete data set in sparse/0 and images/.
 void write_dataset(const fs::path& folder, const TinyModel& model) {
   write_binary(folder / "sparse" / "0", model);
-  write_photos(folder, model);
+  write_views(folder, model);
 }
 
-std::vector<std::string> names(const std::vector<Photo>& photos) {
+std::vector<std::string> names(const std::vector<View>& views) {
   std::vector<std::string> result;
-  for (const Photo& photo : photos) result.push_back(photo.camera.name);
+  for (const View& view : views) result.push_back(view.camera.name);
   return result;
 }
 
@@ -67,7 +67,7 @@ TEST(Colmap, ModelIsFoundInSparseAndInTheFolderItself) {
   for (const char* place : {"sparse/0", "sparse", "."}) {
     const TempFolder folder;
     write_text_model(folder.path() / place, ten_images());
-    write_photos(folder.path(), ten_images());
+    write_views(folder.path(), ten_images());
     const auto data = load_dataset(folder.path(), {});
     ASSERT_TRUE(data) << place << ": " << data.error().message();
     EXPECT_EQ(data->train.size(), 8U);

@@ -25,8 +25,8 @@ class ScopedPath {
   std::string old_;
 };
 
-void write_one_photo(const fs::path& folder, const Image<std::uint8_t>& image,
-                     const std::string& intrinsics = "\"fl_x\": 20") {
+void write_one_view(const fs::path& folder, const Image<std::uint8_t>& image,
+                    const std::string& intrinsics = "\"fl_x\": 20") {
   write_image(folder / "a.png", image);
   write_text(folder / "transforms.json",
              "{" + intrinsics +
@@ -38,7 +38,7 @@ TEST(Dataset, TransparencyShowsTheBackground) {
   const TempFolder folder;
   Image<std::uint8_t> image(3, 1, 4);
   image.pixels = {200, 100, 0, 255, 200, 100, 0, 0, 200, 100, 0, 51};
-  write_one_photo(folder.path(), image);
+  write_one_view(folder.path(), image);
   const auto black = load_dataset(folder.path(), {});
   ASSERT_TRUE(black) << black.error().message();
   EXPECT_THAT(black->train[0].rgb.pixels, testing::ElementsAre(200, 100, 0, 0, 0, 0, 40, 20, 0));
@@ -52,8 +52,8 @@ TEST(Dataset, TransparencyShowsTheBackground) {
 TEST(Dataset, DownscaleAveragesAreasAndScalesTheCameraExactly) {
   const TempFolder folder;
   const auto image = pattern(17, 9);
-  write_one_photo(folder.path(), image,
-                  "\"fl_x\": 20, \"fl_y\": 22, \"cx\": 8, \"cy\": 4.5, \"w\": 17, \"h\": 9");
+  write_one_view(folder.path(), image,
+                 "\"fl_x\": 20, \"fl_y\": 22, \"cx\": 8, \"cy\": 4.5, \"w\": 17, \"h\": 9");
   const auto data = load_dataset(folder.path(), {.downscale = 2});
   ASSERT_TRUE(data) << data.error().message();
   const Camera& camera = data->train[0].camera;
@@ -64,7 +64,7 @@ TEST(Dataset, DownscaleAveragesAreasAndScalesTheCameraExactly) {
   EXPECT_DOUBLE_EQ(camera.cx, 8 * 8.0 / 17);
   EXPECT_DOUBLE_EQ(camera.cy, 4.5 * 4.0 / 9);
 
-  write_one_photo(folder.path(), pattern(16, 8));
+  write_one_view(folder.path(), pattern(16, 8));
   const auto even = load_dataset(folder.path(), {.downscale = 4});
   ASSERT_TRUE(even);
   double sum = 0;
@@ -82,7 +82,7 @@ TEST(Dataset, AnyNumberOfThreadsLoadsTheSame) {
   auto model = ten_images();
   model.cameras[0] = {1, 4, "OPENCV", 64, 48, {50, 50, 32, 24, 0.1, -0.05, 1e-3, 0}};
   write_binary(folder.path(), model);
-  write_photos(folder.path(), model);
+  write_views(folder.path(), model);
   const auto one = load_dataset(folder.path(), {.downscale = 2, .threads = 1});
   const auto four = load_dataset(folder.path(), {.downscale = 2, .threads = 4});
   ASSERT_TRUE(one) << one.error().message();
@@ -97,12 +97,12 @@ TEST(DatasetBadInput, FoldersThatHoldNothing) {
   const TempFolder folder;
   expect_failure(load_dataset(folder.path() / "none", {}), "none", "no such folder");
   expect_failure(load_dataset(folder.path(), {}), folder.path().string(), "expected a COLMAP model",
-                 "transforms.json", "photos");
+                 "transforms.json", "images");
   write_text(folder.path() / "file", "x");
   expect_failure(load_dataset(folder.path() / "file", {}), "file", "not a folder");
 }
 
-TEST(Photos, WithoutColmapTheErrorSaysWhatToInstall) {
+TEST(Views, WithoutColmapTheErrorSaysWhatToInstall) {
   const TempFolder folder;
   write_image(folder.path() / "images" / "a.png", pattern(16, 12));
   const ScopedPath path((folder.path() / "empty").string());
@@ -116,11 +116,11 @@ void write_fake_colmap(const fs::path& folder, const std::string& body) {
   fs::permissions(folder / "colmap", fs::perms::owner_all);
 }
 
-TEST(Photos, ColmapIsRunOnceAndItsLargestModelTaken) {
+TEST(Views, ColmapIsRunOnceAndItsLargestModelTaken) {
   const TempFolder folder;
   const auto model = ten_images();
-  const fs::path data = folder.path() / "my photos; $(touch x)";  // No shell may see this.
-  write_photos(data, model);
+  const fs::path data = folder.path() / "my images; $(touch x)";  // No shell may see this.
+  write_views(data, model);
   auto few = model;
   few.images.resize(2);
   write_binary(folder.path() / "few", few);
@@ -137,7 +137,7 @@ fi)",
   const ScopedPath path((folder.path() / "bin").string() + ":/usr/bin:/bin");
   const auto loaded = load_dataset(data, {});
   ASSERT_TRUE(loaded) << loaded.error().message();
-  EXPECT_EQ(loaded->kind, "photos (COLMAP)");
+  EXPECT_EQ(loaded->kind, "images (COLMAP)");
   EXPECT_EQ(loaded->train.size(), 8U);
   const std::string calls = read_all(folder.path() / "calls");
   EXPECT_THAT(calls, testing::HasSubstr("--ImageReader.single_camera 1"));
@@ -148,9 +148,9 @@ fi)",
   EXPECT_EQ(read_all(folder.path() / "calls"), calls) << "the second time nothing is run";
 }
 
-TEST(Photos, AStepThatFailsIsNamedWithItsLog) {
+TEST(Views, AStepThatFailsIsNamedWithItsLog) {
   const TempFolder folder;
-  write_photos(folder.path(), ten_images());
+  write_views(folder.path(), ten_images());
   write_fake_colmap(folder.path() / "bin", "echo trouble; [ \"$1\" != exhaustive_matcher ]");
   const ScopedPath path((folder.path() / "bin").string() + ":/usr/bin:/bin");
   expect_failure(load_dataset(folder.path(), {}), "colmap/log.txt", "exhaustive_matcher failed");

@@ -11,7 +11,7 @@ namespace {
 
 using namespace test;
 
-/// A JPEG of a smooth picture, optionally with restart markers or progressive.
+/// A JPEG of a smooth image, optionally with restart markers or progressive.
 std::string jpeg(int width, int height, std::vector<int> parameters = {}) {
   auto image = pattern(width, height);
   std::vector<std::uint8_t> bytes;
@@ -167,8 +167,8 @@ TEST(ImageIoBadInput, WhatIsNoImageIsNamed) {
   expect_failure(read_image_size(pipe), "pipe.png");
 }
 
-// The only pictures that can hold NaN; bytes, which training takes, cannot.
-TEST(ImageIoBadInput, PicturesOfFloatsAreRefused) {
+// The only images that can hold NaN; bytes, which training takes, cannot.
+TEST(ImageIoBadInput, ImagesOfFloatsAreRefused) {
   const TempFolder folder;
   for (const char* kind : {".hdr", ".pfm", ".tiff"}) {
     std::vector<std::uint8_t> bytes;

@@ -19,14 +19,14 @@ namespace {
 
 using namespace test;
 
-Photo blank_photo(const glm::dvec3& center, const glm::dvec3& target) {
-  Photo photo{camera_at(center, target, 64, 48), Image<std::uint8_t>(64, 48, 3), {}};
-  photo.camera.fx = photo.camera.fy = 60;
-  std::ranges::fill(photo.rgb.pixels, std::uint8_t{51});
-  return photo;
+View blank_view(const glm::dvec3& center, const glm::dvec3& target) {
+  View view{camera_at(center, target, 64, 48), Image<std::uint8_t>(64, 48, 3), {}};
+  view.camera.fx = view.camera.fy = 60;
+  std::ranges::fill(view.rgb.pixels, std::uint8_t{51});
+  return view;
 }
 
-/// Photos of the ray-traced scene, in memory.
+/// Images of the ray-traced scene, in memory.
 Dataset captured(int count) {
   const capture::CaptureOptions options{.width = 320, .height = 240, .train = count, .test = 0};
   const auto scene = capture::make_scene(1);
@@ -48,14 +48,14 @@ TEST(InitialPoints, SparsePointsComeFirst) {
 }
 
 TEST(InitialPoints, NothingToSeeIsAnError) {
-  expect_failure(initial_points(Dataset{}, 1, Threads(2)), "no training photos");
+  expect_failure(initial_points(Dataset{}, 1, Threads(2)), "no training images");
 }
 
-TEST(InitialPoints, BlankPhotosGetRandomPointsInTheirFrustums) {
+TEST(InitialPoints, BlankViewsGetRandomPointsInTheirFrustums) {
   Dataset dataset;
   const glm::dvec3 target(100, 50, -20);
   for (const glm::dvec3& from : {glm::dvec3(5, 1, 0), glm::dvec3(0, -1, 5), glm::dvec3(-4, 2, 1)})
-    dataset.train.push_back(blank_photo(target + from, target));
+    dataset.train.push_back(blank_view(target + from, target));
   const auto cloud = initial_points(dataset, 7, Threads(2));
   ASSERT_TRUE(cloud);
   EXPECT_EQ(cloud->source, "random");
@@ -63,8 +63,8 @@ TEST(InitialPoints, BlankPhotosGetRandomPointsInTheirFrustums) {
   ASSERT_EQ(cloud->colors.size(), 20'000U);
   for (const glm::vec3& color : cloud->colors) ASSERT_EQ(color, glm::vec3(0.5F));
   for (const glm::vec3& position : cloud->positions) {
-    const bool seen = std::ranges::any_of(dataset.train, [&](const Photo& photo) {
-      const Camera& c = photo.camera;
+    const bool seen = std::ranges::any_of(dataset.train, [&](const View& view) {
+      const Camera& c = view.camera;
       const glm::dvec3 p = c.rotation * glm::dvec3(position) + c.translation;
       const double u = c.fx * p.x / p.z + c.cx, v = c.fy * p.y / p.z + c.cy;
       const double focus = glm::distance(target, c.center());
@@ -79,37 +79,37 @@ TEST(InitialPoints, BlankPhotosGetRandomPointsInTheirFrustums) {
 
 TEST(SceneFocus, IsWhereTheCamerasLook) {
   const glm::dvec3 target(1e5, -2e5, 3e4);  // Far from the world's origin
-  std::vector<Photo> photos;
+  std::vector<View> views;
   for (const glm::dvec3& from : {glm::dvec3(3, 1, 0), glm::dvec3(0, 1, 4), glm::dvec3(-5, 1, 1)})
-    photos.push_back(blank_photo(target + from, target));
-  const auto distances = focus_distances(photos);
-  for (std::size_t i = 0; i < photos.size(); ++i)
-    EXPECT_NEAR(distances[i], glm::distance(photos[i].camera.center(), target), 1e-6);
+    views.push_back(blank_view(target + from, target));
+  const auto distances = focus_distances(views);
+  for (std::size_t i = 0; i < views.size(); ++i)
+    EXPECT_NEAR(distances[i], glm::distance(views[i].camera.center(), target), 1e-6);
 }
 
 TEST(SceneFocus, DegenerateCamerasHaveADistance) {
   const glm::dvec3 ahead(0, 0, 1000);
   // Parallel views: the extent of the positions.
-  std::vector<Photo> parallel;
+  std::vector<View> parallel;
   for (const double x : {0.0, 1.0, 4.0})
-    parallel.push_back(blank_photo({x, 0, 0}, glm::dvec3(x, 0, 0) + ahead));
+    parallel.push_back(blank_view({x, 0, 0}, glm::dvec3(x, 0, 0) + ahead));
   EXPECT_THAT(focus_distances(parallel), testing::Each(testing::DoubleNear(4, 1e-9)));
   // A panorama looking outward from a circle: the common point is behind every camera.
-  std::vector<Photo> outward;
+  std::vector<View> outward;
   for (int i = 0; i < 8; ++i) {
     const glm::dvec3 d(std::cos(i * 0.785), 0, std::sin(i * 0.785));
-    outward.push_back(blank_photo(d, 5.0 * d));
+    outward.push_back(blank_view(d, 5.0 * d));
   }
   for (const double distance : focus_distances(outward)) EXPECT_GT(distance, 1);
-  // One photo, and photos from one place.
+  // One image, and images from one place.
   EXPECT_THAT(focus_distances({parallel[0]}), testing::ElementsAre(1.0));
   EXPECT_THAT(focus_distances({parallel[0], parallel[0]}), testing::Each(1.0));
   EXPECT_EQ(random_points({parallel[0]}, 10, 1).positions.size(), 10U);
 }
 
 TEST(Features, LieWhereTheDotsAre) {
-  Photo photo = blank_photo({0, 0, 0}, {0, 0, 1});
-  photo.rgb = Image<std::uint8_t>(200, 160, 3);
+  View view = blank_view({0, 0, 0}, {0, 0, 1});
+  view.rgb = Image<std::uint8_t>(200, 160, 3);
   std::vector<glm::dvec2> dots;
   for (int i = 0; i < 12; ++i) dots.emplace_back(30.3 + 45.25 * (i % 4), 30.6 + 45.7 * (i / 4));
   for (int y = 0; y < 160; ++y)
@@ -119,9 +119,9 @@ TEST(Features, LieWhereTheDotsAre) {
         const glm::dvec2 d = glm::dvec2(x + 0.5, y + 0.5) - dot;
         value += 200 * std::exp(-glm::dot(d, d) / 18);
       }
-      std::fill_n(photo.rgb.at(x, y), 3, static_cast<std::uint8_t>(std::lround(value)));
+      std::fill_n(view.rgb.at(x, y), 3, static_cast<std::uint8_t>(std::lround(value)));
     }
-  const auto features = find_features(photo);
+  const auto features = find_features(view);
   glm::dvec2 bias(0);
   for (const auto& dot : dots) {
     const auto nearest = std::ranges::min_element(
@@ -175,16 +175,16 @@ TEST(Triangulation, IsTheSameForAnyNumberOfThreads) {
 
 TEST(Triangulation, PairsHaveUsefulParallax) {
   const glm::dvec3 target(0, 0, 0);
-  std::vector<Photo> photos;
+  std::vector<View> views;
   for (const double degrees : {0.0, 0.2, 10.0, 20.0, 180.0}) {
     const double a = degrees * 3.14159265 / 180;
-    photos.push_back(blank_photo({5 * std::sin(a), 0, -5 * std::cos(a)}, target));
+    views.push_back(blank_view({5 * std::sin(a), 0, -5 * std::cos(a)}, target));
   }
-  const auto pairs = choose_pairs(photos);
+  const auto pairs = choose_pairs(views);
   using testing::Pair;
   EXPECT_THAT(pairs,
               testing::ElementsAre(Pair(0, 2), Pair(0, 3), Pair(1, 2), Pair(1, 3), Pair(2, 3)));
-  EXPECT_TRUE(choose_pairs({photos[0]}).empty());
+  EXPECT_TRUE(choose_pairs({views[0]}).empty());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Real photo sets, where FLUXGS_DATA names the folder that holds them.
+// Real image sets, where FLUXGS_DATA names the folder that holds them.
 #include <algorithm>
 #include <unordered_map>
 
@@ -64,8 +64,8 @@ double mean_reprojection(const Dataset& data, const ColmapModel& model) {
   std::unordered_map<std::int64_t, glm::dvec3> points;
   for (const auto& p : model.points) points[static_cast<std::int64_t>(p.id)] = p.position;
   std::unordered_map<std::string, const Camera*> cameras;
-  for (const auto* photos : {&data.train, &data.test})
-    for (const Photo& photo : *photos) cameras[photo.camera.name] = &photo.camera;
+  for (const auto* views : {&data.train, &data.test})
+    for (const View& view : *views) cameras[view.camera.name] = &view.camera;
   double sum = 0, count = 0;
   for (const auto& image : model.images) {
     const Camera& c = *cameras.at(image.name);

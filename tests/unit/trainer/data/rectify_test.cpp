@@ -31,7 +31,7 @@ glm::dvec2 project_distorted(const Lens& lens, const cv::Point3d& point) {
   return {pixels[0].x + 0.5, pixels[0].y + 0.5};
 }
 
-/// A grey picture with a Gaussian dot at each place (px, our convention).
+/// A grey image with a Gaussian dot at each place (px, our convention).
 cv::Mat draw_dots(const Lens& lens, const std::vector<glm::dvec2>& places) {
   cv::Mat image(lens.height, lens.width, CV_32FC1, cv::Scalar(0));
   for (const auto& place : places)
@@ -70,12 +70,12 @@ int check_lens_is_undone(const Lens& lens) {
       points.emplace_back(2 * x, 2 * y, 2.0);
       places.push_back(project_distorted(lens, points.back()));
     }
-  const auto rectification = make_rectification(lens, "photo.jpg");
+  const auto rectification = make_rectification(lens, "image.jpg");
   EXPECT_TRUE(rectification) << rectification.error().message();
-  const cv::Mat picture = rectify(draw_dots(lens, places), *rectification);
+  const cv::Mat image = rectify(draw_dots(lens, places), *rectification);
   const Lens& pinhole = rectification->pinhole;
-  EXPECT_EQ(picture.cols, lens.width);
-  EXPECT_EQ(picture.rows, lens.height);
+  EXPECT_EQ(image.cols, lens.width);
+  EXPECT_EQ(image.rows, lens.height);
   int checked = 0;
   for (const auto& p : points) {
     const glm::dvec2 expected(pinhole.fx * p.x / p.z + pinhole.cx,
@@ -83,7 +83,7 @@ int check_lens_is_undone(const Lens& lens) {
     const bool inside = expected.x > 9 && expected.y > 9 && expected.x < lens.width - 9 &&
                         expected.y < lens.height - 9;
     if (!inside) continue;
-    const glm::dvec2 found = centroid(picture, expected);
+    const glm::dvec2 found = centroid(image, expected);
     EXPECT_LT(glm::distance(found, expected), 0.15) << expected.x << ", " << expected.y;
     ++checked;
   }
@@ -122,7 +122,7 @@ TEST(Rectify, NoPixelIsMadeUp) {
     double x0, x1, y0, y1;
     cv::minMaxLoc(r->map_x, &x0, &x1);
     cv::minMaxLoc(r->map_y, &y0, &y1);
-    // Inside the photo, whose outermost pixels' centres are at 0 and 319, 239 here.
+    // Inside the image, whose outermost pixels' centres are at 0 and 319, 239 here.
     EXPECT_GT(x0, -0.5) << k1;
     EXPECT_GT(y0, -0.5) << k1;
     EXPECT_LT(x1, 319.5) << k1;
@@ -143,7 +143,7 @@ TEST(RectifyBadInput, ImpossibleCoefficientsAreRefused) {
   for (const double k1 : {1e300, -1e300, 1e9, -50.0, 1e4}) {
     Lens lens{.width = 320, .height = 240, .fx = 220, .fy = 220, .cx = 160, .cy = 120};
     lens.distortion = {k1};
-    expect_failure(make_rectification(lens, "photo.jpg"), "photo.jpg", "distortion");
+    expect_failure(make_rectification(lens, "image.jpg"), "image.jpg", "distortion");
   }
   const Lens wide{.model = LensModel::kFisheye,
                   .width = 320,
@@ -152,7 +152,7 @@ TEST(RectifyBadInput, ImpossibleCoefficientsAreRefused) {
                   .fy = 60,
                   .cx = 160,
                   .cy = 120};
-  expect_failure(make_rectification(wide, "photo.jpg"), "180 degrees");
+  expect_failure(make_rectification(wide, "image.jpg"), "180 degrees");
 }
 
 }  // namespace

@@ -15,10 +15,10 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 /// A camera that looks from a place to another, of focal length 500 px.
-Photo photo_from(const glm::dvec3& from, const glm::dvec3& to) {
-  Photo photo{test::camera_at(from, to, 640, 480), {}, {}};
-  photo.camera.fx = photo.camera.fy = 500;
-  return photo;
+View view_from(const glm::dvec3& from, const glm::dvec3& to) {
+  View view{test::camera_at(from, to, 640, 480), {}, {}};
+  view.camera.fx = view.camera.fy = 500;
+  return view;
 }
 
 /// Cameras around a point, `size` away from it.
@@ -26,7 +26,7 @@ Dataset around(const glm::dvec3& center, double size) {
   Dataset data;
   for (const glm::dvec3& from :
        {glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1), glm::dvec3(-0.6, 0, 0.8)})
-    data.train.push_back(photo_from(center + size * from, center));
+    data.train.push_back(view_from(center + size * from, center));
   return data;
 }
 
@@ -56,7 +56,7 @@ Dataset panorama(const glm::dvec3& center, double shake) {
     const glm::dvec3 out(std::cos(i * 0.5236), 0.1, std::sin(i * 0.5236));
     const glm::dvec3 from =
         center + shake * glm::dvec3(std::cos(7.0 * i), std::sin(3.0 * i), std::sin(5.0 * i));
-    data.train.push_back(photo_from(from, from + out));
+    data.train.push_back(view_from(from, from + out));
   }
   return data;
 }
@@ -72,7 +72,7 @@ TEST(ScaleCheck, AFlightOverAMap) {
     Dataset data;
     for (int i = 0; i < 6; ++i) {
       const glm::dvec3 from = start + glm::dvec3(10.0 * i, 0, 0);
-      data.train.push_back(photo_from(from, from + glm::dvec3(0, 1e-9, -60)));
+      data.train.push_back(view_from(from, from + glm::dvec3(0, 1e-9, -60)));
     }
     return data;
   };

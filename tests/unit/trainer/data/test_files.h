@@ -54,7 +54,7 @@ inline std::string read_all(const fs::path& file) {
 
 inline void remove_file(const fs::path& file) { fs::remove(file); }
 
-/// A smooth picture that no two sizes and phases share.
+/// A smooth image that no two sizes and phases share.
 inline Image<std::uint8_t> pattern(int width, int height, int channels = 3, int phase = 0) {
   Image<std::uint8_t> image(width, height, channels);
   for (int y = 0; y < height; ++y)

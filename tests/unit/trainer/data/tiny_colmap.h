@@ -92,8 +92,8 @@ inline void write_text_model(const fs::path& folder, const TinyModel& model) {
   write_text(folder / "points3D.txt", points);
 }
 
-/// images/ with a picture for every image of the model.
-inline void write_photos(const fs::path& folder, const TinyModel& model) {
+/// images/ with an image for every image of the model.
+inline void write_views(const fs::path& folder, const TinyModel& model) {
   int phase = 0;
   for (const auto& i : model.images)
     write_image(folder / "images" / i.name,

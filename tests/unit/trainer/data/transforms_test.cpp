@@ -19,7 +19,7 @@ Json frame(const std::string& path, const Json& matrix = kIdentity) {
   return {{"file_path", path}, {"transform_matrix", matrix}};
 }
 
-/// A data set of one 16×12 photo images/a.png, with a focal length and no distortion.
+/// A data set of one 16×12 image images/a.png, with a focal length and no distortion.
 Json one_frame() { return {{"fl_x", 20.0}, {"frames", Json::array({frame("images/a.png")})}}; }
 
 Expected<Dataset> load(const Json& json, const LoadOptions& options = {}) {

@@ -11,11 +11,11 @@
 namespace fluxgs {
 namespace {
 
-std::vector<Photo> photos_at(const std::vector<glm::dvec3>& eyes) {
-  std::vector<Photo> photos;
+std::vector<View> views_at(const std::vector<glm::dvec3>& eyes) {
+  std::vector<View> views;
   for (const glm::dvec3& eye : eyes)
-    photos.push_back({test::camera_at(eye, {0, 0, 0}, 8, 8), {}, {}});
-  return photos;
+    views.push_back({test::camera_at(eye, {0, 0, 0}, 8, 8), {}, {}});
+  return views;
 }
 
 /// 30 cameras in one place and one at each of five others.
@@ -27,7 +27,7 @@ std::vector<glm::dvec3> lopsided() {
 
 TEST(CameraSampling, BinsFollowAzimuthAndElevation) {
   const auto bins = camera_bins(
-      photos_at({{3, 0.1, 0.2}, {3, 0.2, 0.2}, {-3, 0.1, 0.2}, {3, 0.1, 4.0}, {3, 0.1, -4.0}}), 12,
+      views_at({{3, 0.1, 0.2}, {3, 0.2, 0.2}, {-3, 0.1, 0.2}, {3, 0.1, 4.0}, {3, 0.1, -4.0}}), 12,
       6);
   ASSERT_EQ(bins.size(), 4u);
   std::set<std::vector<std::uint32_t>> found(bins.begin(), bins.end());
@@ -36,11 +36,11 @@ TEST(CameraSampling, BinsFollowAzimuthAndElevation) {
 }
 
 TEST(CameraSampling, StratifiedTakesOneOfEachBinFirst) {
-  const std::vector<Photo> photos = photos_at(lopsided());
+  const std::vector<View> views = views_at(lopsided());
   TrainOptions options;  // 6 of 12 x 6 bins
   Random random(1);
   for (int trial = 0; trial < 20; ++trial) {
-    const auto chosen = sample_cameras(photos, options, random);
+    const auto chosen = sample_cameras(views, options, random);
     std::set<std::uint32_t> places;
     for (std::uint32_t i : chosen) places.insert(std::max(i, 29u));
     EXPECT_EQ(places.size(), 6u);
@@ -48,19 +48,19 @@ TEST(CameraSampling, StratifiedTakesOneOfEachBinFirst) {
   options.camera_sampling = CameraSampling::random;
   double crowded = 0;
   for (int trial = 0; trial < 50; ++trial)
-    for (std::uint32_t i : sample_cameras(photos, options, random)) crowded += i < 30;
+    for (std::uint32_t i : sample_cameras(views, options, random)) crowded += i < 30;
   EXPECT_GT(crowded / 50, 4);  // 6 · 30/35 = 5.1 are expected
 }
 
 TEST(CameraSampling, NeverTwiceTheSameAndNeverMoreThanThereAre) {
-  const std::vector<Photo> photos = photos_at(lopsided());
+  const std::vector<View> views = views_at(lopsided());
   TrainOptions options;
   for (const CameraSampling way : {CameraSampling::stratified, CameraSampling::random}) {
     options.camera_sampling = way;
     for (const int count : {1, 12, 35, 100}) {
       options.score_cameras = count;
       Random random(7);
-      const auto chosen = sample_cameras(photos, options, random);
+      const auto chosen = sample_cameras(views, options, random);
       EXPECT_EQ(chosen.size(), static_cast<std::size_t>(std::min(count, 35)));
       EXPECT_EQ(std::set<std::uint32_t>(chosen.begin(), chosen.end()).size(), chosen.size());
     }
@@ -68,15 +68,15 @@ TEST(CameraSampling, NeverTwiceTheSameAndNeverMoreThanThereAre) {
 }
 
 TEST(CameraSampling, ParallelViewsAndEqualCamerasAreFine) {
-  std::vector<Photo> parallel;
+  std::vector<View> parallel;
   for (int i = 0; i < 4; ++i) {
-    Photo photo{test::camera_in_front(8, 8), {}, {}};
-    photo.camera.translation.x = i;
-    parallel.push_back(photo);
+    View view{test::camera_in_front(8, 8), {}, {}};
+    view.camera.translation.x = i;
+    parallel.push_back(view);
   }
   Random random(1);
   EXPECT_EQ(sample_cameras(parallel, {}, random).size(), 4u);
-  const std::vector<Photo> equal(3, parallel[0]);
+  const std::vector<View> equal(3, parallel[0]);
   EXPECT_EQ(camera_bins(equal, 12, 6).size(), 1u);
   EXPECT_EQ(sample_cameras(equal, {}, random).size(), 3u);
 }

@@ -259,7 +259,7 @@ TEST(LatePrune, RemovesWhatIsNotDrawn) {
   EXPECT_EQ(state.parameters.row(row::position)[0], stays);
 }
 
-TEST(LatePrune, RemovesTheLeastPartOfThePictures) {
+TEST(LatePrune, RemovesTheLeastPartOfTheImages) {
   TrainOptions options;
   options.late_prune = LatePrune::contribution;
   options.late_prune_share = 0.1;

@@ -30,7 +30,7 @@ double mean(const PlanarImage& map) {
   return total / (map.width() * map.height());
 }
 
-TEST(MetricMaps, TheLossOfPixelsIsTheLossOfThePicture) {
+TEST(MetricMaps, TheLossOfPixelsIsTheLossOfTheImage) {
   const PlanarImage a = waves(53, 37, 0.3), b = waves(53, 37, 0.33);
   const Threads threads(2);
   const PhotometricSums sums = PhotometricLoss(threads).run(a, b, 0.2);
@@ -55,7 +55,7 @@ TEST(MetricMaps, ThresholdsAreMultiplesOfAPercentileOrPlain) {
   EXPECT_EQ(maps.row(0, 5)[1], 1);
 }
 
-TEST(MetricMaps, APerfectPictureHasNoBadPixelsAndNanIsBad) {
+TEST(MetricMaps, APerfectImageHasNoBadPixelsAndNanIsBad) {
   PlanarImage loss(8, 8, 1);
   TrainOptions options;
   EXPECT_EQ(mean(metric_maps(loss, options)), 0);
@@ -130,19 +130,19 @@ TEST_P(Score, EqualsBruteForceInFloat64) {
 TEST(SplatScores, ViewsAddUpAndSharesAreMeansOverPixels) {
   const SplatCloud cloud = test::random_cloud(50, 0, 9, 0.5f, 0.1f);
   const PlanarFloats parameters = to_parameters(cloud, 0);
-  std::vector<Photo> photos;
+  std::vector<View> views;
   for (const glm::dvec3& eye : {glm::dvec3(0, 0, -3), glm::dvec3(2, 0, -2)}) {
-    Photo photo{test::camera_at(eye, {0, 0, 0}, 48, 40), {}, {}};
-    photo.rgb = Image<std::uint8_t>(48, 40, 3);
-    photos.push_back(photo);
+    View view{test::camera_at(eye, {0, 0, 0}, 48, 40), {}, {}};
+    view.rgb = Image<std::uint8_t>(48, 40, 3);
+    views.push_back(view);
   }
   const Threads threads(2);
   StageTimes times;
   const auto rasterizer = make_cpu_rasterizer(threads, times);
   TrainOptions options;
-  const auto scores = [&](const std::vector<std::uint32_t>& views, ScoreShare share) {
+  const auto scores = [&](const std::vector<std::uint32_t>& sampled, ScoreShare share) {
     options.score_share = share;
-    return score_splats(photos, views, parameters, {}, options, *rasterizer, threads);
+    return score_splats(views, sampled, parameters, {}, options, *rasterizer, threads);
   };
   const SplatScores a = scores({0}, ScoreShare::sum), b = scores({1}, ScoreShare::sum),
                     both = scores({0, 1}, ScoreShare::sum),

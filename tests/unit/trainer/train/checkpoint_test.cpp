@@ -80,15 +80,15 @@ TEST(Train, ResumingWithEverything) { expect_resumable(everything(), {50, 72, 90
 
 TEST(Train, ResumingMcmc) { expect_resumable(mcmc_run(60), {33}); }
 
-TEST(Checkpoint, HashTellsPhotosApart) {
-  std::vector<Photo> photos = small_capture().train;
-  const std::uint64_t before = hash_photos(photos);
-  EXPECT_EQ(before, hash_photos(photos));
-  photos[3].rgb.pixels[100] ^= 1;
-  EXPECT_NE(before, hash_photos(photos));
-  photos = small_capture().train;
-  photos[5].camera.translation.x += 1e-6;
-  EXPECT_NE(before, hash_photos(photos));
+TEST(Checkpoint, HashTellsViewsApart) {
+  std::vector<View> views = small_capture().train;
+  const std::uint64_t before = hash_views(views);
+  EXPECT_EQ(before, hash_views(views));
+  views[3].rgb.pixels[100] ^= 1;
+  EXPECT_NE(before, hash_views(views));
+  views = small_capture().train;
+  views[5].camera.translation.x += 1e-6;
+  EXPECT_NE(before, hash_views(views));
 }
 
 /// A checkpoint with three splats.
@@ -179,12 +179,12 @@ TEST(Checkpoint, WhatNoTrainingHasIsAnErrorThatNamesTheField) {
       {R"({"splats": -1})", "splats"},
       {R"({"splats": 2})", "splats"},
       {R"({"downscale": 0})", "downscale"},
-      {R"({"most_pairs": -1})", "most_pairs"},
+      {R"({"max_pairs": -1})", "max_pairs"},
       {R"({"random": ""})", "random"},
       {R"({"next_view": 1000})", "next_view"},
       {R"({"next_view": -1})", "next_view"},
       {R"({"view_order": []})", "view_order"},
-      {R"({"train_photos": -1})", "view_order"},
+      {R"({"train_views": -1})", "view_order"},
       {R"({"rounding": [1]})", "header"},
       {R"({"rounding": [1, 1, 1, 1, 1, 1, 1]})", "splats"},
       {R"({"options": {"iterations": -5}})", "--iterations"},
@@ -236,7 +236,7 @@ TEST(Checkpoint, AnyValueOfTheHeaderIsRefusedOrTrainsOn) {
         continue;
       }
       SCOPED_TRACE(key + " = " + value.dump());
-      ASSERT_EQ(read->train_photos, data.train.size());
+      ASSERT_EQ(read->train_views, data.train.size());
       train(data, read->options, std::move(read->state), 1, read->state.iteration + 2);
       ++trained;
     }

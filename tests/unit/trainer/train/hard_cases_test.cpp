@@ -53,7 +53,7 @@ void expect_survives(const Dataset& data) {
     expect_survives(data, options, points_of(small_capture()));
 }
 
-/// The capture with its photos changed.
+/// The capture with its images changed.
 template <class Change>
 Dataset changed(const Change& change) {
   Dataset data = small_capture();
@@ -62,28 +62,28 @@ Dataset changed(const Change& change) {
 }
 
 void paint(Dataset& data, std::uint8_t value) {
-  for (Photo& photo : data.train) std::ranges::fill(photo.rgb.pixels, value);
+  for (View& view : data.train) std::ranges::fill(view.rgb.pixels, value);
 }
 
-TEST(HardData, BlackPhotos) {
+TEST(HardData, BlackViews) {
   expect_survives(changed([](Dataset& d) { paint(d, 0); }));
 }
 
-TEST(HardData, WhitePhotos) {
+TEST(HardData, WhiteViews) {
   expect_survives(changed([](Dataset& d) { paint(d, 255); }));
 }
 
-// A lens cap, or a mask with nothing in it: a picture that is its photo is infinitely many decibels
+// A lens cap, or a mask with nothing in it: an image that is its image is infinitely many decibels
 // from it, which must not be the mean of all.
-TEST(HardData, APhotoThatIsReproducedExactly) {
+TEST(HardData, AViewThatIsReproducedExactly) {
   const Dataset data = changed([](Dataset& d) {
-    Photo& photo = d.train[0];
-    std::ranges::fill(photo.rgb.pixels, std::uint8_t{0});
+    View& view = d.train[0];
+    std::ranges::fill(view.rgb.pixels, std::uint8_t{0});
     for (const int axis : {0, 2}) {  // turned about, and out of the scene
-      for (int c = 0; c < 3; ++c) photo.camera.rotation[c][axis] *= -1;
-      photo.camera.translation[axis] *= -1;
+      for (int c = 0; c < 3; ++c) view.camera.rotation[c][axis] *= -1;
+      view.camera.translation[axis] *= -1;
     }
-    photo.camera.translation.z -= 30;
+    view.camera.translation.z -= 30;
   });
   const TrainOptions options = everything();
   const Threads threads(2);
@@ -94,13 +94,13 @@ TEST(HardData, APhotoThatIsReproducedExactly) {
   const auto scores =
       evaluate(data.train, cpu_view_renderer(start.cloud(), options.render, threads), threads);
   ASSERT_TRUE(scores);
-  EXPECT_EQ(scores->views.front().psnr, kAsGoodAsThePhoto);
-  EXPECT_LT(scores->psnr, kAsGoodAsThePhoto);
+  EXPECT_EQ(scores->views.front().psnr, kAsGoodAsTheView);
+  EXPECT_LT(scores->psnr, kAsGoodAsTheView);
   EXPECT_LT(start.mean_psnr(data.train), 58.93);
   expect_survives(data);
 }
 
-TEST(HardData, OnePhoto) {
+TEST(HardData, OneView) {
   expect_survives(changed([](Dataset& d) { d.train.resize(1); }));
 }
 
@@ -110,7 +110,7 @@ TEST(HardData, TwoCameras) {
 
 TEST(HardData, TheSameCameraAgainAndAgain) {
   expect_survives(changed([](Dataset& d) {
-    for (Photo& photo : d.train) photo.camera = d.train[0].camera;
+    for (View& view : d.train) view.camera = d.train[0].camera;
   }));
 }
 
@@ -158,8 +158,8 @@ TEST(HardData, AWorldFarFromItsOrigin) {
   PointCloud points = points_of(small_capture());
   for (auto& position : points.positions) position += far;
   expect_survives(changed([&](Dataset& d) {
-                    for (Photo& photo : d.train)
-                      photo.camera.translation -= photo.camera.rotation * far;
+                    for (View& view : d.train)
+                      view.camera.translation -= view.camera.rotation * far;
                   }),
                   everything(), points);
 }

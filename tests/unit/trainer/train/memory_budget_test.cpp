@@ -42,8 +42,8 @@ TEST(MemoryBudget, NoSplatsAreAddedBeyondIt) {
   options.densify_gradient = 1e-6;
   options.max_splats = 0;
   const std::size_t start = fresh(data, options).parameters.size();
-  options.max_memory = (training_memory(data, options, start + 500, kUsualPairs) >> 20) + 1;
-  const std::size_t most = splats_in_memory(data, options, kUsualPairs);
+  options.max_memory = (training_memory(data, options, start + 500, kDefaultPairs) >> 20) + 1;
+  const std::size_t most = splats_in_memory(data, options, kDefaultPairs);
   const std::size_t bounded = train(data, options, fresh(data, options), 2, 100).parameters.size();
   options.max_memory = 0;
   EXPECT_LE(bounded, std::max(most, start));

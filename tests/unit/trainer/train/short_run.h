@@ -135,7 +135,7 @@ inline void expect_same(const TrainState& a, const TrainState& b) {
     expect_same(a.rounding->offsets, b.rounding->offsets, "rounding");
   }
   EXPECT_EQ(a.iteration, b.iteration);
-  EXPECT_EQ(a.most_pairs, b.most_pairs);
+  EXPECT_EQ(a.max_pairs, b.max_pairs);
   EXPECT_EQ(a.random, b.random);
   EXPECT_EQ(a.view_order, b.view_order);
   EXPECT_EQ(a.next_view, b.next_view);

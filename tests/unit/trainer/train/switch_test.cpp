@@ -89,16 +89,16 @@ TEST(Switch, AdaptiveDegreesKeepTheirPromise) {
       ASSERT_EQ(told.state.parameters.row(r)[i], 0) << i << ", row " << r;
 }
 
-// The error in the full photos is mostly of details that are not trained yet: a share of that would
-// be more than all harmonics are worth.
-TEST(Switch, HalvedPhotosSayHowMuchMayBeMissedOfThem) {
+// The error in the full images is mostly of details that are not trained yet: a share of that would
+// be more than all SH coefficients are worth.
+TEST(Switch, HalvedViewsSayHowMuchMayBeMissedOfThem) {
   TrainOptions options = curriculum(ShTarget::adaptive, ShReduction::view_ls);
   options.coarse_levels = 1;
   options.coarse_until = options.iterations;
   const Told told = run(options);
   ASSERT_TRUE(told.switched);
   const auto& degrees = told.switched->reduction.degrees;
-  EXPECT_GT(4 * degrees[3], degrees[0]);  // 726 and 974; by the full photos 24 and 2,195
+  EXPECT_GT(4 * degrees[3], degrees[0]);  // 726 and 974; by the full images 24 and 2,195
 }
 
 TEST(Switch, EveryReductionTrainsOn) {
@@ -159,7 +159,7 @@ TEST(Networks, AreStoredOnlyWhereTheyPay) {
   EXPECT_GT(*told.stored->with_networks, 40'000u);  // two networks are in it
 }
 
-// What is stored with networks is near the pictures that they make, not those without them
+// What is stored with networks is near the images that they make, not those without them
 TEST(Networks, AreJudgedByTheColoursThatTheyMake) {
   FLUXGS_NEEDS_ONNXRUNTIME();
   TrainOptions options = curriculum(ShTarget::degree_1, ShReduction::view_ls);
@@ -206,14 +206,15 @@ TEST(Rounding, TrainsWithTheNumbersOfTheFile) {
   unaware.rounding = Switch::off;
   const Told plain = run(unaware);
   ASSERT_FALSE(plain.state.rounding);
-  const auto& photos = small_capture().train;
-  const SceneError plain_error(plain.cloud, cameras_of(photos), options.render, threads);
-  const CompactSearch search(plain.cloud, plain_error, {.steps = usual_compact_steps(plain.cloud)});
+  const auto& views = small_capture().train;
+  const SceneError plain_error(plain.cloud, cameras_of(views), options.render, threads);
+  const CompactSearch search(plain.cloud, plain_error,
+                             {.steps = default_compact_steps(plain.cloud)});
   const auto rounded_after = search.within_bytes(told.stored->file.size());
   ASSERT_TRUE(rounded_after);
   const auto psnr = [&](const std::vector<std::byte>& file) {
     const SplatCloud cloud = read_glb(file, "file")->cloud;
-    return evaluate(photos, cpu_view_renderer(cloud, options.render, threads), threads)->psnr;
+    return evaluate(views, cpu_view_renderer(cloud, options.render, threads), threads)->psnr;
   };
   RecordProperty("aware", std::to_string(psnr(told.stored->file)));
   RecordProperty("unaware", std::to_string(psnr(rounded_after->file)));

@@ -20,9 +20,9 @@ TEST(Train, LearnsTheScene) {
   options.densify_until = 600;
   options.opacity_reset_interval = 0;
   const Threads threads(2);
-  const auto score = [&](const TrainState& state, const std::vector<Photo>& photos) {
+  const auto score = [&](const TrainState& state, const std::vector<View>& views) {
     const SplatCloud cloud = to_cloud(state.parameters, 3);
-    return evaluate(photos, cpu_view_renderer(cloud, options.render, threads), threads)->psnr;
+    return evaluate(views, cpu_view_renderer(cloud, options.render, threads), threads)->psnr;
   };
   const TrainState start = fresh(data, options);
   const TrainState end = train(data, options, start, 2, 800);
@@ -42,13 +42,13 @@ TEST(Train, SameBytesForAnyNumberOfThreads) {
 }
 
 TEST(Train, CamerasInOnePlaceHaveAnExtent) {
-  std::vector<Photo> photos = small_capture().train;
-  const double extent = scene_extent(photos);
+  std::vector<View> views = small_capture().train;
+  const double extent = scene_extent(views);
   EXPECT_GT(extent, 0.1);
-  for (Photo& photo : photos) photo.camera = photos[1].camera;
-  EXPECT_EQ(scene_extent(photos), 1.0);
-  photos.resize(1);
-  EXPECT_EQ(scene_extent(photos), 1.0);
+  for (View& view : views) view.camera = views[1].camera;
+  EXPECT_EQ(scene_extent(views), 1.0);
+  views.resize(1);
+  EXPECT_EQ(scene_extent(views), 1.0);
 }
 
 TEST(Train, SeedsChangeTheResult) {
@@ -125,7 +125,7 @@ TEST(Train, LatePruningSeesOpacitiesBeforeTheyAreReset) {
 
 TEST(Train, FoxForAShortWhile) {
   const char* folder = std::getenv("FLUXGS_DATA");
-  if (!folder) GTEST_SKIP() << "FLUXGS_DATA is not set: no real photos to train on";
+  if (!folder) GTEST_SKIP() << "FLUXGS_DATA is not set: no real images to train on";
   LoadOptions load;
   load.downscale = 8;
   const auto data = load_dataset(std::filesystem::path(folder) / "fox", load);

@@ -12,7 +12,7 @@ struct State {
   TilePlane t, r, g, b;
 };
 
-void store_picture(const TileArgs& args, const State& s) {
+void store_image(const TileArgs& args, const State& s) {
   const auto background = [&](int c) { return hn::Set(kQuad, args.constants.background[c]); };
   const auto red = background(0), green = background(1), blue = background(2);
   const std::size_t plane = plane_size(args);
@@ -63,7 +63,7 @@ std::uint32_t forward(const TileArgs& args) {
       if (!open) alive &= ~(1u << block);
     }
   }
-  store_picture(args, state);
+  store_image(args, state);
   if (args.pairs) *args.pairs += pairs;
   return used;
 }

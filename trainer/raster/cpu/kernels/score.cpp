@@ -1,4 +1,4 @@
-// What each splat adds to the pixels of a picture, weighted by maps over the pixels. It replays the
+// What each splat adds to the pixels of an image, weighted by maps over the pixels. It replays the
 // forward pass of a tile, like backward.cpp.
 #include "trainer/raster/cpu/kernels/kernels_isa.h"
 #include "trainer/raster/cpu/kernels/tile.h"

@@ -18,10 +18,10 @@ using nlohmann::json;
 constexpr int kStillViews = 8;
 constexpr double kPathStep = 0.5 * std::numbers::pi / 180;  // radians a frame
 
-glm::dvec2 as_vector(const PictureSide& size) { return {size.width, size.height}; }
+glm::dvec2 as_vector(const ImageSide& size) { return {size.width, size.height}; }
 
 /// The first view turned about the scene's up.
-Camera turned(const camera::Navigation& first, double angle, const PictureSide& size) {
+Camera turned(const camera::Navigation& first, double angle, const ImageSide& size) {
   // A drag across the shorter side is half a turn
   const double pixels = angle / std::numbers::pi * std::min(size.width, size.height);
   const camera::ViewState view = camera::orbit(first.view, {pixels, 0}, as_vector(size), first.up);
@@ -62,7 +62,7 @@ render::TargetPlan plan_of(const render::RenderTarget& target) {
 std::vector<SceneBenchmarkRow> rows_of(const SceneBenchmarkPlan& plan) {
   using render::SorterKind;
   std::vector<SceneBenchmarkRow> rows;
-  for (const PictureSide& size : plan.sizes)
+  for (const ImageSide& size : plan.sizes)
     for (const auto& [sorter, wanted] : {std::pair(SorterKind::gpu_radix, plan.gpu_sort),
                                          std::pair(SorterKind::cpu_async, plan.cpu_sort)})
       for (const auto& [moves, asked] :
@@ -134,7 +134,7 @@ json json_of(const SceneBenchmarkRow& row) {
 }  // namespace
 
 std::vector<Camera> still_views(const SplatCloud& cloud, const std::optional<StartView>& start,
-                                const PictureSide& size) {
+                                const ImageSide& size) {
   const camera::Navigation first = camera::first_view(cloud, start, as_vector(size));
   std::vector<Camera> views;
   for (int i = 0; i < kStillViews; ++i)
@@ -143,7 +143,7 @@ std::vector<Camera> still_views(const SplatCloud& cloud, const std::optional<Sta
 }
 
 std::vector<Camera> path_views(const SplatCloud& cloud, const std::optional<StartView>& start,
-                               const PictureSide& size, int frames) {
+                               const ImageSide& size, int frames) {
   const camera::Navigation first = camera::first_view(cloud, start, as_vector(size));
   std::vector<Camera> views;
   for (int i = 0; i < frames; ++i) views.push_back(turned(first, i * kPathStep, size));

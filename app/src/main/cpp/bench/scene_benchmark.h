@@ -11,12 +11,12 @@
 
 namespace fluxgs::bench {
 
-struct PictureSide {
+struct ImageSide {
   int width = 0, height = 0;  ///< px
 };
 
 struct SceneBenchmarkPlan {
-  std::vector<PictureSide> sizes{{1280, 720}, {1920, 1080}};
+  std::vector<ImageSide> sizes{{1280, 720}, {1920, 1080}};
   FrameBenchmarkOptions protocol{.warmup = 20, .frames = 100};
   bool gpu_sort = true, cpu_sort = true;
   bool still_views = true, path = true;
@@ -26,7 +26,7 @@ struct SceneBenchmarkPlan {
 
 /// One way of drawing the scene.
 struct SceneBenchmarkRow {
-  PictureSide size;
+  ImageSide size;
   render::SorterKind sorter = render::SorterKind::gpu_radix;
   bool moves = false;  ///< a path, otherwise still views
   FrameBenchmark times;
@@ -44,9 +44,9 @@ struct SceneBenchmark {
 /// Eight views around what the scene shows first, and a path of half a degree a frame. Sorted by
 /// the size's own aspect.
 std::vector<Camera> still_views(const SplatCloud& cloud, const std::optional<StartView>& start,
-                                const PictureSide& size);
+                                const ImageSide& size);
 std::vector<Camera> path_views(const SplatCloud& cloud, const std::optional<StartView>& start,
-                               const PictureSide& size, int frames);
+                               const ImageSide& size, int frames);
 
 /// Every size with every sorter on every kind of views, in this order of nesting. Sizes that the
 /// driver cannot make, and scenes that it has no room for, are errors. A benchmark that is stopped

@@ -103,7 +103,7 @@ std::uint64_t sorted_hash(const SplatCloud& cloud, const std::vector<Camera>& vi
     const sort::SortView wanted{.centre = view.center() - scene.origin,
                                 .forward = view.forward(),
                                 .near_plane = 0.01,
-                                .keys = render::choose_keys(view, {}, scene, sort::kMostKeyBits)};
+                                .keys = render::choose_keys(view, {}, scene, sort::kMaxKeyBits)};
     const sort::SharedIndices order = thread.wait(thread.request(wanted));
     hash.add_value(order->count);
     hash.add(std::as_bytes(std::span(order->indices).first(order->count)));

@@ -19,8 +19,8 @@ constexpr double kWord = 4, kVec4 = 16;
 double project_bytes(const FrameCounts& c, const RendererSettings& s) {
   const auto splats = static_cast<double>(c.splats), in_front = static_cast<double>(c.in_front);
   const auto drawn = static_cast<double>(c.drawn);
-  const double read = splats * kVec4 + in_front * 3 * kVec4 +
-                      static_cast<double>(render::harmonics_bytes(c.evaluated));
+  const double read =
+      splats * kVec4 + in_front * 3 * kVec4 + static_cast<double>(render::sh_bytes(c.evaluated));
   const double marks = (splats - drawn) * kWord;  // of those that are hidden
   return read + splats * kWord + marks + drawn * static_cast<double>(record_bytes(s.record));
 }

@@ -23,7 +23,7 @@ struct FrameCounts {
 
 struct FrameTraffic {
   double project = 0, sort = 0, vertices = 0, resolve = 0;  ///< bytes
-  /// Blending on a GPU that keeps a tile of the picture on the chip (Adreno, Mali): each pixel is
+  /// Blending on a GPU that keeps a tile of the image on the chip (Adreno, Mali): each pixel is
   /// written once.
   double blend_tiled = 0;
   /// Blending on a GPU without: each fragment reads and writes its pixel.
@@ -38,12 +38,12 @@ struct FrameTraffic {
 FrameTraffic model_traffic(const FrameCounts& counts, const render::RendererSettings& settings,
                            const render::TargetPlan& target);
 
-/// A splat's quad on the picture: corners in order around it, pixels.
+/// A splat's quad on the image: corners in order around it, pixels.
 struct Quad {
   double x[4], y[4];
 };
 
-/// The area of a quad that lies inside of a picture, in pixels: how many fragments it makes, up to
+/// The area of a quad that lies inside of an image, in pixels: how many fragments it makes, up to
 /// its border.
 double area_inside(const Quad& quad, int width, int height);
 

@@ -35,7 +35,7 @@ Navigation first_view(const SplatCloud& cloud, const std::optional<StartView>& s
   if (start)
     return navigation_from(view_from(*start, cloud, bounds, units, size), start->up, units);
   const glm::dvec3 up = up_of_cloud(cloud).direction;
-  return navigation_from(fitting_view(bounds, up, kUsualFieldOfView), up, units);
+  return navigation_from(fitting_view(bounds, up, kDefaultFieldOfView), up, units);
 }
 
 }  // namespace fluxgs::camera

@@ -9,8 +9,8 @@
 
 namespace fluxgs::camera {
 
-/// A scene's own start view, with the target where something is seen in the picture's middle, and
-/// its own up; otherwise all of the scene, with up_of_cloud(). `size` of the picture, pixels.
+/// A scene's own start view, with the target where something is seen in the image's middle, and
+/// its own up; otherwise all of the scene, with up_of_cloud(). `size` of the image, pixels.
 Navigation first_view(const SplatCloud& cloud, const std::optional<StartView>& start,
                       const glm::dvec2& size);
 

@@ -9,14 +9,14 @@ namespace fluxgs::camera {
 namespace {
 
 /// The direction that would be the camera's right if it were upright. Along the pole there is none:
-/// the camera's own right serves, and what is up in the picture then decides about the turn.
+/// the camera's own right serves, and what is up in the image then decides about the turn.
 glm::dvec3 level_right(const ViewState& view, const glm::dvec3& up) {
   const glm::dvec3 across = glm::cross(forward(view), up);
   const double length = glm::length(across);
   return length > 1e-6 ? across / length : right(view);
 }
 
-/// A drag in the picture as (along the level, downwards), as if the camera were upright.
+/// A drag in the image as (along the level, downwards), as if the camera were upright.
 glm::dvec2 without_roll(const ViewState& view, const glm::dvec2& drag, const glm::dvec3& level) {
   const glm::dvec2 x(glm::dot(level, right(view)), glm::dot(level, down(view)));
   return {glm::dot(drag, x), glm::dot(drag, glm::dvec2(-x.y, x.x))};

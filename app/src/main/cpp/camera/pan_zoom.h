@@ -1,11 +1,11 @@
-// Moving along the picture and towards a point of it: one pointer, a wheel, two fingers.
+// Moving along the image and towards a point of it: one pointer, a wheel, two fingers.
 #pragma once
 
 #include "camera/view_state.h"
 
 namespace fluxgs::camera {
 
-/// Moves the camera along its picture: what is at the target's depth follows a drag in pixels.
+/// Moves the camera along its image: what is at the target's depth follows a drag in pixels.
 ViewState pan(const ViewState& view, const glm::dvec2& drag, const glm::dvec2& size);
 
 /// Divides the distance to the target by `factor` (> 1: nearer), within the limits. The point at
@@ -15,7 +15,7 @@ ViewState zoom(const ViewState& view, double factor, const glm::dvec2& pixel,
                const glm::dvec2& size, const DistanceLimits& limits = {});
 
 /// Turns the camera about the view direction through the point at the target's depth in `pixel`;
-/// the picture turns clockwise by `angle` about that pixel.
+/// the image turns clockwise by `angle` about that pixel.
 ViewState twist(const ViewState& view, double angle, const glm::dvec2& pixel,
                 const glm::dvec2& size);
 

@@ -47,7 +47,7 @@ SceneUnits units_of(const SceneBounds& bounds);
 /// made level, or −x where `up` (a unit vector) is about z.
 glm::dvec3 level_front(const glm::dvec3& up);
 
-/// How far away a sphere fills the picture's shorter side, of which `fov` is, but for a margin of
+/// How far away a sphere fills the image's shorter side, of which `fov` is, but for a margin of
 /// 15 %.
 double fitting_distance(double radius, double fov);
 

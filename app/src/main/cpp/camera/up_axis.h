@@ -12,17 +12,17 @@
 namespace fluxgs::camera {
 
 /// Up in the frame of INRIA's .ply files where nothing better is known: y is down.
-inline constexpr glm::dvec3 kUsualUp{0, -1, 0};
+inline constexpr glm::dvec3 kDefaultUp{0, -1, 0};
 
 struct UpAxis {
-  glm::dvec3 direction = kUsualUp;  ///< of unit length
-  double confidence = 0;            ///< 0: a guess, 1: sure
+  glm::dvec3 direction = kDefaultUp;  ///< of unit length
+  double confidence = 0;              ///< 0: a guess, 1: sure
 };
 
 /// From the cameras of a capture: people hold cameras level, so up is the direction across all of
 /// their right axes, on the side of their own ups. The mean of the ups alone is tilted where the
 /// cameras look down from one side; it decides only about what the right axes leave open.
-/// Dependable unless all photos lie on their sides: four captures came out level, 0° to 19° from
+/// Dependable unless all images lie on their sides: four captures came out level, 0° to 19° from
 /// the mean of the ups. Confidence: the mean cosine of the ups with the result. Without cameras the
 /// usual up, confidence 0.
 UpAxis up_of_cameras(std::span<const Camera> cameras);

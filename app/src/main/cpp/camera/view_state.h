@@ -13,19 +13,19 @@ namespace fluxgs::camera {
 
 // Everything in this folder is plain data and pure functions: the phone and the desktop share it.
 // World: the frame of the cloud. Camera axes: x right, y down, z forward (OpenCV). Pixels: from the
-// picture's top left corner, y down, as fluxgs::Camera has them. Sizes of pictures are in pixels;
+// image's top left corner, y down, as fluxgs::Camera has them. Sizes of images are in pixels;
 // sides below 1 count as 1. Angles are in radians, times in seconds. Finite input gives finite
 // output.
 
-inline constexpr double kUsualFieldOfView = 50 * std::numbers::pi / 180;
+inline constexpr double kDefaultFieldOfView = 50 * std::numbers::pi / 180;
 
-/// A view with square pixels and the principal point in the picture's centre, where `target` is. A
+/// A view with square pixels and the principal point in the image's centre, where `target` is. A
 /// phone that is turned goes on showing what was in the middle.
 struct ViewState {
   glm::dvec3 target{0.0};
   glm::dquat orientation{1, 0, 0, 0};  ///< camera → world, of unit length
   double distance = 1;                 ///< from the eye to the target, > 0
-  double fov = kUsualFieldOfView;      ///< of the picture's shorter side, 0…π
+  double fov = kDefaultFieldOfView;    ///< of the image's shorter side, 0…π
 };
 
 /// How near to and far from its target a view may come, scene units, 0 < nearest < farthest.
@@ -40,7 +40,7 @@ inline glm::dvec3 forward(const ViewState& v) { return v.orientation * glm::dvec
 /// The centre of projection.
 inline glm::dvec3 eye(const ViewState& v) { return v.target - v.distance * forward(v); }
 
-/// World → camera of a camera that looks along `forward` with `up` upwards in the picture; neither
+/// World → camera of a camera that looks along `forward` with `up` upwards in the image; neither
 /// need be of unit length. Where they are parallel (or one is zero) some other up is taken.
 glm::dmat3 look_rotation(const glm::dvec3& forward, const glm::dvec3& up);
 

@@ -25,7 +25,7 @@ struct DebugLog {
   std::vector<DebugMessage> messages;
 
   /// The messages that mean a mistake of ours: errors, and anything of medium or high severity but
-  /// advice on performance (reading a picture back is slow, and meant).
+  /// advice on performance (reading an image back is slow, and meant).
   std::vector<DebugMessage> mistakes() const;
 };
 

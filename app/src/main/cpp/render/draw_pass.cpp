@@ -10,7 +10,7 @@
 namespace fluxgs::render {
 namespace {
 
-constexpr int kMostPerBatch = 128;           // the work group of shaders/draw_arguments.comp
+constexpr int kMaxPerBatch = 128;            // the work group of shaders/draw_arguments.comp
 constexpr std::size_t kArgumentsBytes = 20;  // DrawElementsIndirectCommand
 
 // Two triangles per quad of corners 4q … 4q + 3 (bit 0: right, bit 1: bottom).
@@ -26,7 +26,7 @@ std::vector<std::uint16_t> quad_indices(int quads) {
 
 Expected<DrawPass> DrawPass::create(gl::Api& api, int batch, RecordPrecision precision,
                                     bool texture_fetch) {
-  if (batch < 1 || batch > kMostPerBatch) {
+  if (batch < 1 || batch > kMaxPerBatch) {
     return fail("renderer", "batch", std::to_string(batch) + " quads; 1…128 were expected");
   }
   DrawPass pass;

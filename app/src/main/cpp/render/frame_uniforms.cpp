@@ -94,7 +94,7 @@ sort::DepthKeys choose_keys(const Camera& camera, const RenderOptions& options,
 
 namespace {
 
-// px: how far the picture's border can move before the splats are sorted again. A turn moves it by
+// px: how far the image's border can move before the splats are sorted again. A turn moves it by
 // the focal length times the angle at the centre, and by more at an angle to it.
 double sort_margin(const Camera& camera, double motion) {
   if (motion == 0) return 0;

@@ -29,7 +29,7 @@ struct FrameUniforms {
 };
 static_assert(sizeof(FrameUniforms) == 160, "std140 wants multiples of 16 bytes");
 
-/// Fails, naming the field, on a camera or options that no picture can be made with: sizes or
+/// Fails, naming the field, on a camera or options that no image can be made with: sizes or
 /// focal lengths that are not positive, anything not finite, cut-offs outside (0, 1), a degree
 /// outside 0…3, a background outside 0…1.
 Expected<void> check_view(const Camera& camera, const RenderOptions& options);

@@ -20,7 +20,7 @@ std::uint64_t sum(const DegreeCounts& splats) {
 }
 
 std::size_t scene_bytes(const DegreeCounts& splats) {
-  return at_least_a_word(4 * kVec4 * sum(splats)) + at_least_a_word(harmonics_bytes(splats));
+  return at_least_a_word(4 * kVec4 * sum(splats)) + at_least_a_word(sh_bytes(splats));
 }
 
 std::size_t gpu_sorter_bytes(std::uint64_t count, int digit_bits) {

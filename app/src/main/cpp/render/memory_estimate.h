@@ -12,12 +12,12 @@ namespace fluxgs::render {
 struct MemoryEstimate {
   std::size_t scene = 0;    ///< bytes of the splats
   std::size_t frame = 0;    ///< bytes of records, keys, the sorter's buffers and the draw's
-  std::size_t targets = 0;  ///< bytes of the picture and of what it is blended in
+  std::size_t targets = 0;  ///< bytes of the image and of what it is blended in
 
   std::size_t total() const { return scene + frame + targets; }
 };
 
-/// What a picture needs besides its splats.
+/// What an image needs besides its splats.
 struct TargetPlan {
   int width = 0, height = 0;
   TargetFormat format = TargetFormat::rgba8;
@@ -26,7 +26,7 @@ struct TargetPlan {
   bool any_scale = false;  ///< count the scale that takes most, not this one
 };
 
-/// Bytes of a pixel of the picture, and of what it is blended in.
+/// Bytes of a pixel of the image, and of what it is blended in.
 std::size_t pixel_bytes(TargetFormat format);
 std::size_t blend_pixel_bytes(const TargetPlan& target);
 

@@ -33,7 +33,7 @@ Expected<void> ProjectionPass::reserve(gl::Api& api, std::uint32_t count) {
 
 void ProjectionPass::run(gl::Api& api, const SceneBuffers& scene) const {
   scene.geometry.bind_base(GL_SHADER_STORAGE_BUFFER, 0);
-  scene.harmonics.bind_base(GL_SHADER_STORAGE_BUFFER, 1);
+  scene.sh.bind_base(GL_SHADER_STORAGE_BUFFER, 1);
   records_.bind_base(GL_SHADER_STORAGE_BUFFER, 2);
   keys_.bind_base(GL_SHADER_STORAGE_BUFFER, 3);
   program_.use();

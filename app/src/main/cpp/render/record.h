@@ -20,7 +20,7 @@ struct Record {
   glm::vec3 color{0.0F};
 };
 
-/// The first `count` records of a picture of that size. Waits for the GPU.
+/// The first `count` records of an image of that size. Waits for the GPU.
 Expected<std::vector<Record>> read_records(const gl::Buffer& records, std::uint32_t count,
                                            RecordPrecision precision, int width, int height);
 

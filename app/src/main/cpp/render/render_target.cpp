@@ -133,7 +133,7 @@ void copy_to_window(gl::Api& api, const RenderTarget& target, int width, int hei
   const bool same = target.width() == width && target.height() == height;
   target.framebuffer().bind(GL_READ_FRAMEBUFFER);
   api.BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
-  // Row 0 of the target is the picture's top, that of a window its bottom
+  // Row 0 of the target is the image's top, that of a window its bottom
   api.BlitFramebuffer(0, 0, target.width(), target.height(), 0, height, width, 0,
                       GL_COLOR_BUFFER_BIT, same ? GL_NEAREST : GL_LINEAR);
   api.BindFramebuffer(GL_FRAMEBUFFER, 0);
@@ -156,7 +156,7 @@ Expected<Image<float>> read_pixels(gl::Api& api, const RenderTarget& target) {
   return image;
 }
 
-Expected<Image<std::uint8_t>> read_picture(gl::Api& api, const RenderTarget& target, int longest) {
+Expected<Image<std::uint8_t>> read_image(gl::Api& api, const RenderTarget& target, int longest) {
   struct Step {
     gl::Texture texture;
     gl::Framebuffer framebuffer;

@@ -1,4 +1,4 @@
-// Off-screen pictures that the renderer draws into.
+// Off-screen images that the renderer draws into.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace fluxgs::render {
 
 enum class TargetFormat { rgba8, rgba16f };
 
-/// Where the layers are blended before the target holds the picture.
+/// Where the layers are blended before the target holds the image.
 enum class Accumulation {
   direct,        ///< in the target itself: the least memory traffic, rounds at every layer
   half_float,    ///< in RGBA16F
@@ -26,10 +26,10 @@ Accumulation accurate_accumulation(const gl::Capabilities& capabilities);
 const char* blend_name(TargetFormat format, Accumulation accumulation);
 
 /// A colour texture with premultiplied RGBA: RGB over the background, A = 1 − transmittance.
-/// Row 0 of its memory is the top of the picture. GL objects: see gl::Handle about lifetimes.
+/// Row 0 of its memory is the top of the image. GL objects: see gl::Handle about lifetimes.
 class RenderTarget {
  public:
-  /// `scale`, in (0, 1]: the layers are blended in so much smaller a picture, which is then
+  /// `scale`, in (0, 1]: the layers are blended in so much smaller an image, which is then
   /// enlarged. Fails on sizes below 1×1 or above the driver's limit and on formats it cannot render
   /// to.
   static Expected<RenderTarget> create(gl::Api& api, int width, int height, TargetFormat format,
@@ -62,16 +62,15 @@ class RenderTarget {
   gl::Framebuffer framebuffer_, blend_framebuffer_;
 };
 
-/// Copies the picture to the window's framebuffer (number 0), enlarged or reduced to its size.
+/// Copies the image to the window's framebuffer (number 0), enlarged or reduced to its size.
 /// Colours are copied as they are: the target's are sRGB-encoded already.
 void copy_to_window(gl::Api& api, const RenderTarget& target, int width, int height);
 
-/// Waits for the GPU and copies the picture: RGBA, top row first, 0…1 for rgba8.
+/// Waits for the GPU and copies the image: RGBA, top row first, 0…1 for rgba8.
 Expected<Image<float>> read_pixels(gl::Api& api, const RenderTarget& target);
 
 /// The same in 8 bits, for people, of an rgba8 target; reduced by the GPU, in steps of a half,
 /// until its longer side is `longest` pixels or it was no longer than that. 0: as large as it is.
-Expected<Image<std::uint8_t>> read_picture(gl::Api& api, const RenderTarget& target,
-                                           int longest = 0);
+Expected<Image<std::uint8_t>> read_image(gl::Api& api, const RenderTarget& target, int longest = 0);
 
 }  // namespace fluxgs::render

@@ -1,4 +1,4 @@
-// The renderer: a splat cloud goes in, pictures come out. Cull and project, sort, draw, resolve.
+// The renderer: a splat cloud goes in, images come out. Cull and project, sort, draw, resolve.
 #pragma once
 
 #include <array>
@@ -43,11 +43,11 @@ class Renderer {
   /// Replaces the scene by these splats of the cloud, ascending indices; by all where none are
   /// given. A cloud that is refused (see SceneBuffers) leaves the one before; when memory runs out
   /// the scene is empty. Splats with attributes that are not finite, or beyond 1e15, are kept out
-  /// of every picture. No copy of the scene is made on the way.
+  /// of every image. No copy of the scene is made on the way.
   Expected<void> upload(const SplatCloud& cloud,
                         std::optional<std::span<const std::uint32_t>> splats = {});
 
-  /// Enqueues a frame. Fails on a camera or options that make no picture, and where the camera's
+  /// Enqueues a frame. Fails on a camera or options that make no image, and where the camera's
   /// size is not the target's. Before the first upload() the scene is empty.
   Expected<void> draw(const Camera& camera, const RenderOptions& options,
                       const RenderTarget& target);
@@ -68,7 +68,7 @@ class Renderer {
   void wait_for_sorts(bool wait) { waits_ = wait; }
 
   /// Whether the last frame had the order that was last asked for. If not, the same view drawn
-  /// again may be another picture.
+  /// again may be another image.
   bool order_is_current() const { return sorter_->is_current(); }
 
   /// Sorter::latency() of the order that was last drawn with.
@@ -77,7 +77,7 @@ class Renderer {
   /// The next frame is sorted, however little the camera has moved.
   void sort_anew() { sorted_.reset(); }
 
-  /// How many splats of the scene are kept out of every picture.
+  /// How many splats of the scene are kept out of every image.
   std::size_t undrawable() const { return undrawable_; }
 
   /// As they are used: texture_fetch where the driver makes it necessary, timestamps where it can.

@@ -1,4 +1,4 @@
-// From the accumulated picture to the target's format.
+// From the accumulated image to the target's format.
 #pragma once
 
 #include "gl/program.h"

@@ -11,15 +11,15 @@ namespace fluxgs::render {
 namespace {
 
 constexpr std::uint64_t kVec4 = 16;
-constexpr std::uint64_t kWord = sizeof(PackedSplats::harmonics[0]);
-constexpr std::uint64_t kMostHarmonics = kWord << 30;  // what harmonics_word() can point into
+constexpr std::uint64_t kWord = sizeof(PackedSplats::sh[0]);
+constexpr std::uint64_t kMaxSh = kWord << 30;  // what sh_word() can point into
 
 /// How many of largest_of() have all their coefficients in that many bytes.
-std::uint64_t with_harmonics_in(std::uint64_t bytes, const DegreeCounts& scene) {
+std::uint64_t with_sh_in(std::uint64_t bytes, const DegreeCounts& scene) {
   std::uint64_t count = 0;
   for (int degree = 3; degree >= 0; --degree) {
     const std::uint64_t all = scene[static_cast<std::size_t>(degree)];
-    const std::uint64_t each = kWord * harmonics_stride(degree);
+    const std::uint64_t each = kWord * sh_stride(degree);
     const std::uint64_t fit = each > 0 ? std::min(all, bytes / each) : all;
     count += fit;
     bytes -= fit * each;
@@ -60,15 +60,15 @@ Expected<void> check_cloud(const SplatCloud& cloud) {
   return fail("scene", "attributes", "every splat must have all of them");
 }
 
-std::uint64_t most_splats(const gl::Capabilities& driver, const DegreeCounts& scene) {
+std::uint64_t max_splats(const gl::Capabilities& driver, const DegreeCounts& scene) {
   const auto block = static_cast<std::uint64_t>(driver.max_storage_block_bytes);
   const auto by_groups = static_cast<std::uint64_t>(driver.max_work_groups_x) * 128 - 1;
   return std::min({block / (4 * kVec4), by_groups, std::uint64_t{0xFFFF0000},
-                   with_harmonics_in(std::min(block, kMostHarmonics), scene)});
+                   with_sh_in(std::min(block, kMaxSh), scene)});
 }
 
 Expected<void> check_size(const gl::Capabilities& driver, const DegreeCounts& scene) {
-  const std::uint64_t most = most_splats(driver, scene);
+  const std::uint64_t most = max_splats(driver, scene);
   const auto count = std::accumulate(scene.begin(), scene.end(), std::uint64_t{0});
   if (count <= most) return {};
   return fail("scene", "size",
@@ -84,17 +84,16 @@ Expected<SceneBuffers> SceneBuffers::create(gl::Api& api, ScenePacker& packer,
   const auto make = [&](std::uint64_t bytes, gl::Buffer& buffer) {
     return buffer.remake(api, bytes, nullptr, GL_STATIC_DRAW);
   };
-  auto made =
-      gl::in_turn([&] { return make(4 * kVec4 * count, buffers.geometry); },
-                  [&] { return make(harmonics_bytes(packer.degrees()), buffers.harmonics); });
+  auto made = gl::in_turn([&] { return make(4 * kVec4 * count, buffers.geometry); },
+                          [&] { return make(sh_bytes(packer.degrees()), buffers.sh); });
   if (!made) return std::unexpected(made.error());
   if (positions != nullptr) positions->reserve(count);
-  Writer geometry(buffers.geometry), harmonics(buffers.harmonics);
+  Writer geometry(buffers.geometry), sh(buffers.sh);
   PackedSplats part;
   for (std::size_t done = 0; done < count; done += kSplatsOfAPart) {
     packer.next(kSplatsOfAPart, part);
     geometry.add(part.geometry);
-    harmonics.add(part.harmonics);
+    sh.add(part.sh);
     if (positions != nullptr) add_positions(part, *positions);
   }
   return buffers;

@@ -16,7 +16,7 @@ namespace fluxgs::render {
 Expected<void> check_cloud(const SplatCloud& cloud);
 
 /// How many splats of a scene the driver's limits allow, whichever they are.
-std::uint64_t most_splats(const gl::Capabilities& driver, const DegreeCounts& scene);
+std::uint64_t max_splats(const gl::Capabilities& driver, const DegreeCounts& scene);
 
 /// Fails where the driver's limits are too small for a scene.
 Expected<void> check_size(const gl::Capabilities& driver, const DegreeCounts& scene);
@@ -24,7 +24,7 @@ Expected<void> check_size(const gl::Capabilities& driver, const DegreeCounts& sc
 /// The buffers of a scene. Nothing is allocated after create().
 struct SceneBuffers {
   SceneConstants constants;
-  gl::Buffer geometry, harmonics;
+  gl::Buffer geometry, sh;
 
   /// Takes all that the packer has, which must be all of the scene. `positions`, unless null, get
   /// where each splat lies, as add_positions() has it. Fails where memory is short.

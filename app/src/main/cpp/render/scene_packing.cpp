@@ -15,7 +15,7 @@ namespace fluxgs::render {
 namespace {
 
 // Larger numbers than this cannot be projected in float32 without overflow. Deviations are cut at a
-// length that covers any picture evenly, unless the splat itself lies farther away than that.
+// length that covers any image evenly, unless the splat itself lies farther away than that.
 constexpr float kLargest = 1e15F;
 constexpr float kLargestHalf = 65504;
 constexpr double kLargestScale = 1e10;
@@ -44,18 +44,18 @@ float deviation(float log_scale) {
 }
 
 /// Where a splat's coefficients lie, as shaders/project.comp reads it.
-float harmonics_word(std::size_t first, int degree) {
+float sh_word(std::size_t first, int degree) {
   return std::bit_cast<float>(static_cast<std::uint32_t>(4 * first) |
                               static_cast<std::uint32_t>(degree));
 }
 
 }  // namespace
 
-std::uint64_t harmonics_bytes(const DegreeCounts& splats) {
+std::uint64_t sh_bytes(const DegreeCounts& splats) {
   std::uint64_t words = 0;
   for (int degree = 0; degree < 4; ++degree)
-    words += harmonics_stride(degree) * std::uint64_t{splats[static_cast<std::size_t>(degree)]};
-  return sizeof(PackedSplats::harmonics[0]) * words;
+    words += sh_stride(degree) * std::uint64_t{splats[static_cast<std::size_t>(degree)]};
+  return sizeof(PackedSplats::sh[0]) * words;
 }
 
 DegreeCounts largest_of(const DegreeCounts& scene, std::uint64_t count) {
@@ -109,7 +109,7 @@ void ScenePacker::find_box() {
   constants_.highest = highest;
 }
 
-/// All but the word of the harmonics.
+/// All but the word of the SH coefficients.
 void ScenePacker::pack_geometry(std::size_t i, std::array<float, 4>* out) const {
   const glm::vec3 p = position(i);
   const glm::vec3& s = cloud_.log_scales[i];
@@ -125,14 +125,14 @@ void ScenePacker::pack_geometry(std::size_t i, std::array<float, 4>* out) const 
   out[3] = {static_cast<float>(color.g), static_cast<float>(color.b), 0.0F, out[3][3]};
 }
 
-void ScenePacker::pack_harmonics(std::size_t i, int degree, std::uint64_t* out) const {
+void ScenePacker::pack_sh(std::size_t i, int degree, std::uint64_t* out) const {
   const auto rest = static_cast<std::size_t>(sh_rest_count(cloud_.sh_degree));
   const auto own = static_cast<std::size_t>(sh_rest_count(degree));
   std::array<float, 48> values{};
   for (std::size_t k = 0; k < own; ++k)
     for (std::size_t c = 0; c < 3; ++c)
       values[3 * k + c] = cloud_.sh_rest[i * rest + k][static_cast<int>(c)];
-  for (std::size_t k = 0; k < harmonics_stride(degree); ++k) {
+  for (std::size_t k = 0; k < sh_stride(degree); ++k) {
     const glm::vec4 four(values[4 * k], values[4 * k + 1], values[4 * k + 2], values[4 * k + 3]);
     out[k] = glm::packHalf4x16(glm::clamp(four, -kLargestHalf, kLargestHalf));
   }
@@ -142,19 +142,19 @@ void ScenePacker::next(std::size_t most, PackedSplats& part) {
   const std::size_t first = packed_;
   packed_ += std::min(most, drawable_.size() - packed_);
   part.geometry.assign(4 * (packed_ - first), kNoSplat);
-  part.harmonics.clear();
+  part.sh.clear();
   for (std::size_t k = first; k < packed_; ++k) {
     const std::size_t i = splat(k);
     const int degree = sh_degree_of(cloud_, i);
     auto* const geometry = &part.geometry[4 * (k - first)];
-    const std::size_t harmonics = part.harmonics.size();
-    part.harmonics.resize(harmonics + harmonics_stride(degree));
-    geometry[3][3] = harmonics_word(harmonics_ + harmonics, degree);
+    const std::size_t sh = part.sh.size();
+    part.sh.resize(sh + sh_stride(degree));
+    geometry[3][3] = sh_word(sh_ + sh, degree);
     if (!drawable_[k]) continue;  // keeps its place all the same
     pack_geometry(i, geometry);
-    pack_harmonics(i, degree, part.harmonics.data() + harmonics);
+    pack_sh(i, degree, part.sh.data() + sh);
   }
-  harmonics_ += part.harmonics.size();
+  sh_ += part.sh.size();
 }
 
 void add_positions(const PackedSplats& part, std::vector<glm::vec3>& positions) {

@@ -15,12 +15,12 @@ namespace fluxgs::render {
 
 /// Words of four half floats that hold the coefficients of degrees 1…degree of a splat: groups of
 /// four, three words each.
-constexpr std::uint32_t harmonics_stride(int degree) {
+constexpr std::uint32_t sh_stride(int degree) {
   return 3U * static_cast<std::uint32_t>((sh_rest_count(degree) + 3) / 4);
 }
 
 /// Bytes of the coefficients of a scene: each splat takes those of its own degree.
-std::uint64_t harmonics_bytes(const DegreeCounts& splats);
+std::uint64_t sh_bytes(const DegreeCounts& splats);
 
 /// So many splats of a scene (all, if it has fewer), those of high degrees first: whichever they
 /// are, they take no more memory than these.
@@ -31,7 +31,7 @@ DegreeCounts largest_of(const DegreeCounts& scene, std::uint64_t count);
 /// splat of degree 3, and halves take a hundredth of a level of 255 from its colour.
 struct PackedSplats {
   std::vector<std::array<float, 4>> geometry;  ///< 4 per splat; the last float is a uint
-  std::vector<std::uint64_t> harmonics;        ///< harmonics_stride(its degree) per splat
+  std::vector<std::uint64_t> sh;               ///< sh_stride(its degree) per splat
 };
 
 constexpr std::size_t kSplatsOfAPart = 16384;  ///< that pay: 2.6 MB at degree 3
@@ -63,7 +63,7 @@ class ScenePacker {
   void find_median();
   void find_box();
   void pack_geometry(std::size_t i, std::array<float, 4>* out) const;
-  void pack_harmonics(std::size_t i, int degree, std::uint64_t* out) const;
+  void pack_sh(std::size_t i, int degree, std::uint64_t* out) const;
 
   const SplatCloud& cloud_;
   std::optional<std::span<const std::uint32_t>> splats_;
@@ -71,8 +71,8 @@ class ScenePacker {
   SceneConstants constants_;
   DegreeCounts degrees_{};
   std::size_t undrawable_ = 0;
-  std::size_t packed_ = 0;     // splats so far
-  std::size_t harmonics_ = 0;  // words so far
+  std::size_t packed_ = 0;  // splats so far
+  std::size_t sh_ = 0;      // words so far
 };
 
 /// Where each of these splats lies, relative to the scene's origin; NaN for undrawable ones.

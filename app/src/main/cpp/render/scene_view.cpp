@@ -73,28 +73,27 @@ bool SceneView::driver_has(const Size& size) const {
 }
 
 // By the estimate; whether the driver has as much is seen when it is asked.
-bool SceneView::fits_with_all(const TargetPlan& picture) const {
+bool SceneView::fits_with_all(const TargetPlan& image) const {
   const auto all = largest_of(degrees_, splats_asked());
   return !settings_.memory ||
-         estimate_memory(all, renderer_->settings(), picture).total() <= *settings_.memory;
+         estimate_memory(all, renderer_->settings(), image).total() <= *settings_.memory;
 }
 
-bool SceneView::fits_half(const TargetPlan& picture) const {
-  return estimate_memory({}, {}, picture).targets <= *settings_.memory / 2 &&
-         splats_for(picture) > 0;
+bool SceneView::fits_half(const TargetPlan& image) const {
+  return estimate_memory({}, {}, image).targets <= *settings_.memory / 2 && splats_for(image) > 0;
 }
 
-std::optional<TargetPlan> SceneView::picture_of(const Size& size) const {
+std::optional<TargetPlan> SceneView::image_of(const Size& size) const {
   if (!driver_has(size)) return std::nullopt;
   for (const Accumulation a : accumulations())
-    if (const TargetPlan picture = plan(size, a); fits_with_all(picture)) return picture;
+    if (const TargetPlan image = plan(size, a); fits_with_all(image)) return image;
   const TargetPlan least = plan(size, accumulations().back());
   return fits_half(least) ? std::optional(least) : std::nullopt;
 }
 
-Expected<TargetPlan> SceneView::picture_for(Size size) const {
+Expected<TargetPlan> SceneView::image_for(Size size) const {
   for (;; size = size.halved()) {
-    if (const auto picture = picture_of(size)) return *picture;
+    if (const auto image = image_of(size)) return *image;
     if (size.is_pixel())
       return fail("graphics memory", "",
                   std::to_string(*settings_.memory) + " bytes do not hold one pixel and one splat");
@@ -103,14 +102,14 @@ Expected<TargetPlan> SceneView::picture_for(Size size) const {
 
 /// And that the driver can have.
 std::size_t SceneView::splats_asked() const {
-  const std::uint64_t most = most_splats(api_->capabilities, degrees_);
-  return static_cast<std::size_t>(std::min<std::uint64_t>(
-      most, std::min(settings_.most_splats.value_or(~0UL), cloud_->size())));
+  const std::uint64_t most = max_splats(api_->capabilities, degrees_);
+  return static_cast<std::size_t>(
+      std::min<std::uint64_t>(most, std::min(settings_.max_splats.value_or(~0UL), cloud_->size())));
 }
 
-std::size_t SceneView::splats_for(const TargetPlan& picture) const {
+std::size_t SceneView::splats_for(const TargetPlan& image) const {
   if (!settings_.memory) return splats_asked();
-  const auto fit = splats_that_fit(*settings_.memory, degrees_, renderer_->settings(), picture);
+  const auto fit = splats_that_fit(*settings_.memory, degrees_, renderer_->settings(), image);
   return static_cast<std::size_t>(std::min<std::uint64_t>(fit, splats_asked()));
 }
 
@@ -128,19 +127,19 @@ Expected<void> SceneView::upload(std::size_t splats) {
   shown_ = 0;
   auto uploaded = splats == cloud_->size()
                       ? renderer_->upload(*cloud_)
-                      : renderer_->upload(*cloud_, most_contributing(*cloud_, splats));
+                      : renderer_->upload(*cloud_, max_contributing(*cloud_, splats));
   if (uploaded) shown_ = splats;
   return uploaded;
 }
 
-Expected<void> SceneView::make(const TargetPlan& picture, std::size_t splats) {
+Expected<void> SceneView::make(const TargetPlan& image, std::size_t splats) {
   // What is there goes first: there may not be room for both
   target_ = {};
   if (splats != shown_) {
     shown_ = 0;
     if (auto emptied = renderer_->upload({}); !emptied) return emptied;
   }
-  planned_ = picture;
+  planned_ = image;
   return gl::in_turn([&] { return make_target(); }, [&] { return upload(splats); },
                      // Some drivers notice late
                      [&] { return gl::check_errors(*api_, "graphics memory"); });
@@ -154,28 +153,28 @@ Expected<void> SceneView::make_target() {
                   target_);
 }
 
-// As many splats as there is room for beside that picture.
-Expected<void> SceneView::fit_splats(const TargetPlan& picture) {
-  for (std::size_t splats = splats_for(picture);; splats -= (splats + 3) / 4) {
+// As many splats as there is room for beside that image.
+Expected<void> SceneView::fit_splats(const TargetPlan& image) {
+  for (std::size_t splats = splats_for(image);; splats -= (splats + 3) / 4) {
     api_->out_of_memory = false;
-    auto made = make(picture, splats);
+    auto made = make(image, splats);
     if (made || !api_->out_of_memory || splats <= 1) return made;
   }
 }
 
 Expected<void> SceneView::fit(const Size& size) {
   fitted_ = {};
-  auto picture = picture_for(size);
-  if (!picture) return std::unexpected(picture.error());
+  auto image = image_for(size);
+  if (!image) return std::unexpected(image.error());
   for (;;) {
-    const bool coarser = picture->accumulation != accumulations().back();
+    const bool coarser = image->accumulation != accumulations().back();
     api_->out_of_memory = false;
-    auto made = coarser ? make(*picture, splats_for(*picture)) : fit_splats(*picture);
+    auto made = coarser ? make(*image, splats_for(*image)) : fit_splats(*image);
     if (made) fitted_ = size;
-    const Size tried{picture->width, picture->height};
+    const Size tried{image->width, image->height};
     if (made || !api_->out_of_memory || gl::context_lost(*api_)) return made;
     if (!coarser && tried.is_pixel()) return made;
-    picture = plan(coarser ? tried : tried.halved(), accumulations().back());
+    image = plan(coarser ? tried : tried.halved(), accumulations().back());
   }
 }
 

@@ -1,4 +1,4 @@
-// A scene in pictures of any size, for programs that go on whatever the driver does: where memory
+// A scene in images of any size, for programs that go on whatever the driver does: where memory
 // is short it blends in half floats, shows fewer splats, in the end in fewer pixels, and when the
 // context was lost all of it is made again.
 #pragma once
@@ -22,11 +22,11 @@ struct SceneViewSettings {
   TargetFormat format = TargetFormat::rgba8;
   /// Not given: accurate_accumulation(), or half floats where there is no room for that.
   std::optional<Accumulation> accumulation = {};
-  double scale = 1;  ///< of the picture that is blended, see RenderTarget
-  /// Bytes that the scene, its frames and the picture may take together (memory_estimate.h). Not
+  double scale = 1;  ///< of the image that is blended, see RenderTarget
+  /// Bytes that the scene, its frames and the image may take together (memory_estimate.h). Not
   /// given: what the driver has.
   std::optional<std::size_t> memory = {};
-  std::optional<std::size_t> most_splats = {};  ///< show no more than these
+  std::optional<std::size_t> max_splats = {};  ///< show no more than these
 };
 
 /// Not thread-safe; every call on the thread on which the context is current. When a call fails and
@@ -37,19 +37,19 @@ class SceneView {
   SceneView(std::shared_ptr<const SplatCloud> cloud, const SceneViewSettings& settings)
       : cloud_(std::move(cloud)), settings_(settings) {}
 
-  /// Makes the GL objects for pictures of this size. What an earlier open() made is let go of
+  /// Makes the GL objects for images of this size. What an earlier open() made is let go of
   /// first, so its context must be current, or lost; its Api must still be there. Fails as
   /// Renderer::create() does, and where memory does not even hold a pixel and a splat.
   Expected<void> open(gl::Api& api, int width, int height);
 
   // Preconditions of what follows, but close(): open() was successful.
 
-  /// Enqueues a frame. Another size of the camera than the last one means a new picture and, where
-  /// memory is short, another number of splats; another scale a new picture only. Fails as
+  /// Enqueues a frame. Another size of the camera than the last one means a new image and, where
+  /// memory is short, another number of splats; another scale a new image only. Fails as
   /// Renderer::draw() does, and when the context is lost.
   Expected<void> draw(const Camera& camera, const RenderOptions& options);
 
-  /// Of the frames that follow; another picture is made for the next one.
+  /// Of the frames that follow; another image is made for the next one.
   void set_scale(double scale);
 
   /// Lets go of all GL objects.
@@ -67,7 +67,7 @@ class SceneView {
 
   Renderer& renderer() { return *renderer_; }
   const Renderer& renderer() const { return *renderer_; }
-  /// The picture: of the camera's size, or half as many pixels in each direction, or a quarter, …,
+  /// The image: of the camera's size, or half as many pixels in each direction, or a quarter, …,
   /// where there is no room for it: it takes half of the memory at most, or what the splats do
   /// not need.
   const RenderTarget& target() const { return target_; }
@@ -82,15 +82,15 @@ class SceneView {
   std::vector<Accumulation> accumulations() const;
   TargetPlan plan(const Size& size, Accumulation accumulation) const;
   bool driver_has(const Size& size) const;
-  bool fits_with_all(const TargetPlan& picture) const;
-  bool fits_half(const TargetPlan& picture) const;
-  std::optional<TargetPlan> picture_of(const Size& size) const;
-  Expected<TargetPlan> picture_for(Size size) const;
+  bool fits_with_all(const TargetPlan& image) const;
+  bool fits_half(const TargetPlan& image) const;
+  std::optional<TargetPlan> image_of(const Size& size) const;
+  Expected<TargetPlan> image_for(Size size) const;
   std::size_t splats_asked() const;
-  std::size_t splats_for(const TargetPlan& picture) const;
+  std::size_t splats_for(const TargetPlan& image) const;
   Expected<void> fit(const Size& size);
-  Expected<void> fit_splats(const TargetPlan& picture);
-  Expected<void> make(const TargetPlan& picture, std::size_t splats);
+  Expected<void> fit_splats(const TargetPlan& image);
+  Expected<void> make(const TargetPlan& image, std::size_t splats);
   Expected<void> make_target();
   Expected<void> upload(std::size_t splats);
   Expected<void> check_context() const;
@@ -100,7 +100,7 @@ class SceneView {
   DegreeCounts degrees_{};  ///< of the cloud
   gl::Api* api_ = nullptr;
   std::unique_ptr<Renderer> renderer_;
-  Size fitted_;  ///< the camera's size that there is a picture for
+  Size fitted_;  ///< the camera's size that there is an image for
   RenderTarget target_;
   TargetPlan planned_;     ///< of target_, for any scale
   double made_scale_ = 0;  ///< as target_ was made

@@ -8,7 +8,7 @@
 namespace fluxgs::render {
 
 Expected<void> check_shortcuts(const Shortcuts& s) {
-  if (s.key_bits < sort::kFewestKeyBits || s.key_bits > sort::kMostKeyBits) {
+  if (s.key_bits < sort::kFewestKeyBits || s.key_bits > sort::kMaxKeyBits) {
     return fail("shortcuts", "key_bits", std::to_string(s.key_bits) + "; 10 to 32 were expected");
   }
   const auto amount = [](double v) { return std::isfinite(v) && v >= 0; };

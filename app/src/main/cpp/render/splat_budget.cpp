@@ -13,7 +13,7 @@ double contribution(const SplatCloud& cloud, std::size_t i) {
   return std::isnan(value) ? 0 : value;
 }
 
-std::vector<std::uint32_t> most_contributing(const SplatCloud& cloud, std::size_t count) {
+std::vector<std::uint32_t> max_contributing(const SplatCloud& cloud, std::size_t count) {
   std::vector<double> values(cloud.size());
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = contribution(cloud, i);
   std::vector<std::uint32_t> splats(cloud.size());

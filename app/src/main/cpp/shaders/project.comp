@@ -1,6 +1,6 @@
 #version 310 es
 // Culls and projects: one thread reads one splat, writes its sort key and, where it can touch the
-// picture, the record that the draw reads.
+// image, the record that the draw reads.
 precision highp float;
 precision highp int;
 
@@ -10,11 +10,11 @@ precision highp int;
 layout(local_size_x = 128) in;
 
 // Per splat: (position relative to the scene's origin, log2 of the opacity), (scale, red),
-// (rotation xyzw), (green, blue, 0, harmonics). Red, green and blue are the constant term of the
+// (rotation xyzw), (green, blue, 0, SH coefficients). Red, green and blue are the constant term of the
 // colour. All are floats but the last: 4·(the first of its `coefficients`) + its degree, which as a
 // float would be a denormal that drivers may take for zero.
 layout(std430, binding = 0) readonly buffer Geometry { uvec4 geometry[]; };
-layout(std430, binding = 1) readonly buffer Harmonics { uvec2 coefficients[]; };  // half floats
+layout(std430, binding = 1) readonly buffer Sh { uvec2 coefficients[]; };  // half floats
 layout(std430, binding = 2) writeonly buffer Records { uvec4 records[]; };
 layout(std430, binding = 3) writeonly buffer Keys { uint keys[]; };
 
@@ -24,7 +24,7 @@ layout(std430, binding = 3) writeonly buffer Keys { uint keys[]; };
 const uint CULLED = 0xFFFFFFFFu;   // Sorter::kDropped
 const float MAX_COLOR = 60000.0;   // below the largest half float
 
-bool touches_picture(vec2 centre, vec2 half_extent) {
+bool touches_image(vec2 centre, vec2 half_extent) {
   return all(greaterThan(centre + half_extent, vec2(0.0))) &&
          all(lessThan(centre - half_extent, frame.target_size));
 }
@@ -66,7 +66,7 @@ uint project(uint splat) {
     return CULLED;
   }
   // Early, for the coefficients wait for it
-  uvec4 green_blue_harmonics = geometry[4u * splat + 3u];
+  uvec4 green_blue_sh = geometry[4u * splat + 3u];
   vec4 scale_red = uintBitsToFloat(geometry[4u * splat + 1u]);
   vec3 axes_x, axes_y;
   vec4 rotation = uintBitsToFloat(geometry[4u * splat + 2u]);
@@ -78,13 +78,13 @@ uint project(uint splat) {
   vec2 half_extent = radius * shape.deviation;
   bool large = is_flat(p.z, rotation, scale_red.xyz) &&
                2.0 * max(half_extent.x, half_extent.y) >= frame.size_min;
-  if (!large || !touches_picture(centre, half_extent)) {
+  if (!large || !touches_image(centre, half_extent)) {
     hide(splat);
-    bool near_by = large && touches_picture(centre, half_extent + frame.sort_margin);
+    bool near_by = large && touches_image(centre, half_extent + frame.sort_margin);
     return near_by ? depth_key(p.z) : CULLED;
   }
   uvec4 words[RECORD_SIZE];
-  vec3 color = color_of(green_blue_harmonics, scale_red.w, ray);
+  vec3 color = color_of(green_blue_sh, scale_red.w, ray);
   pack_record(Record(centre, shape.factor * TO_LEVELS, level, color), words);
   for (uint k = 0u; k < RECORD_SIZE; ++k) records[RECORD_SIZE * splat + k] = words[k];
   return depth_key(p.z);

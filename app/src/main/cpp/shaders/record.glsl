@@ -12,7 +12,7 @@ const float NO_LEVEL = -1e30;
 const float TO_LEVELS = 0.84932180028802;  // √(½·log2 e): from Footprint::factor to Record::factor
 
 #ifdef RECORD_HALF
-// 16 bytes: centre 2 × 19 bits of 1/64 px from the picture's middle, factor 3 × f16, colour 3 × 10
+// 16 bytes: centre 2 × 19 bits of 1/64 px from the image's middle, factor 3 × f16, colour 3 × 10
 // bits of 0…2, opacity 9 bits. Centres beyond 4096 px are moved to there.
 const uint RECORD_SIZE = 1u;  // uvec4s
 const float CENTRE_STEPS = 64.0, CENTRE_LIMIT = 262143.0;

@@ -1,6 +1,6 @@
 #version 310 es
-// Copies the accumulated picture to the target, whose format limits and rounds it. ENLARGE: from a
-// smaller picture, by bilinear interpolation (float textures need not be filterable in ES 3.1).
+// Copies the accumulated image to the target, whose format limits and rounds it. ENLARGE: from a
+// smaller image, by bilinear interpolation (float textures need not be filterable in ES 3.1).
 precision highp float;
 
 layout(binding = 0) uniform highp sampler2D accumulated;

@@ -1,4 +1,4 @@
-// Real spherical harmonics of degrees 1…3: the twin of fluxgs/math/spherical_harmonics.h.
+// Real SH of degrees 1…3: the twin of fluxgs/math/spherical_harmonics.h.
 // Coefficients are stored in groups of four RGB triples, three times four half floats each;
 // `weights` are the four basis functions that belong to a group.
 

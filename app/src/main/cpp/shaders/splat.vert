@@ -30,7 +30,7 @@ flat out highp vec4 v_shape;  // xx, xy, yy, level
 flat out highp vec3 v_color;
 
 const float PAD = 0.0625;    // px: corners may be moved to a grid as coarse as 1/16 px
-const float LARGE = 4096.0;  // px: beyond this a quad's interpolation loses the picture
+const float LARGE = 4096.0;  // px: beyond this a quad's interpolation loses the image
 
 Record read_record(uint splat) {
   uvec4 words[RECORD_SIZE];
@@ -58,7 +58,7 @@ void main() {
   if (max(extent.x, extent.y) > LARGE) {
     pixel = clamp(r.centre + corner * extent, vec2(0.0), frame.target_size);
   }
-  // Row 0 of the target's memory is the top of the picture: no flip here, none when reading.
+  // Row 0 of the target's memory is the top of the image: no flip here, none when reading.
   vec2 position = pixel / frame.target_size * 2.0 - 1.0;
   // What is not to be drawn has its four corners at one point outside.
   gl_Position = r.level < frame.level_min ? vec4(2.0, 2.0, 2.0, 1.0) : vec4(position, 0.0, 1.0);

@@ -8,16 +8,16 @@
 namespace fluxgs::sort {
 namespace {
 
-constexpr int kMostDigitBits = 11;
-constexpr int kMostPasses = (kMostKeyBits + kMostDigitBits - 1) / kMostDigitBits;
-using Counts = std::array<std::uint32_t, std::size_t{1} << kMostDigitBits>;
+constexpr int kMaxDigitBits = 11;
+constexpr int kMaxPasses = (kMaxKeyBits + kMaxDigitBits - 1) / kMaxDigitBits;
+using Counts = std::array<std::uint32_t, std::size_t{1} << kMaxDigitBits>;
 
 struct Digits {
   int passes, bits;
   std::uint32_t mask;
 
   explicit Digits(int key_bits)
-      : passes(std::max(1, (key_bits + kMostDigitBits - 1) / kMostDigitBits)),
+      : passes(std::max(1, (key_bits + kMaxDigitBits - 1) / kMaxDigitBits)),
         bits((std::max(1, key_bits) + passes - 1) / passes),
         mask((1U << bits) - 1) {}
 
@@ -36,7 +36,7 @@ std::uint32_t starts(Counts& counts, std::uint32_t mask) {
 std::uint32_t radix_sort(std::span<const std::uint32_t> keys, int key_bits, RadixScratch& scratch,
                          std::span<std::uint32_t> order) {
   const Digits digits(key_bits);
-  std::array<Counts, kMostPasses> counts;
+  std::array<Counts, kMaxPasses> counts;
   for (int pass = 0; pass < digits.passes; ++pass) counts[static_cast<std::size_t>(pass)].fill(0);
   for (const std::uint32_t key : keys) {
     if (key == kDropped) continue;

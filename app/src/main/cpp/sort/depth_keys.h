@@ -10,7 +10,7 @@ namespace fluxgs::sort {
 /// A key that means: this splat is not drawn.
 inline constexpr std::uint32_t kDropped = 0xFFFFFFFFU;
 
-inline constexpr int kFewestKeyBits = 10, kMostKeyBits = 32;
+inline constexpr int kFewestKeyBits = 10, kMaxKeyBits = 32;
 
 /// How a frame's depths become keys. The bits of a positive float, read as an integer, are ordered
 /// like the float; they grow with its logarithm, so that a far outlier costs only a few of them.
@@ -26,7 +26,7 @@ struct DepthKeys {
 
 /// The keys of at most `bits` bits for depths in [nearest, farthest], both positive and finite.
 /// Depths outside get the key of the nearer end. Precondition: nearest ≤ farthest and bits within
-/// kFewestKeyBits … kMostKeyBits.
+/// kFewestKeyBits … kMaxKeyBits.
 inline DepthKeys depth_keys(float nearest, float farthest, int bits) {
   const auto low = std::bit_cast<std::uint32_t>(nearest);
   const std::uint32_t range = std::bit_cast<std::uint32_t>(farthest) - low;

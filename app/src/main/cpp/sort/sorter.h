@@ -54,7 +54,7 @@ class Sorter {
 
   /// The indices of the splats to be drawn, the largest depth first; among equal keys the largest
   /// index first, so that of two splats at one depth the one with the smaller index lies in front.
-  /// The CPU's sorters list splats outside of the picture too.
+  /// The CPU's sorters list splats outside of the image too.
   virtual const gl::Buffer& order() const = 0;
 
   /// A buffer whose first 32-bit word is the number of valid entries of order().

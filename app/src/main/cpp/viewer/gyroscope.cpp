@@ -24,7 +24,7 @@ glm::dquat turn_between(const glm::dvec3& from, const glm::dvec3& to) {
 }
 
 /// Camera → the device's world. The camera looks out of the device's back; its axes are x right and
-/// y down in the picture as it is shown.
+/// y down in the image as it is shown.
 glm::dquat camera_of(const DevicePose& pose) {
   const glm::dquat half_turn_about_x(0, 1, 0, 0);
   const double angle = pose.screen_turns * std::numbers::pi / 2;
@@ -39,7 +39,7 @@ double heading_between(const glm::dvec3& from, const glm::dvec3& to, const glm::
   return std::atan2(glm::dot(glm::cross(a, b), up), glm::dot(a, b));
 }
 
-/// The direction that a camera faces; where it looks up or down, that of its picture's up or down.
+/// The direction that a camera faces; where it looks up or down, that of its image's up or down.
 glm::dvec3 facing(const glm::dquat& camera, const glm::dvec3& up) {
   const glm::dvec3 forward = camera * glm::dvec3(0, 0, 1);
   const double pitch = glm::dot(forward, up);

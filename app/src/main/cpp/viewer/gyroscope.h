@@ -11,7 +11,7 @@ namespace fluxgs::viewer {
 /// the device's x to the right of its natural orientation, y to its top, z out of the screen.
 struct DevicePose {
   glm::dquat rotation{1, 0, 0, 0};
-  int screen_turns = 0;  ///< quarter turns of the picture (Display.getRotation()), 0…3
+  int screen_turns = 0;  ///< quarter turns of the image (Display.getRotation()), 0…3
   double seconds = 0;
 };
 

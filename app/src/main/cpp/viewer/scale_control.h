@@ -8,7 +8,7 @@
 namespace fluxgs::viewer {
 
 /// The scales that are tried: each has some 0.7 times the pixels of the one before. Few, as every
-/// change makes new pictures.
+/// change makes new images.
 inline constexpr std::array<double, 6> kScales{1, 0.85, 0.7, 0.6, 0.5, 0.4};
 
 /// How warm the device is, as Android tells.
@@ -26,7 +26,7 @@ double coolest_scale(const Heat& heat);
 /// One step down when frames take longer than the display's, which is seen soon; one step up when
 /// they have fitted for long enough, and again down, and a longer wait, when that was too much.
 /// What does not make frames shorter is taken back: where they wait for the sort or for the
-/// display's own rate, fewer pixels are only a worse picture.
+/// display's own rate, fewer pixels are only a worse image.
 class ScaleControl {
  public:
   /// `frame_seconds`: of the display; what is drawn should take no longer.
@@ -38,10 +38,10 @@ class ScaleControl {
   /// the scale for the next.
   double frame(double seconds);
 
-  /// The picture stood still: what follows has nothing to do with the time between.
+  /// The image stood still: what follows has nothing to do with the time between.
   void pause() { counted_ = 0; }
 
-  void set_most(double scale) { most_ = scale; }  ///< coolest_scale(), or the user's
+  void set_max(double scale) { most_ = scale; }  ///< coolest_scale(), or the user's
 
   double scale() const;
 

@@ -25,14 +25,14 @@ class Screen {
   /// Null before make_context().
   virtual gl::Api* api() = 0;
 
-  /// Pictures go to this window from now on; the platform's own handle, ownership of which is
+  /// Images go to this window from now on; the platform's own handle, ownership of which is
   /// passed.
   virtual void attach(void* window) = 0;
   /// The window is no longer touched when this returns.
   virtual void detach() = 0;
   virtual bool has_window() const = 0;
 
-  /// Copies a picture to the window and shows it. Whether it did: not in a window that is about to
+  /// Copies an image to the window and shows it. Whether it did: not in a window that is about to
   /// be taken away, nor where there is none. Fails, with the context marked as lost
   /// (gl::context_lost()), when that is why.
   virtual Expected<bool> present(const render::RenderTarget& target, int width, int height) = 0;

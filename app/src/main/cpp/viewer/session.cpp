@@ -12,7 +12,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kMostLosses = 3;  // of contexts one after the other, without a picture between
+constexpr int kMaxLosses = 3;  // of contexts one after the other, without an image between
 
 double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -208,7 +208,7 @@ BenchmarkState Session::benchmark() const {
   return benchmark_;
 }
 
-std::optional<Image<std::uint8_t>> Session::picture(int longest, std::uint64_t of) {
+std::optional<Image<std::uint8_t>> Session::image(int longest, std::uint64_t of) {
   std::optional<Image<std::uint8_t>> result;
   post_and_wait([&] {
     if (!viewer_.is_open() || !drawn_ || (of != 0 && of != cloud_number_)) return;
@@ -216,7 +216,7 @@ std::optional<Image<std::uint8_t>> Session::picture(int longest, std::uint64_t o
       redraw_ = true;  // on the window, too
       if (!viewer_.draw_sharp()) return;
     }
-    auto read = render::read_picture(*screen_->api(), viewer_.target(), longest);
+    auto read = render::read_image(*screen_->api(), viewer_.target(), longest);
     if (read) result = std::move(*read);
   });
   return result;
@@ -301,7 +301,7 @@ void Session::draw_frame(double seconds) {
   const auto shown = show_frame();
   if (shown) return;
   gl::Api* api = screen_->api();
-  if (api != nullptr && gl::context_lost(*api) && ++losses_ <= kMostLosses)
+  if (api != nullptr && gl::context_lost(*api) && ++losses_ <= kMaxLosses)
     begin_again();
   else
     give_up(shown.error());

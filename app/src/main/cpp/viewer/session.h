@@ -1,5 +1,5 @@
 // A viewer on a thread of its own, for a shell whose main thread must never wait for the GPU: what
-// people do goes in, pictures appear on the screen, and what there is to tell can be asked for.
+// people do goes in, images appear on the screen, and what there is to tell can be asked for.
 #pragma once
 
 #include <chrono>
@@ -25,14 +25,14 @@ namespace fluxgs::viewer {
 struct SessionState {
   LoadState loading;
   bool has_scene = false;   ///< there is one to look at
-  bool drawn = false;       ///< and a picture of it was shown
+  bool drawn = false;       ///< and an image of it was shown
   std::uint64_t shown = 0;  ///< which loading it is of, by the number that load() gave; 0: none
   bool flipped = false;
   ViewerStats stats;
   std::string error;  ///< of drawing, one line; it is over until there is another scene, or window
   int contexts = 0;   ///< how many were made: more than 1 means that some were lost
   std::size_t dropped = 0;    ///< splats of the file that were left out for a NaN or infinity
-  double first_frame_ms = 0;  ///< from begin of loading until the first picture was shown
+  double first_frame_ms = 0;  ///< from begin of loading until the first image was shown
 };
 
 struct BenchmarkState {
@@ -43,7 +43,7 @@ struct BenchmarkState {
   std::string error;
 };
 
-/// Every function may be called from one thread, the shell's main thread, and picture() and scene()
+/// Every function may be called from one thread, the shell's main thread, and image() and scene()
 /// from any. These, surface_destroyed() and the destructor wait for the drawing thread.
 class Session {
  public:
@@ -53,7 +53,7 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  // The window. Pictures of another size may be wanted at any time.
+  // The window. Images of another size may be wanted at any time.
   void surface_created(void* window);
   /// In pixels, and how many of them are a dp (1/160 inch).
   void surface_changed(int width, int height, double density);
@@ -82,10 +82,10 @@ class Session {
 
   SessionState state() const;
   std::optional<Place> place() const;
-  /// The picture of the present view, RGBA, as large as the window and as sharp as it is at rest.
+  /// The image of the present view, RGBA, as large as the window and as sharp as it is at rest.
   /// Or the last one, reduced until its longer side is `longest` pixels. Nothing where there is
   /// none, or where it is not `of` the scene with this number (0: any).
-  std::optional<Image<std::uint8_t>> picture(int longest = 0, std::uint64_t of = 0);
+  std::optional<Image<std::uint8_t>> image(int longest = 0, std::uint64_t of = 0);
   /// What is shown, or nothing; what has been loaded, but not been shown yet, is taken up.
   std::shared_ptr<const SplatCloud> scene();
   /// bench::driver_json(), once there is a context; else empty.
@@ -129,9 +129,9 @@ class Session {
   std::uint64_t cloud_number_ = 0;  // of its loading
   std::optional<StartView> start_;
   bool failed_ = false;  // to draw this scene
-  bool drawn_ = false;   // a picture of it
+  bool drawn_ = false;   // an image of it
   bool redraw_ = false;  // whether anything moved or not
-  int losses_ = 0;       // of contexts, since the last picture
+  int losses_ = 0;       // of contexts, since the last image
 
   // Of both
   mutable std::mutex mutex_;

@@ -61,7 +61,7 @@ void Viewer::show(std::shared_ptr<const SplatCloud> cloud, const std::optional<S
   anchor_anew(gyroscope_);
 }
 
-// Needs to know how large the picture is.
+// Needs to know how large the image is.
 void Viewer::begin_navigation() {
   if (navigated_ || !cloud_) return;
   navigation_ = camera::first_view(*cloud_, start_, glm::dvec2(size_));
@@ -82,7 +82,7 @@ render::SceneViewSettings Viewer::scene_settings(const gl::Api& api) const {
                       (settings_.sorter == SorterChoice::automatic && api.quirks.runs_on_cpu);
   s.renderer.sorter = on_cpu ? SorterKind::cpu_async : SorterKind::gpu_radix;
   s.memory = settings_.memory;
-  if (settings_.most_splats > 0) s.most_splats = settings_.most_splats;
+  if (settings_.max_splats > 0) s.max_splats = settings_.max_splats;
   s.scale = wanted_scale();
   return s;
 }
@@ -115,7 +115,7 @@ void Viewer::close() {
 bool Viewer::needs_remaking(const ViewerSettings& s) const {
   const bool fits =
       is_open() && !scene_->is_reduced() && (!s.memory || scene_->memory() <= *s.memory);
-  return s.sorter != settings_.sorter || s.most_splats != settings_.most_splats ||
+  return s.sorter != settings_.sorter || s.max_splats != settings_.max_splats ||
          (s.memory != settings_.memory && !fits);
 }
 
@@ -131,7 +131,7 @@ void Viewer::set(const ViewerSettings& settings) {
 
 void Viewer::set_heat(const Heat& heat) {
   heat_ = heat;
-  scale_control_.set_most(coolest_scale(heat));
+  scale_control_.set_max(coolest_scale(heat));
 }
 
 void Viewer::resize(int width, int height, double density) {
@@ -272,7 +272,7 @@ void Viewer::presented() {
 }
 
 /// The GPU is waited for, which costs a part of a frame: seldom while something moves, and for the
-/// last picture once it rests.
+/// last image once it rests.
 void Viewer::measure() {
   if (!measurable_ || !settings_.measures) return;
   const auto now = Clock::now();
@@ -301,7 +301,7 @@ ViewerStats Viewer::stats() {
   stats_.shown = scene_->splats();
   stats_.splats = cloud_->size();
   stats_.reduced = scene_->is_reduced();
-  stats_.picture = static_cast<double>(scene_->target().width()) / size_.x;
+  stats_.image = static_cast<double>(scene_->target().width()) / size_.x;
   stats_.memory = scene_->memory();
   stats_.width = scene_->target().blend_width();
   stats_.height = scene_->target().blend_height();

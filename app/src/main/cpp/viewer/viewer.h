@@ -20,10 +20,10 @@ enum class SorterChoice { automatic, gpu, cpu };
 
 /// What people set.
 struct ViewerSettings {
-  double scale = 0;  ///< of the picture that is blended, 0.2…1; 0: what holds the display's rate
+  double scale = 0;  ///< of the image that is blended, 0.2…1; 0: what holds the display's rate
   SorterChoice sorter = SorterChoice::automatic;
   int sh_degree = 3;                       ///< 0…3
-  std::size_t most_splats = 0;             ///< 0: all
+  std::size_t max_splats = 0;              ///< 0: all
   bool gyroscope = false;                  ///< look around by turning the device
   bool measures = true;                    ///< times and counts for ViewerStats, from the GPU
   double frame_seconds = 1.0 / 60;         ///< of the display
@@ -38,11 +38,11 @@ struct ViewerStats {
   double sort_ms = 0;                 ///< from when the camera moved to an order of that view
   std::uint32_t drawn = 0;            ///< splats that were not culled
   std::size_t shown = 0, splats = 0;  ///< of the scene: for which there is room; all
-  int width = 0, height = 0;          ///< of the picture that is blended
-  double scale = 1;                   ///< of the last picture
+  int width = 0, height = 0;          ///< of the image that is blended
+  double scale = 1;                   ///< of the last image
   std::size_t memory = 0;             ///< bytes of graphics memory that are taken
   bool reduced = false;               ///< there was no room for all, see SceneView::is_reduced()
-  double picture = 1;                 ///< its width, of the window's: less where memory is short
+  double image = 1;                   ///< its width, of the window's: less where memory is short
 };
 
 /// Where a view is, to be kept over the end of the process: target, orientation (w, x, y, z),
@@ -61,7 +61,7 @@ class Viewer {
             const std::optional<Place>& place = {});
   bool has_scene() const { return cloud_ != nullptr; }
 
-  /// Makes the GL objects of the scene for pictures of this size, after another scene, in a new
+  /// Makes the GL objects of the scene for images of this size, after another scene, in a new
   /// context. Fails as SceneView::open() does.
   Expected<void> open(gl::Api& api, int width, int height);
   bool is_open() const { return scene_.has_value(); }
@@ -128,9 +128,9 @@ class Viewer {
   gl::Api* api_ = nullptr;
   std::optional<render::SceneView> scene_;
   ScaleControl scale_control_;
-  bool stale_ = true;    // the picture is not of the present view
+  bool stale_ = true;    // the image is not of the present view
   double still_ = 0;     // seconds for which nothing has moved
-  double scale_ = 0;     // of the last picture; 0: there is none
+  double scale_ = 0;     // of the last image; 0: there is none
   bool remake_ = false;  // settings changed that need other GL objects
 
   // Times

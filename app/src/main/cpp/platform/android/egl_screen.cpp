@@ -132,7 +132,7 @@ class EglScreen final : public viewer::Screen {
     if (eglChooseConfig(display_, wanted, configs.data(), count, &count) != EGL_TRUE)
       return egl_failure("eglChooseConfig");
     if (count < 1) return fail("EGL", "config", "this device has no OpenGL ES 3.1");
-    // Those with more bits come first, such as 10 a colour, of which the picture has no use
+    // Those with more bits come first, such as 10 a colour, of which the image has no use
     configs.resize(static_cast<std::size_t>(count));
     config_ = *std::ranges::min_element(configs, {}, [this](EGLConfig c) { return bits_of(c); });
     return {};

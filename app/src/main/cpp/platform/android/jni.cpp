@@ -261,7 +261,7 @@ FLUXGS_JNI(void, turn)
 }
 
 FLUXGS_JNI(void, set)
-(JNIEnv* env, jclass, jlong session, jfloat scale, jint sorter, jint sh_degree, jint most_splats,
+(JNIEnv* env, jclass, jlong session, jfloat scale, jint sorter, jint sh_degree, jint max_splats,
  jboolean gyroscope, jboolean measures, jfloat frame_seconds, jlong memory) {
   guarded(env, [&] {
     expect(sorter >= 0 && sorter <= 2, "a sorter is 0 to 2");
@@ -270,7 +270,7 @@ FLUXGS_JNI(void, set)
     settings.scale = static_cast<double>(scale);
     settings.sorter = static_cast<viewer::SorterChoice>(sorter);
     settings.sh_degree = std::clamp<int>(sh_degree, 0, 3);
-    settings.most_splats = static_cast<std::size_t>(std::max<jint>(most_splats, 0));
+    settings.max_splats = static_cast<std::size_t>(std::max<jint>(max_splats, 0));
     settings.gyroscope = gyroscope == JNI_TRUE;
     settings.measures = measures == JNI_TRUE;
     settings.frame_seconds = static_cast<double>(frame_seconds);
@@ -316,19 +316,19 @@ FLUXGS_JNI(jdoubleArray, place)(JNIEnv* env, jclass, jlong session) {
 }
 
 // Width, height, then a colour a pixel as Bitmap.setPixels() takes them.
-FLUXGS_JNI(jintArray, picture)(JNIEnv* env, jclass, jlong session, jint longest, jlong of) {
+FLUXGS_JNI(jintArray, image)(JNIEnv* env, jclass, jlong session, jint longest, jlong of) {
   return guarded(env, [&]() -> jintArray {
-    const auto picture = sessions().find(session)->picture(std::max<jint>(longest, 0),
-                                                           static_cast<std::uint64_t>(of));
-    if (!picture) return nullptr;
-    const jint size[] = {picture->width, picture->height};
+    const auto image =
+        sessions().find(session)->image(std::max<jint>(longest, 0), static_cast<std::uint64_t>(of));
+    if (!image) return nullptr;
+    const jint size[] = {image->width, image->height};
     jintArray result = env->NewIntArray(2 + size[0] * size[1]);
     if (result == nullptr) return nullptr;
     env->SetIntArrayRegion(result, 0, 2, size);
     std::vector<jint> row(static_cast<std::size_t>(size[0]));
     for (int y = 0; y < size[1]; ++y) {
       for (int x = 0; x < size[0]; ++x) {
-        const auto pixel = picture->at(x, y);
+        const auto pixel = image->at(x, y);
         row[static_cast<std::size_t>(x)] =
             static_cast<jint>(0xFF000000U | std::uint32_t{pixel[0]} << 16 |
                               std::uint32_t{pixel[1]} << 8 | std::uint32_t{pixel[2]});

@@ -131,7 +131,7 @@ class GlfwWindow final : public Window {
     glfw_.WindowHint(GLFW_CONTEXT_CREATION_API, GLFW_EGL_CONTEXT_API);
     glfw_.WindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfw_.WindowHint(GLFW_CONTEXT_VERSION_MINOR, 1);
-    // Pictures are finished before they come here. An alpha channel would let desktops shine
+    // Images are finished before they come here. An alpha channel would let desktops shine
     // through.
     glfw_.WindowHint(GLFW_ALPHA_BITS, 0);
     glfw_.WindowHint(GLFW_DEPTH_BITS, 0);

@@ -1,4 +1,4 @@
-// The screen of a session on a machine without one: pictures stay where they are drawn.
+// The screen of a session on a machine without one: images stay where they are drawn.
 #pragma once
 
 #include <memory>

@@ -78,7 +78,7 @@ class OsMesaContext final : public HostContext {
   }
   void unbind() override { mesa_.MakeCurrent(nullptr, nullptr, 0, 0, 0); }
 
-  // The window that OSMesa insists on; pictures are drawn to framebuffer objects.
+  // The window that OSMesa insists on; images are drawn to framebuffer objects.
   static constexpr GLsizei kSide = 4;
   std::array<unsigned char, 4 * kSide * kSide> pixels_{};
   const OsMesa& mesa_;

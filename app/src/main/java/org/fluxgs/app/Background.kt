@@ -5,7 +5,7 @@ import java.util.concurrent.Executors
 import java.util.concurrent.Future
 
 /**
- * One thread for what takes long and must not hold the main thread up: pictures and files. What is
+ * One thread for what takes long and must not hold the main thread up: images and files. What is
  * given to it is done in this order, so that what is written first is read afterwards.
  */
 internal object Background {

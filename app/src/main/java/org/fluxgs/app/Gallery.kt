@@ -18,15 +18,15 @@ import java.util.Locale
 internal object Gallery {
     private const val LONGEST_NAME = 60
 
-    /** The picture in the gallery; before Android 10, which asks for a permission, in a file to share. */
+    /** The image in the gallery; before Android 10, which asks for a permission, in a file to share. */
     @Throws(IOException::class)
-    fun save(context: Context, picture: Bitmap, name: String): Uri {
+    fun save(context: Context, image: Bitmap, name: String): Uri {
         val time = SimpleDateFormat("yyyy-MM-dd HH.mm.ss", Locale.ROOT).format(Date())
         val file = "${plain(name)} $time.png"
         return try {
-            if (Build.VERSION.SDK_INT >= 29) save29(context, picture, file)
-            else saveToShare(context, picture, file)
-        } catch (problem: RuntimeException) { // of a gallery that takes no picture, or not ours
+            if (Build.VERSION.SDK_INT >= 29) save29(context, image, file)
+            else saveToShare(context, image, file)
+        } catch (problem: RuntimeException) { // of a gallery that takes no image, or not ours
             throw IOException(problem.message ?: problem.toString(), problem)
         }
     }
@@ -37,7 +37,7 @@ internal object Gallery {
             .take(LONGEST_NAME).ifEmpty { "scene" }
 
     @TargetApi(29)
-    private fun save29(context: Context, picture: Bitmap, file: String): Uri {
+    private fun save29(context: Context, image: Bitmap, file: String): Uri {
         val resolver = context.contentResolver
         val values = ContentValues().apply {
             put(MediaStore.Images.Media.DISPLAY_NAME, file)
@@ -46,10 +46,10 @@ internal object Gallery {
             put(MediaStore.Images.Media.IS_PENDING, 1)
         }
         val uri = resolver.insert(MediaStore.Images.Media.EXTERNAL_CONTENT_URI, values)
-            ?: throw IOException("the gallery takes no picture")
+            ?: throw IOException("the gallery takes no image")
         try {
-            resolver.openOutputStream(uri)?.use { compress(picture, it) }
-                ?: throw IOException("the gallery takes no picture")
+            resolver.openOutputStream(uri)?.use { compress(image, it) }
+                ?: throw IOException("the gallery takes no image")
         } catch (problem: Exception) {
             resolver.delete(uri, null, null)
             throw problem
@@ -60,14 +60,14 @@ internal object Gallery {
         return uri
     }
 
-    private fun saveToShare(context: Context, picture: Bitmap, file: String): Uri {
+    private fun saveToShare(context: Context, image: Bitmap, file: String): Uri {
         val target = SharedFiles.create(context, file)
-        target.outputStream().use { compress(picture, it) }
+        target.outputStream().use { compress(image, it) }
         return SharedFiles.uriOf(context, target)
     }
 
-    private fun compress(picture: Bitmap, stream: java.io.OutputStream) {
-        if (!picture.compress(Bitmap.CompressFormat.PNG, 100, stream))
-            throw IOException("the picture cannot be written")
+    private fun compress(image: Bitmap, stream: java.io.OutputStream) {
+        if (!image.compress(Bitmap.CompressFormat.PNG, 100, stream))
+            throw IOException("the image cannot be written")
     }
 }

@@ -26,8 +26,8 @@ internal object Hud {
         if (stats.reduced) parts += resources.getString(R.string.hud_memory)
         if (stats.shown < stats.splats)
             parts += resources.getString(R.string.hud_best, Texts.count(stats.shown))
-        if (stats.picture < 1)
-            parts += resources.getString(R.string.hud_coarse, 100 * stats.picture)
+        if (stats.image < 1)
+            parts += resources.getString(R.string.hud_coarse, 100 * stats.image)
         return parts.joinToString("  ·  ")
     }
 }

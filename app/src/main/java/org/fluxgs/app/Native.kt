@@ -5,7 +5,7 @@ import android.view.Surface
 /**
  * The native library (app/src/main/cpp/platform/android/jni.cpp). Sessions are numbers from [create];
  * one that does not exist is an IllegalStateException. Nothing here waits, but [waitForHeldScenes], and for
- * the drawing thread [surfaceDestroyed], [picture], [selfTest] and [destroy]. [Session] is what the app
+ * the drawing thread [surfaceDestroyed], [image], [selfTest] and [destroy]. [Session] is what the app
  * uses.
  */
 internal object Native {
@@ -80,7 +80,7 @@ internal object Native {
      * Width, height, then the colours of the pixels: as large as the window, or the longer side of so
      * many pixels. Of the scene with this number (0: any), or null. From any thread.
      */
-    @JvmStatic external fun picture(session: Long, longest: Int, of: Long): IntArray?
+    @JvmStatic external fun image(session: Long, longest: Int, of: Long): IntArray?
 
     /** JSON, of what the driver says of itself; empty before there is a context. */
     @JvmStatic external fun driver(session: Long): String

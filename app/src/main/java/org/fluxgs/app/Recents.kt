@@ -27,7 +27,7 @@ data class Recent(
 }
 
 /**
- * The scenes that were opened last, the newest first, with pictures. Reads and writes files: for the
+ * The scenes that were opened last, the newest first, with images. Reads and writes files: for the
  * [Background].
  */
 internal class Recents(context: Context) {
@@ -45,9 +45,9 @@ internal class Recents(context: Context) {
 
     fun find(uri: Uri): Recent? = all().find { it.uri == uri }
 
-    /** Puts it first; keeps the picture of an earlier time if there is no new one. */
+    /** Puts it first; keeps the image of an earlier time if there is no new one. */
     fun remember(
-        uri: Uri, name: String, bytes: Long, splats: Long, place: DoubleArray?, picture: Bitmap?,
+        uri: Uri, name: String, bytes: Long, splats: Long, place: DoubleArray?, image: Bitmap?,
     ) {
         val before = all()
         val known = before.find { it.uri == uri }
@@ -55,8 +55,8 @@ internal class Recents(context: Context) {
         val entry = Recent(uri, name, bytes, splats, place ?: known?.place, id)
         val kept = listOf(entry) + before.filter { it.uri != uri }
         folder.mkdirs()
-        if (picture != null) write(thumbnail(id)) { stream ->
-            small(picture).compress(Bitmap.CompressFormat.JPEG, 85, stream)
+        if (image != null) write(thumbnail(id)) { stream ->
+            small(image).compress(Bitmap.CompressFormat.JPEG, 85, stream)
         }
         kept.drop(MOST).forEach { thumbnail(it.id).delete() }
         save(kept.take(MOST))
@@ -68,7 +68,7 @@ internal class Recents(context: Context) {
         save(kept)
     }
 
-    fun picture(recent: Recent): Bitmap? = BitmapFactory.decodeFile(thumbnail(recent.id).path)
+    fun image(recent: Recent): Bitmap? = BitmapFactory.decodeFile(thumbnail(recent.id).path)
 
     private fun thumbnail(id: Long) = File(folder, "$id.jpg")
 
@@ -90,12 +90,12 @@ internal class Recents(context: Context) {
         }
     }
 
-    private fun small(picture: Bitmap): Bitmap {
-        val factor = THUMBNAIL.toFloat() / maxOf(picture.width, picture.height, THUMBNAIL)
+    private fun small(image: Bitmap): Bitmap {
+        val factor = THUMBNAIL.toFloat() / maxOf(image.width, image.height, THUMBNAIL)
         return Bitmap.createScaledBitmap(
-            picture,
-            (picture.width * factor).toInt().coerceAtLeast(1),
-            (picture.height * factor).toInt().coerceAtLeast(1),
+            image,
+            (image.width * factor).toInt().coerceAtLeast(1),
+            (image.height * factor).toInt().coerceAtLeast(1),
             true,
         )
     }

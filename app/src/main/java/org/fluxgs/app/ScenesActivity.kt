@@ -25,7 +25,7 @@ class ScenesActivity : Activity() {
     private var sample: Entry? = null // once it was looked at
     private var shown = emptyList<Entry>()
 
-    private class Entry(val recent: Recent, val picture: Bitmap?)
+    private class Entry(val recent: Recent, val image: Bitmap?)
 
     override fun onCreate(state: Bundle?) {
         super.onCreate(state)
@@ -61,7 +61,7 @@ class ScenesActivity : Activity() {
 
     private fun load() {
         Background.start {
-            val entries = recents.all().map { Entry(it, recents.picture(it)) }
+            val entries = recents.all().map { Entry(it, recents.image(it)) }
             val known = entries.map { it.recent.uri }
             val sent = sentFiles().filter { it.uri !in known }.map { Entry(it, null) }
             runOnUiThread { show(entries + sent) }
@@ -157,8 +157,8 @@ class ScenesActivity : Activity() {
             val detail = recent?.let { detailOf(it) } ?: getString(R.string.sample_detail)
             view.findViewById<TextView>(R.id.name).text = name
             view.findViewById<TextView>(R.id.detail).text = detail
-            val picture = view.findViewById<ImageView>(R.id.picture)
-            picture.setImageBitmap(entry?.picture)
+            val image = view.findViewById<ImageView>(R.id.image)
+            image.setImageBitmap(entry?.image)
             view.contentDescription = "$name, $detail"
             return view
         }

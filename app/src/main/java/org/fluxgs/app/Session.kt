@@ -32,7 +32,7 @@ data class Stats(
     val scale: Double,
     val memory: Long, // bytes of graphics memory that are taken
     val reduced: Boolean, // there was no room for all splats and pixels, at the best precision
-    val picture: Double, // its width, of the window's: less where memory is short
+    val image: Double, // its width, of the window's: less where memory is short
 )
 
 data class SessionState(
@@ -66,7 +66,7 @@ data class SessionState(
                     stats.getDouble("fps"), stats.getDouble("frameMs"), stats.getDouble("sortMs"),
                     stats.getLong("drawn"), stats.getLong("shown"), stats.getLong("splats"),
                     stats.getInt("width"), stats.getInt("height"), stats.getDouble("scale"),
-                    stats.getLong("memory"), stats.getBoolean("reduced"), stats.getDouble("picture"),
+                    stats.getLong("memory"), stats.getBoolean("reduced"), stats.getDouble("image"),
                 ),
             )
         }
@@ -74,7 +74,7 @@ data class SessionState(
 }
 
 /**
- * Owns a native session. For the main thread, but for [picture] and [selfTest]; does nothing once it is
+ * Owns a native session. For the main thread, but for [image] and [selfTest]; does nothing once it is
  * closed.
  */
 class Session : AutoCloseable {
@@ -88,7 +88,7 @@ class Session : AutoCloseable {
         if (handle != 0L) work(handle)
     }
 
-    /** What may change the picture. */
+    /** What may change the image. */
     private inline fun change(work: (Long) -> Unit) = call {
         work(it)
         onChange()
@@ -153,11 +153,11 @@ class Session : AutoCloseable {
      * Waits for the drawing thread: not for the main one. [longest]: of its sides, 0 for all of it; null
      * where it is not [of] the scene with this number (0: any).
      */
-    fun picture(longest: Int = 0, of: Long = 0): Bitmap? {
+    fun image(longest: Int = 0, of: Long = 0): Bitmap? {
         val session = handle
         if (session == 0L) return null
         val values = try {
-            Native.picture(session, longest, of)
+            Native.image(session, longest, of)
         } catch (_: IllegalStateException) {
             null // closed meanwhile
         } ?: return null

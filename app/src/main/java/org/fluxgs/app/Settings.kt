@@ -4,7 +4,7 @@ import android.content.Context
 
 /** What people set for all scenes. */
 data class Settings(
-    /** Of the picture that is blended, 0.2 to 1; 0: what holds the display's rate. */
+    /** Of the image that is blended, 0.2 to 1; 0: what holds the display's rate. */
     val scale: Float = 0f,
     /** 0: what suits the device, 1: GPU, 2: CPU. */
     val sorter: Int = 0,

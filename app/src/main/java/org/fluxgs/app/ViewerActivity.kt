@@ -232,8 +232,8 @@ class ViewerActivity : Activity() {
         val state = session.state() ?: return
         if (!state.drawn || state.shown != scene.number) return
         Background.start {
-            val picture = session.picture(Recents.THUMBNAIL, scene.number)
-            recents.remember(scene.uri, scene.name, scene.bytes, state.stats.splats, place, picture)
+            val image = session.image(Recents.THUMBNAIL, scene.number)
+            recents.remember(scene.uri, scene.name, scene.bytes, state.stats.splats, place, image)
         }
     }
 
@@ -291,7 +291,7 @@ class ViewerActivity : Activity() {
         val scene = shown?.name ?: return say(getString(R.string.screenshot_of_nothing))
         Background.start {
             try {
-                val saved = session.picture()?.let { Gallery.save(applicationContext, it, scene) }
+                val saved = session.image()?.let { Gallery.save(applicationContext, it, scene) }
                 runOnUiThread {
                     if (saved != null) tellOfSaved(saved)
                     else say(getString(R.string.screenshot_of_nothing))
@@ -304,16 +304,16 @@ class ViewerActivity : Activity() {
 
     private fun say(text: String) = Toast.makeText(this, text, Toast.LENGTH_LONG).show()
 
-    private fun tellOfSaved(picture: Uri) {
+    private fun tellOfSaved(image: Uri) {
         if (Build.VERSION.SDK_INT >= 29)
             say(getString(R.string.screenshot_saved))
-        else if (!isDestroyed) startActivity(SharedFiles.send(this, picture, "image/png"))
+        else if (!isDestroyed) startActivity(SharedFiles.send(this, image, "image/png"))
     }
 
     private fun measure() {
         if (shown?.uri != uri) return say(getString(R.string.nothing_to_measure))
         remember()
-        Background.start { runOnUiThread { startMeasuring() } } // once its picture has been kept
+        Background.start { runOnUiThread { startMeasuring() } } // once its image has been kept
     }
 
     /** The scene's memory is free before the benchmark asks how much there is. */
@@ -349,7 +349,7 @@ class ViewerActivity : Activity() {
         main.removeCallbacks(look)
         surface.running = false
         asleep.add(this)
-        Background.start { runOnUiThread { letGo() } } // once there is a picture for the list
+        Background.start { runOnUiThread { letGo() } } // once there is an image for the list
         super.onStop()
     }
 
@@ -367,7 +367,7 @@ class ViewerActivity : Activity() {
     }
 
     override fun onPause() {
-        remember() // while there is a picture
+        remember() // while there is an image
         gyroscope.on = false
         super.onPause()
     }

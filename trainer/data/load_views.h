@@ -1,4 +1,4 @@
-// From the frames of a data set to photos in memory.
+// From the frames of a data set to images in memory.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@ namespace fluxgs {
 
 /// Decode, composite on the background, undistort and reduce every frame, in parallel; the result
 /// has the order of the frames. The first error in that order is returned.
-Expected<std::vector<Photo>> load_photos(const std::vector<SourceFrame>& frames,
-                                         const LoadOptions& options);
+Expected<std::vector<View>> load_views(const std::vector<SourceFrame>& frames,
+                                       const LoadOptions& options);
 
 }  // namespace fluxgs

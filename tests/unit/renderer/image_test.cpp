@@ -1,5 +1,5 @@
-// Whole pictures against the float64 reference. The numerical hard cases have files of their own.
-#include "picture_fixture.h"
+// Whole images against the float64 reference. The numerical hard cases have files of their own.
+#include "image_fixture.h"
 
 namespace fluxgs::test {
 namespace {
@@ -9,11 +9,11 @@ using render::RenderTarget;
 using render::TargetFormat;
 
 // y points down and row 0 is the top: up is where y is small.
-TEST_P(PictureTest, IsUpright) {
+TEST_P(ImageTest, IsUpright) {
   SplatCloud cloud;
   add(cloud, {.position = {0.3F, -0.5F, 0}, .color = {0, 1, 0}});
   must(renderer().upload(cloud));
-  const Image<float> image = picture(front_camera(80, 80, 2), {}, TargetFormat::rgba8, accurate());
+  const Image<float> image = draw(front_camera(80, 80, 2), {}, TargetFormat::rgba8, accurate());
   EXPECT_GT(image.at(52, 20)[1], 0.7F);
   EXPECT_EQ(image.at(52, 60)[1], 0.0F);
   EXPECT_EQ(image.at(28, 20)[1], 0.0F);
@@ -21,7 +21,7 @@ TEST_P(PictureTest, IsUpright) {
   EXPECT_NEAR(image.at(52, 20)[3], 0.8F, 0.02F);
 }
 
-TEST_P(PictureTest, TwoOverlapping) {
+TEST_P(ImageTest, TwoOverlapping) {
   SplatCloud cloud;
   add(cloud, {.position = {0.05F, 0, 0.5F}, .color = {0, 0, 1}});
   add(cloud, {.position = {-0.05F, 0, 0}, .color = {1, 0, 0}});
@@ -30,7 +30,7 @@ TEST_P(PictureTest, TwoOverlapping) {
   expect_like_reference("two splats, swapped", cloud, front_camera(101, 75, 1.5));
 }
 
-TEST_P(PictureTest, RandomClouds) {
+TEST_P(ImageTest, RandomClouds) {
   for (int degree = 0; degree <= 3; ++degree)
     expect_like_reference("random, degree " + std::to_string(degree), random_cloud(5000, degree, 2),
                           orbit_camera(400, 301, {}, 2, degree, 4), kRose);
@@ -38,7 +38,7 @@ TEST_P(PictureTest, RandomClouds) {
 
 // About 200 faint layers a pixel: what rounding in every layer does. Blended in float32 nothing is
 // lost; half floats are good enough where the driver rounds them to the nearest; bytes are not.
-TEST_P(PictureTest, Haze) {
+TEST_P(ImageTest, Haze) {
   SplatCloud cloud = random_cloud(20'000, 1, 6);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     cloud.log_scales[i] += 1.5F;
@@ -60,14 +60,14 @@ TEST_P(PictureTest, Haze) {
         Way{"haze, RGBA8 from RGBA16F", TargetFormat::rgba8, Accumulation::half_float,
             half_then_bytes},
         Way{"haze, RGBA8 direct", TargetFormat::rgba8, Accumulation::direct, bytes}}) {
-    const Image<float> image = picture(camera, kRose, way.format, way.accumulation);
+    const Image<float> image = draw(camera, kRose, way.format, way.accumulation);
     const Difference d = compare(image, reference, way.format == TargetFormat::rgba8);
     print(way.name, d);
     EXPECT_GE(d.psnr, way.least) << way.name;
   }
 }
 
-TEST_P(PictureTest, PlushDog) {
+TEST_P(ImageTest, PlushDog) {
   const SplatCloud cloud = plush_dog();
   if (cloud.size() == 0) GTEST_SKIP() << "FLUXGS_DATA is not set or has no splats/plush-dog";
   for (int i = 0; i < (kSanitized ? 1 : 4); ++i)
@@ -75,7 +75,7 @@ TEST_P(PictureTest, PlushDog) {
                           orbit_camera(400, 399, mean_position(cloud), 0.35, i, 4));
 }
 
-FLUXGS_GL_TEST_SUITE(PictureTest);
+FLUXGS_GL_TEST_SUITE(ImageTest);
 
 }  // namespace
 }  // namespace fluxgs::test

@@ -1,4 +1,4 @@
-// The picture in the framebuffer of a window, whose row 0 is at the bottom.
+// The image in the framebuffer of a window, whose row 0 is at the bottom.
 #include <algorithm>
 #include <cstdint>
 #include <vector>

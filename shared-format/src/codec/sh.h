@@ -19,7 +19,7 @@ namespace fluxgs::codec {
 /// of `step` and appends them as a stream for decode_channels(). `dc`, three numbers a splat,
 /// becomes what goes best with them. `factors`: L of each splat as in ErrorCosts::sh_factors,
 /// finite, its diagonal above 0. An error if a value over the step is beyond ±2²⁸.
-Expected<void> encode_harmonics(const Channels& rest, std::span<const float> factors, float step,
-                                const Rounding& rounding, std::vector<float>& dc, Bytes& out);
+Expected<void> encode_sh(const Channels& rest, std::span<const float> factors, float step,
+                         const Rounding& rounding, std::vector<float>& dc, Bytes& out);
 
 }  // namespace fluxgs::codec

@@ -1,4 +1,4 @@
-#include "trainer/data/load_photos.h"
+#include "trainer/data/load_views.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@
 namespace fluxgs {
 namespace {
 
-/// Most photos share a lens; its maps are then computed once. A lens of one frame alone is left to
+/// Most images share a lens; its maps are then computed once. A lens of one frame alone is left to
 /// that frame's task, so that a data set with a lens per frame does not hold all maps at once.
 using SharedLenses = std::map<Lens, std::shared_ptr<const Expected<Rectification>>>;
 
@@ -71,8 +71,8 @@ Camera make_camera(const SourceFrame& frame, const Lens& pinhole, int width, int
           .translation = frame.translation};
 }
 
-Expected<Photo> make_photo(const SourceFrame& frame, const Rectification& rectification,
-                           const LoadOptions& options) {
+Expected<View> make_view(const SourceFrame& frame, const Rectification& rectification,
+                         const LoadOptions& options) {
   const std::string file = frame.file.string();
   const glm::dvec3& t = frame.translation;
   if (!(std::max({std::abs(t.x), std::abs(t.y), std::abs(t.z)}) < kFarthest))
@@ -94,16 +94,16 @@ Expected<Photo> make_photo(const SourceFrame& frame, const Rectification& rectif
   composite(*image, options.background);
   const cv::Mat stored(image->height, image->width, CV_8UC3, image->pixels.data());
   const cv::Mat undistorted = rectify(stored, rectification);
-  Photo photo{.camera = make_camera(frame, rectification.pinhole, width, height),
-              .rgb = Image<std::uint8_t>(width, height, 3),
-              .path = file};
-  cv::Mat target(height, width, CV_8UC3, photo.rgb.pixels.data());
+  View view{.camera = make_camera(frame, rectification.pinhole, width, height),
+            .rgb = Image<std::uint8_t>(width, height, 3),
+            .path = file};
+  cv::Mat target(height, width, CV_8UC3, view.rgb.pixels.data());
   cv::resize(undistorted, target, target.size(), 0, 0, cv::INTER_AREA);
-  return photo;
+  return view;
 }
 
-Expected<Photo> load_photo(const SourceFrame& frame, const SharedLenses& shared,
-                           const LoadOptions& options) {
+Expected<View> load_view(const SourceFrame& frame, const SharedLenses& shared,
+                         const LoadOptions& options) {
   const std::string file = frame.file.string();
   try {
     const auto found = shared.find(frame.lens);
@@ -112,9 +112,9 @@ Expected<Photo> load_photo(const SourceFrame& frame, const SharedLenses& shared,
             ? found->second
             : std::make_shared<const Expected<Rectification>>(make_rectification(frame.lens, file));
     if (!*rectification) return std::unexpected(rectification->error());
-    return make_photo(frame, **rectification, options);
+    return make_view(frame, **rectification, options);
   } catch (const std::bad_alloc&) {
-    return fail(file, "", "not enough memory for the image; reduce the photos (downscale)");
+    return fail(file, "", "not enough memory for the image; reduce the images (downscale)");
   } catch (const cv::Exception& e) {
     return fail(file, "", "the image could not be processed: " + one_line(e.err));
   }
@@ -122,25 +122,25 @@ Expected<Photo> load_photo(const SourceFrame& frame, const SharedLenses& shared,
 
 }  // namespace
 
-Expected<std::vector<Photo>> load_photos(const std::vector<SourceFrame>& frames,
-                                         const LoadOptions& options) {
-  std::vector<Expected<Photo>> loaded(frames.size());
+Expected<std::vector<View>> load_views(const std::vector<SourceFrame>& frames,
+                                       const LoadOptions& options) {
+  std::vector<Expected<View>> loaded(frames.size());
   ProgressCounter counter(options.progress, frames.size());
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   arena.execute([&] {
     const SharedLenses shared = make_shared_lenses(frames);
     tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t i) {
-      loaded[i] = load_photo(frames[i], shared, options);
+      loaded[i] = load_view(frames[i], shared, options);
       counter.add_one();
     });
   });
-  std::vector<Photo> photos;
-  photos.reserve(frames.size());
-  for (auto& photo : loaded) {
-    if (!photo) return std::unexpected(photo.error());
-    photos.push_back(std::move(*photo));
+  std::vector<View> views;
+  views.reserve(frames.size());
+  for (auto& view : loaded) {
+    if (!view) return std::unexpected(view.error());
+    views.push_back(std::move(*view));
   }
-  return photos;
+  return views;
 }
 
 }  // namespace fluxgs

@@ -1,4 +1,4 @@
-#include "codec/harmonics.h"
+#include "codec/sh.h"
 
 #include <algorithm>
 #include <array>
@@ -25,10 +25,10 @@ Eigen::Matrix3d color_axes(const Channels& rest) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors();
 }
 
-class HarmonicsRounder {
+class ShRounder {
  public:
-  HarmonicsRounder(const Channels& rest, std::span<const float> factors, float step,
-                   const Rounding& rounding, std::span<const float> dc)
+  ShRounder(const Channels& rest, std::span<const float> factors, float step,
+            const Rounding& rounding, std::span<const float> dc)
       : rest_(rest),
         factors_(factors),
         step_(step),
@@ -59,7 +59,7 @@ class HarmonicsRounder {
   Expected<void> round(std::size_t i, float* dc) {
     Eigen::Vector3d moved = axes_.transpose() * color(&dc_[3 * i]);
     const std::size_t size = functions_ * (functions_ + 1) / 2;
-    std::array<double, ShapedRounding::kMost> x{}, errors{};
+    std::array<double, ShapedRounding::kMax> x{}, errors{};
     const Shaped shaped{.x = std::span(x).first(functions_),
                         .factor = factors_.subspan(i * size, size),
                         .step = double{step_} * rest_.coarseness_of(i),
@@ -91,10 +91,10 @@ class HarmonicsRounder {
 
 }  // namespace
 
-Expected<void> encode_harmonics(const Channels& rest, std::span<const float> factors, float step,
-                                const Rounding& rounding, std::vector<float>& dc, Bytes& out) {
+Expected<void> encode_sh(const Channels& rest, std::span<const float> factors, float step,
+                         const Rounding& rounding, std::vector<float>& dc, Bytes& out) {
   const std::vector<float> exact = dc;
-  HarmonicsRounder rounder(rest, factors, step, rounding, exact);
+  ShRounder rounder(rest, factors, step, rounding, exact);
   if (auto ok = rounder.run(dc); !ok) return ok;
   std::move(rounder).put(out);
   return {};

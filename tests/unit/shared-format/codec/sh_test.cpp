@@ -1,5 +1,5 @@
 // Colours rounded with what views see of them in mind.
-#include "codec/harmonics.h"
+#include "codec/sh.h"
 
 #include <gtest/gtest.h>
 
@@ -102,7 +102,7 @@ Rounded rounded(const Splats& splats, const std::vector<float>& factors, float s
   const Channels rest{45, rows(splats, 1, 16), std::move(coarseness)};
   std::vector<float> dc = rows(splats, 0, 1);
   Bytes bytes;
-  const auto done = encode_harmonics(rest, factors, step, {.rate_weight = rate_weight}, dc, bytes);
+  const auto done = encode_sh(rest, factors, step, {.rate_weight = rate_weight}, dc, bytes);
   EXPECT_TRUE(done) << done.error().message();
   std::vector<float> planes(rest.values.size());
   Reader in(bytes);
@@ -135,7 +135,7 @@ double mean_seen_error(const Splats& splats, const std::vector<Colors>& to) {
 
 // The bound of Babai's nearest plane: (step/2)²·Σ L_kk² for each colour, and nothing for the
 // constant coefficient, which is not rounded here.
-TEST(Harmonics, ErrorsThatViewsSeeAreWithinTheBound) {
+TEST(Sh, ErrorsThatViewsSeeAreWithinTheBound) {
   const Splats splats = some_splats(300);
   std::vector<float> coarseness(300);
   for (std::size_t i = 0; i < coarseness.size(); ++i)
@@ -151,7 +151,7 @@ TEST(Harmonics, ErrorsThatViewsSeeAreWithinTheBound) {
   }
 }
 
-TEST(Harmonics, SeenFromAllSidesTheyAreRoundedToTheNearest) {
+TEST(Sh, SeenFromAllSidesTheyAreRoundedToTheNearest) {
   const Splats splats = some_splats(200);
   const float step = 0.1f;
   const Rounded r = rounded(splats, identity_factors(200), step, 0);
@@ -164,15 +164,15 @@ TEST(Harmonics, SeenFromAllSidesTheyAreRoundedToTheNearest) {
   }
 }
 
-TEST(Harmonics, FewerBytesLoseLess) {
+TEST(Sh, FewerBytesLoseLess) {
   const Splats splats = some_splats(4000);
-  const Rounded shaped = rounded(splats, factors_of(splats), 0.15f, kUsualRateWeight);
-  const Rounded blind = rounded(splats, identity_factors(4000), 0.2f, kUsualRateWeight);
+  const Rounded shaped = rounded(splats, factors_of(splats), 0.15f, kDefaultRateWeight);
+  const Rounded blind = rounded(splats, identity_factors(4000), 0.2f, kDefaultRateWeight);
   EXPECT_LT(shaped.bytes, blind.bytes);  // 17,600, 21,000
   EXPECT_LT(mean_seen_error(splats, shaped.colors), mean_seen_error(splats, blind.colors) / 4);
 }
 
-TEST(Harmonics, BitsThatAreNotWorthTheirErrorAreSaved) {
+TEST(Sh, BitsThatAreNotWorthTheirErrorAreSaved) {
   const Splats splats = some_splats(2000);
   const auto factors = factors_of(splats);
   const Rounded nearest = rounded(splats, factors, 0.1f, 0);
@@ -184,13 +184,13 @@ TEST(Harmonics, BitsThatAreNotWorthTheirErrorAreSaved) {
   EXPECT_LT(mean_seen_error(splats, cheap.colors), mean_seen_error(splats, cheaper.colors));
 }
 
-TEST(Harmonics, NumbersBeyondTheirReachAreRefused) {
+TEST(Sh, NumbersBeyondTheirReachAreRefused) {
   Splats splats = some_splats(3);
   splats.colors[1](5, 2) = 1e12;
   std::vector<float> dc = rows(splats, 0, 1);
   Bytes bytes;
   const auto done =
-      encode_harmonics({45, rows(splats, 1, 16), {}}, factors_of(splats), 1e-3f, {}, dc, bytes);
+      encode_sh({45, rows(splats, 1, 16), {}}, factors_of(splats), 1e-3f, {}, dc, bytes);
   ASSERT_FALSE(done);
   EXPECT_NE(done.error().message().find("splat 1"), std::string::npos) << done.error().message();
 }
@@ -262,7 +262,7 @@ double error_of_file(const Splats& splats, const SplatCloud& cloud, const Compac
 }
 
 // Through the file: its frame is another, splats of each degree are a part, and NaN is left out.
-TEST(Harmonics, FilesKeepWhatViewsSee) {
+TEST(Sh, FilesKeepWhatViewsSee) {
   const Splats splats = some_splats(3 * 700);
   const SplatCloud cloud = cloud_of(splats);
   CompactOptions options{.steps = {.sh_dc = 0.01f, .sh_rest = 0.2f}};
@@ -271,22 +271,24 @@ TEST(Harmonics, FilesKeepWhatViewsSee) {
   EXPECT_LT(error_of_file(splats, cloud, options), blind / 3);
 }
 
-TEST(Harmonics, FactorsThatDoNotFitAreNamed) {
+TEST(Sh, FactorsThatDoNotFitAreNamed) {
   const SplatCloud cloud = cloud_of(some_splats(20));
   CompactOptions options{.costs = {.sh_factors = {1, 2}}};
   const auto error = [&] {
     const auto file = encode_compact_glb(cloud, options, "x.glb");
     return file ? "" : file.error().message();
   };
-  EXPECT_EQ(error(), "x.glb: factors of harmonics: 2 numbers, expected 136 for each of 20 splats");
+  EXPECT_EQ(error(),
+            "x.glb: factors of SH coefficients: 2 numbers, expected 136 for each of 20 splats");
   options.costs.sh_factors = identity_factors(20);
   EXPECT_EQ(error(), "");
   options.costs.sh_factors[3 * 136 + 5] = 0;
-  EXPECT_EQ(error(),
-            "x.glb: factors of harmonics: splat 3 has 0 on its diagonal, expected more than 0");
+  EXPECT_EQ(
+      error(),
+      "x.glb: factors of SH coefficients: splat 3 has 0 on its diagonal, expected more than 0");
   options.costs.sh_factors = identity_factors(20);
   options.costs.sh_factors[4] = NAN;
-  EXPECT_EQ(error(), "x.glb: factors of harmonics: have a number that is not finite");
+  EXPECT_EQ(error(), "x.glb: factors of SH coefficients: have a number that is not finite");
   SplatCloud hole = cloud;
   hole.positions[7].x = NAN;  // left out with its factors
   options.costs.sh_factors = identity_factors(20);

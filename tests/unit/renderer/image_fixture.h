@@ -1,4 +1,4 @@
-// Pictures of the renderer beside those of the float64 reference.
+// Images of the renderer beside those of the float64 reference.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,22 +13,22 @@ namespace fluxgs::test {
 
 inline const RenderOptions kRose{.background = {0.9, 0.6, 0.7}};
 
-class PictureTest : public GlTest {
+class ImageTest : public GlTest {
  protected:
   using Accumulation = render::Accumulation;
   using RenderTarget = render::RenderTarget;
   using TargetFormat = render::TargetFormat;
 
-  Image<float> picture(render::Renderer& with, const Camera& camera, const RenderOptions& options,
-                       TargetFormat format, Accumulation accumulation) {
+  Image<float> draw(render::Renderer& with, const Camera& camera, const RenderOptions& options,
+                    TargetFormat format, Accumulation accumulation) {
     const RenderTarget target =
         must(RenderTarget::create(api(), camera.width, camera.height, format, accumulation));
     must(with.draw(camera, options, target));
     return must(with.read(target));
   }
-  Image<float> picture(const Camera& camera, const RenderOptions& options, TargetFormat format,
-                       Accumulation accumulation) {
-    return picture(renderer(), camera, options, format, accumulation);
+  Image<float> draw(const Camera& camera, const RenderOptions& options, TargetFormat format,
+                    Accumulation accumulation) {
+    return draw(renderer(), camera, options, format, accumulation);
   }
 
   Accumulation accurate() { return render::accurate_accumulation(api().capabilities); }
@@ -46,7 +46,7 @@ class PictureTest : public GlTest {
                    const RenderOptions& options, TargetFormat format) {
     const bool exact = accurate() == Accumulation::single_float;
     const bool eight_bit = format == TargetFormat::rgba8;
-    const Image<float> image = picture(camera, options, format, accurate());
+    const Image<float> image = draw(camera, options, format, accurate());
     const Difference d = compare(image, reference, eight_bit);
     const std::string label = name + (eight_bit ? " RGBA8" : " RGBA16F");
     print(label, d);
@@ -54,7 +54,7 @@ class PictureTest : public GlTest {
     if (exact) {
       EXPECT_LE(d.greatest, (eight_bit ? 2.5 : 2.25) / 255) << label;
     }
-    keep_picture(std::string(host::name(GetParam())) + "_" + label, image);
+    keep_image(std::string(host::name(GetParam())) + "_" + label, image);
   }
 
   void expect_like_reference(const std::string& name, const SplatCloud& cloud, const Camera& camera,

@@ -1,4 +1,4 @@
-// Pictures from one layout to the other, and how far two are apart.
+// Images from one layout to the other, and how far two are apart.
 #pragma once
 
 #include <algorithm>
@@ -28,7 +28,7 @@ inline Image<float> interleaved(const PlanarImage& planes) {
   return image;
 }
 
-/// Of two pictures of one size, limited to 0…1, over all channels.
+/// Of two images of one size, limited to 0…1, over all channels.
 inline double largest_difference(const PlanarImage& a, const PlanarImage& b) {
   double worst = 0;
   for (int c = 0; c < 3; ++c)
