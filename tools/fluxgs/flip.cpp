@@ -72,7 +72,7 @@ Expected<std::vector<double>> flip_errors(const std::vector<View>& views,
                                           const ViewRenderer& render,
                                           const ProgressReport& progress) {
   const WorkFolder work;
-  const fs::path view_file = work.path() / "image.png", image_file = work.path() / "image.png";
+  const fs::path view_file = work.path() / "view.png", image_file = work.path() / "image.png";
   std::vector<double> errors;
   for (const View& view : views) {
     const auto image = render(view.camera);
