@@ -20,7 +20,7 @@
 #include "fluxgs/io/file.h"
 #include "support/temp_folder.h"
 #include "tools/capture/capture.h"
-#include "trainer/simd/isa.h"
+#include "trainer/core/isa.h"
 
 namespace fluxgs {
 namespace {

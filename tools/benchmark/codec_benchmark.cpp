@@ -18,7 +18,7 @@
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/io/file.h"
 #include "fluxgs/io/scene.h"
-#include "trainer/base/clock.h"
+#include "trainer/core/clock.h"
 
 namespace fluxgs {
 namespace {

@@ -6,7 +6,7 @@
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 
-#include "trainer/base/clock.h"
+#include "trainer/core/clock.h"
 #include "trainer/data/initial_points.h"
 #include "trainer/train/checkpoint.h"
 #include "trainer/train/trainer.h"

@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "tools/capture/capture.h"
-#include "trainer/base/random.h"
+#include "trainer/core/random.h"
 
 namespace fluxgs::capture {
 namespace {

@@ -14,7 +14,7 @@
 
 #include <fmt/format.h>
 
-#include "trainer/base/clock.h"
+#include "trainer/core/clock.h"
 
 extern char** environ;
 

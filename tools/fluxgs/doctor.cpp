@@ -17,7 +17,7 @@
 #include "tools/fluxgs/find_program.h"
 #include "tools/fluxgs/flip.h"
 #include "tools/fluxgs/renderers.h"
-#include "trainer/simd/isa.h"
+#include "trainer/core/isa.h"
 
 namespace fluxgs::cli {
 namespace {

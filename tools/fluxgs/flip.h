@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "fluxgs/error.h"
-#include "trainer/base/progress.h"
+#include "trainer/core/progress.h"
 #include "trainer/data/dataset.h"
-#include "trainer/train/evaluate.h"
+#include "trainer/loss/evaluate.h"
 
 namespace fluxgs::cli {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "trainer/options/options.h"
+#include "trainer/model/options.h"
 
 namespace fluxgs::cli {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "fluxgs/image.h"
-#include "trainer/raster/planar_image.h"
+#include "trainer/core/planar_image.h"
 
 namespace fluxgs::cli {
 

@@ -2,7 +2,7 @@
 
 #include "tools/fluxgs/orbit.h"
 #include "tools/fluxgs/progress.h"
-#include "trainer/compress/seen_splats.h"
+#include "trainer/compress/view_sensitivity.h"
 
 namespace fluxgs::cli {
 

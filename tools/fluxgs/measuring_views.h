@@ -7,8 +7,8 @@
 #include "fluxgs/io/error_costs.h"
 #include "fluxgs/render_options.h"
 #include "fluxgs/splat_cloud.h"
-#include "trainer/base/parallel.h"
 #include "trainer/compress/scene_error.h"
+#include "trainer/core/parallel.h"
 #include "trainer/data/dataset.h"
 
 namespace fluxgs::cli {

@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "trainer/options/options.h"
+#include "trainer/model/options.h"
 
 namespace fluxgs::cli {
 

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <string>
 
-#include "trainer/base/progress.h"
+#include "trainer/core/progress.h"
 
 namespace fluxgs::cli {
 

@@ -18,7 +18,7 @@
 #include "tools/fluxgs/report.h"
 #include "tools/fluxgs/sweep.h"
 #include "tools/fluxgs/sweep_plot.h"
-#include "trainer/options/options.h"
+#include "trainer/model/options.h"
 
 namespace fluxgs::cli {
 namespace {

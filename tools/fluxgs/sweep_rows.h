@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "fluxgs/error.h"
-#include "trainer/options/options.h"
+#include "trainer/model/options.h"
 
 namespace fluxgs::cli {
 

@@ -20,9 +20,9 @@
 #include "tools/fluxgs/start_view.h"
 #include "tools/fluxgs/train_log.h"
 #include "tools/fluxgs/train_run.h"
-#include "trainer/base/clock.h"
+#include "trainer/core/clock.h"
+#include "trainer/loss/evaluate.h"
 #include "trainer/train/checkpoint.h"
-#include "trainer/train/evaluate.h"
 #include "trainer/train/store_scene.h"
 
 namespace fluxgs::cli {

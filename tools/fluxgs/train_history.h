@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "trainer/raster/stages.h"
+#include "trainer/core/profiler.h"
 
 namespace fluxgs::cli {
 

@@ -5,7 +5,7 @@
 #include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
-#include "trainer/base/clock.h"
+#include "trainer/core/clock.h"
 
 namespace fluxgs::cli {
 

@@ -10,7 +10,7 @@
 #include "tools/fluxgs/method_options.h"
 #include "tools/fluxgs/train_history.h"
 #include "trainer/data/dataset.h"
-#include "trainer/options/options.h"
+#include "trainer/model/options.h"
 #include "trainer/train/trainer.h"
 
 namespace fluxgs::cli {

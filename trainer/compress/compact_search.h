@@ -13,8 +13,8 @@
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/io/scene_file.h"
 #include "fluxgs/splat_cloud.h"
-#include "trainer/base/decibels.h"
 #include "trainer/compress/scene_error.h"
+#include "trainer/core/psnr.h"
 
 namespace fluxgs {
 

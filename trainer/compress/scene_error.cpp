@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "trainer/train/evaluate.h"
+#include "trainer/loss/evaluate.h"
 
 namespace fluxgs {
 namespace {

@@ -7,8 +7,8 @@
 #include "fluxgs/error.h"
 #include "fluxgs/render_options.h"
 #include "fluxgs/splat_cloud.h"
-#include "trainer/base/parallel.h"
-#include "trainer/raster/planar_image.h"
+#include "trainer/core/parallel.h"
+#include "trainer/core/planar_image.h"
 
 namespace fluxgs {
 

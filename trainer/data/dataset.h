@@ -12,7 +12,7 @@
 #include "fluxgs/camera.h"
 #include "fluxgs/error.h"
 #include "fluxgs/image.h"
-#include "trainer/base/progress.h"
+#include "trainer/core/progress.h"
 
 namespace fluxgs {
 

@@ -8,7 +8,7 @@
 #include <glm/vec3.hpp>
 
 #include "fluxgs/error.h"
-#include "trainer/base/parallel.h"
+#include "trainer/core/parallel.h"
 #include "trainer/data/dataset.h"
 
 namespace fluxgs {

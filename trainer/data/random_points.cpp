@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "trainer/base/random.h"
+#include "trainer/core/random.h"
 #include "trainer/data/scene_focus.h"
 
 namespace fluxgs {

@@ -7,7 +7,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "trainer/base/indices.h"
+#include "trainer/core/indices.h"
 #include "trainer/data/scene_focus.h"
 
 namespace fluxgs {

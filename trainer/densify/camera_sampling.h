@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "trainer/base/random.h"
+#include "trainer/core/random.h"
 #include "trainer/data/dataset.h"
-#include "trainer/options/options.h"
+#include "trainer/model/options.h"
 
 namespace fluxgs {
 

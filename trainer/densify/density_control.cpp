@@ -6,8 +6,8 @@
 
 #include <glm/gtc/quaternion.hpp>
 
-#include "trainer/base/indices.h"
-#include "trainer/base/logistic.h"
+#include "trainer/core/indices.h"
+#include "trainer/core/logistic.h"
 
 namespace fluxgs {
 namespace {

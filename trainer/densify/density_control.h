@@ -3,9 +3,9 @@
 #pragma once
 
 #include "trainer/densify/splat_scores.h"
-#include "trainer/options/options.h"
+#include "trainer/model/options.h"
+#include "trainer/model/train_state.h"
 #include "trainer/raster/rasterizer.h"
-#include "trainer/state/train_state.h"
 
 namespace fluxgs {
 

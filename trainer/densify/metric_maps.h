@@ -1,8 +1,8 @@
 // Where an image is badly and where it is well reconstructed (paper, "Photometric Loss Guidance").
 #pragma once
 
-#include "trainer/options/options.h"
-#include "trainer/raster/planar_image.h"
+#include "trainer/core/planar_image.h"
+#include "trainer/model/options.h"
 
 namespace fluxgs {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "trainer/base/logistic.h"
+#include "trainer/core/logistic.h"
 
 namespace fluxgs {
 namespace {

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "trainer/base/parallel.h"
-#include "trainer/model/parameters.h"
-#include "trainer/options/options.h"
+#include "trainer/core/parallel.h"
+#include "trainer/core/parameters.h"
+#include "trainer/model/options.h"
 
 namespace fluxgs {
 

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "trainer/base/parallel.h"
+#include "trainer/core/parallel.h"
+#include "trainer/core/parameters.h"
 #include "trainer/data/dataset.h"
-#include "trainer/model/parameters.h"
-#include "trainer/options/options.h"
+#include "trainer/model/options.h"
 #include "trainer/raster/rasterizer.h"
 
 namespace fluxgs {

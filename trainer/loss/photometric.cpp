@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "trainer/base/decibels.h"
-#include "trainer/model/parameters.h"
+#include "trainer/core/parameters.h"
+#include "trainer/core/psnr.h"
 
 namespace fluxgs {
 namespace {

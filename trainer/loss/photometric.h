@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "fluxgs/image.h"
-#include "trainer/base/parallel.h"
-#include "trainer/loss/kernels.h"
-#include "trainer/raster/planar_image.h"
+#include "trainer/core/parallel.h"
+#include "trainer/core/planar_image.h"
+#include "trainer/loss/ssim_kernels.h"
 
 namespace fluxgs {
 

@@ -6,7 +6,7 @@
 #include <nanoflann.hpp>
 
 #include "fluxgs/math/spherical_harmonics.h"
-#include "trainer/base/logistic.h"
+#include "trainer/core/logistic.h"
 
 namespace fluxgs {
 namespace {

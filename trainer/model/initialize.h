@@ -2,7 +2,7 @@
 #pragma once
 
 #include "fluxgs/splat_cloud.h"
-#include "trainer/base/parallel.h"
+#include "trainer/core/parallel.h"
 #include "trainer/data/initial_points.h"
 
 namespace fluxgs {

@@ -7,12 +7,12 @@
 
 #include "fluxgs/camera.h"
 #include "fluxgs/render_options.h"
-#include "trainer/base/parallel.h"
-#include "trainer/model/parameters.h"
-#include "trainer/raster/planar_image.h"
+#include "trainer/core/isa.h"
+#include "trainer/core/parallel.h"
+#include "trainer/core/parameters.h"
+#include "trainer/core/planar_image.h"
+#include "trainer/core/profiler.h"
 #include "trainer/raster/score.h"
-#include "trainer/raster/stages.h"
-#include "trainer/simd/isa.h"
 
 namespace fluxgs {
 

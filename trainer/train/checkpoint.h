@@ -9,8 +9,8 @@
 
 #include "fluxgs/error.h"
 #include "trainer/data/dataset.h"
-#include "trainer/options/options.h"
-#include "trainer/state/train_state.h"
+#include "trainer/model/options.h"
+#include "trainer/model/train_state.h"
 
 namespace fluxgs {
 

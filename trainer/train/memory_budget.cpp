@@ -7,7 +7,7 @@
 
 #include "fluxgs/io/compact_glb.h"
 #include "trainer/compress/scene_error.h"
-#include "trainer/model/parameters.h"
+#include "trainer/core/parameters.h"
 
 namespace fluxgs {
 namespace {

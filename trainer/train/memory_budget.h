@@ -5,7 +5,7 @@
 
 #include "fluxgs/error.h"
 #include "trainer/data/dataset.h"
-#include "trainer/options/options.h"
+#include "trainer/model/options.h"
 
 namespace fluxgs {
 

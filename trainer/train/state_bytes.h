@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "fluxgs/error.h"
-#include "trainer/state/train_state.h"
+#include "trainer/model/train_state.h"
 
 namespace fluxgs {
 

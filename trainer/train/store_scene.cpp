@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "fluxgs/io/gltf.h"
-#include "trainer/appearance/export_networks.h"
-#include "trainer/compress/rounding.h"
+#include "trainer/compress/quantization_aware.h"
+#include "trainer/paper/export_networks.h"
 
 namespace fluxgs {
 namespace {

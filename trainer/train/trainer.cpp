@@ -5,16 +5,16 @@
 #include <functional>
 
 #include "fluxgs/io/compact_glb.h"
-#include "trainer/appearance/latent_adam.h"
-#include "trainer/base/decibels.h"
-#include "trainer/base/indices.h"
-#include "trainer/compress/rounding.h"
+#include "trainer/compress/quantization_aware.h"
+#include "trainer/core/indices.h"
+#include "trainer/core/psnr.h"
 #include "trainer/densify/camera_sampling.h"
 #include "trainer/densify/mcmc.h"
 #include "trainer/densify/penalties.h"
+#include "trainer/loss/evaluate.h"
 #include "trainer/model/initialize.h"
+#include "trainer/paper/latent_adam.h"
 #include "trainer/raster/blend_weights.h"
-#include "trainer/train/evaluate.h"
 #include "trainer/train/memory_budget.h"
 
 namespace fluxgs {

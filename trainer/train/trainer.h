@@ -7,17 +7,17 @@
 
 #include "fluxgs/error.h"
 #include "fluxgs/splat_cloud.h"
-#include "trainer/appearance/appearance_pass.h"
+#include "trainer/compress/sh_reduction.h"
 #include "trainer/data/dataset.h"
 #include "trainer/data/initial_points.h"
 #include "trainer/data/pyramid.h"
 #include "trainer/densify/density_control.h"
+#include "trainer/densify/dropout.h"
 #include "trainer/loss/photometric.h"
-#include "trainer/options/options.h"
+#include "trainer/model/options.h"
+#include "trainer/model/train_state.h"
+#include "trainer/paper/appearance_pass.h"
 #include "trainer/raster/rasterizer.h"
-#include "trainer/state/train_state.h"
-#include "trainer/train/dropout.h"
-#include "trainer/train/reduce_appearance.h"
 
 namespace fluxgs {
 

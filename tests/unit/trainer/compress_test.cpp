@@ -9,12 +9,12 @@
 
 #include "fluxgs/io/gltf.h"
 #include "support/scenes.h"
-#include "trainer/appearance/sh_fit.h"
-#include "trainer/appearance/sh_reduction.h"
 #include "trainer/compress/compact_search.h"
-#include "trainer/compress/error_curvature.h"
-#include "trainer/compress/seen_splats.h"
-#include "trainer/train/evaluate.h"
+#include "trainer/compress/fit_splats.h"
+#include "trainer/compress/sh_fit.h"
+#include "trainer/compress/shape_hessian.h"
+#include "trainer/compress/view_sensitivity.h"
+#include "trainer/loss/evaluate.h"
 
 namespace fluxgs {
 namespace {

@@ -6,9 +6,9 @@
 
 #include "fluxgs/math/spherical_harmonics.h"
 #include "support/scenes.h"
-#include "trainer/model/adam.h"
+#include "trainer/core/adam.h"
 #include "trainer/model/initialize.h"
-#include "trainer/options/options.h"
+#include "trainer/model/options.h"
 
 namespace fluxgs {
 namespace {

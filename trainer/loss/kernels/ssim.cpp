@@ -1,5 +1,5 @@
-#include "trainer/loss/kernels.h"
-#include "trainer/simd/lanes.h"
+#include "trainer/core/lanes.h"
+#include "trainer/loss/ssim_kernels.h"
 
 namespace fluxgs::FLUXGS_ISA {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "trainer/base/parallel.h"
-#include "trainer/raster/cpu/kernels.h"
+#include "trainer/core/parallel.h"
+#include "trainer/raster/cpu/raster_kernels.h"
 
 namespace fluxgs {
 

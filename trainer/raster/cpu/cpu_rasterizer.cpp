@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "trainer/raster/cpu/binning.h"
-#include "trainer/raster/cpu/kernels.h"
+#include "trainer/raster/cpu/raster_kernels.h"
 #include "trainer/raster/rasterizer.h"
 
 namespace fluxgs {

@@ -1,5 +1,5 @@
 // The least degree for each splat, and what it costs.
-#include "trainer/appearance/adaptive_degree.h"
+#include "trainer/compress/adaptive_degree.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 
 #include "random_splats.h"
 #include "support/scenes.h"
-#include "trainer/base/decibels.h"
 #include "trainer/compress/scene_error.h"
+#include "trainer/core/psnr.h"
 
 namespace fluxgs {
 namespace {

@@ -1,6 +1,6 @@
 // Colours from networks while they are trained: values and derivatives against float64, threads and
 // instruction sets, bad numbers, checkpoints, and that training gets somewhere.
-#include "trainer/appearance/appearance_pass.h"
+#include "trainer/paper/appearance_pass.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "support.h"
-#include "trainer/appearance/latent_adam.h"
+#include "trainer/paper/latent_adam.h"
 
 namespace fluxgs {
 namespace {

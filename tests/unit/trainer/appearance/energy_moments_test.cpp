@@ -1,5 +1,5 @@
 // The paper's energy moments, and what is wrong with them (facts 1 and 2).
-#include "trainer/appearance/energy_moments.h"
+#include "trainer/paper/energy_moments.h"
 
 #include <gtest/gtest.h>
 

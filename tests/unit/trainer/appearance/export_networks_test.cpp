@@ -1,5 +1,5 @@
 // What the trainer's networks make of a scene is what a phone makes of its file.
-#include "trainer/appearance/export_networks.h"
+#include "trainer/paper/export_networks.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include "fluxgs/io/gltf.h"
 #include "support.h"
 #include "support/needs_onnxruntime.h"
-#include "trainer/appearance/appearance_pass.h"
+#include "trainer/paper/appearance_pass.h"
 
 namespace fluxgs {
 namespace {

@@ -1,12 +1,12 @@
 // Ψ learns given colours before its first image.
-#include "trainer/appearance/fit_psi.h"
+#include "trainer/paper/fit_psi.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "support.h"
-#include "trainer/appearance/appearance_pass.h"
+#include "trainer/paper/appearance_pass.h"
 
 namespace fluxgs {
 namespace {

@@ -1,5 +1,5 @@
 // Quadrature rules on the sphere.
-#include "trainer/appearance/quadrature.h"
+#include "trainer/core/quadrature.h"
 
 #include <gtest/gtest.h>
 

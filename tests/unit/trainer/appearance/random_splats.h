@@ -8,8 +8,8 @@
 #include <glm/geometric.hpp>
 
 #include "fluxgs/math/spherical_harmonics.h"
-#include "trainer/appearance/sh_fit.h"
-#include "trainer/base/random.h"
+#include "trainer/compress/sh_fit.h"
+#include "trainer/core/random.h"
 
 namespace fluxgs::test {
 

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "random_splats.h"
-#include "trainer/appearance/adaptive_degree.h"
-#include "trainer/appearance/sh_reduction.h"
+#include "trainer/compress/adaptive_degree.h"
+#include "trainer/compress/fit_splats.h"
 
 namespace fluxgs {
 namespace {

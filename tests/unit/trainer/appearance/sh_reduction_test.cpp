@@ -1,5 +1,5 @@
 // Lower degrees by least squares over the views (fact 3).
-#include "trainer/appearance/sh_reduction.h"
+#include "trainer/compress/fit_splats.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // How much the sphere counts beside the views.
-#include "trainer/appearance/sphere_prior.h"
+#include "trainer/compress/sphere_prior.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "random_splats.h"
-#include "trainer/appearance/adaptive_degree.h"
+#include "trainer/compress/adaptive_degree.h"
 
 namespace fluxgs {
 namespace {

@@ -8,7 +8,7 @@
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/io/gltf.h"
 #include "tests/support/scenes.h"
-#include "trainer/appearance/appearance_model.h"
+#include "trainer/paper/appearance_model.h"
 
 namespace fluxgs::test {
 

@@ -1,5 +1,5 @@
 // The networks' training: products, values and derivatives against float64, Adam, checkpoints.
-#include "trainer/appearance/trainable_mlp.h"
+#include "trainer/paper/trainable_mlp.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // How much each view sees of each splat.
-#include "trainer/appearance/view_weights.h"
+#include "trainer/compress/view_weights.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 
 #include "fluxgs/math/spherical_harmonics.h"
 #include "support/scenes.h"
-#include "trainer/compress/seen_splats.h"
-#include "trainer/train/evaluate.h"
+#include "trainer/compress/view_sensitivity.h"
+#include "trainer/loss/evaluate.h"
 
 namespace fluxgs {
 namespace {

@@ -1,4 +1,4 @@
-#include "trainer/train/dropout.h"
+#include "trainer/densify/dropout.h"
 
 #include <gtest/gtest.h>
 

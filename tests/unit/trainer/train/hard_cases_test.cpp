@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "trainer/base/decibels.h"
-#include "trainer/train/evaluate.h"
+#include "trainer/core/psnr.h"
+#include "trainer/loss/evaluate.h"
 #include "trainer/train/store_scene.h"
 #include "unit/trainer/train/short_run.h"
 

@@ -8,9 +8,9 @@
 
 #include "fluxgs/io/gltf.h"
 #include "support/needs_onnxruntime.h"
-#include "trainer/compress/rounding.h"
-#include "trainer/train/evaluate.h"
-#include "trainer/train/reduce_appearance.h"
+#include "trainer/compress/quantization_aware.h"
+#include "trainer/compress/sh_reduction.h"
+#include "trainer/loss/evaluate.h"
 #include "trainer/train/store_scene.h"
 #include "unit/trainer/train/short_run.h"
 

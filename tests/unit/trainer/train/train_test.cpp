@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <thread>
 
-#include "trainer/train/evaluate.h"
+#include "trainer/loss/evaluate.h"
 #include "unit/trainer/train/short_run.h"
 
 namespace fluxgs {

@@ -1,7 +1,7 @@
 // Exact intersection of a splat's ellipse with tiles and their 4×4 blocks (Hanson et al. 2025,
 // "Speedy-Splat": spans per row instead of a bounding box).
+#include "trainer/core/lanes.h"
 #include "trainer/raster/cpu/kernels/kernels_isa.h"
-#include "trainer/simd/lanes.h"
 
 namespace fluxgs::FLUXGS_ISA {
 namespace {

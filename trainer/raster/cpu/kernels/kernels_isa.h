@@ -1,7 +1,7 @@
 // Declarations of one instruction set's kernels; see ../kernels.h for what they do.
 #pragma once
 
-#include "trainer/raster/cpu/kernels.h"
+#include "trainer/raster/cpu/raster_kernels.h"
 
 namespace fluxgs::FLUXGS_ISA {
 

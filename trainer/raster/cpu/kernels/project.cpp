@@ -1,8 +1,8 @@
 // Projection of packs of splats: the formulas of math/ on SIMD lanes.
 #include "fluxgs/math/spherical_harmonics.h"
-#include "trainer/model/parameters.h"
+#include "trainer/core/lanes.h"
+#include "trainer/core/parameters.h"
 #include "trainer/raster/cpu/kernels/kernels_isa.h"
-#include "trainer/simd/lanes.h"
 
 #include <hwy/contrib/math/math-inl.h>
 

@@ -2,8 +2,8 @@
 // definition of α, so that the backward pass replays the forward pass bit for bit.
 #pragma once
 
-#include "trainer/raster/cpu/kernels.h"
-#include "trainer/simd/lanes.h"
+#include "trainer/core/lanes.h"
+#include "trainer/raster/cpu/raster_kernels.h"
 
 namespace fluxgs::FLUXGS_ISA {
 

@@ -1,0 +1,29 @@
+// From where, and how much, the training images see each splat.
+#pragma once
+
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "fluxgs/camera.h"
+#include "fluxgs/render_options.h"
+#include "trainer/core/parallel.h"
+#include "trainer/core/parameters.h"
+#include "trainer/core/progress.h"
+
+namespace fluxgs {
+
+/// 4 bytes a splat and view: 40 MB for 100,000 splats and 100 views. Where that is too much, only a
+/// part of the views may be given.
+struct ViewWeights {
+  std::vector<glm::dvec3> centers = {};  ///< of the cameras
+  PlanarFloats weights = {};             ///< row v: Σ α·T over the pixels of view v, for each splat
+  double pixels = 0;                     ///< of all views together
+};
+
+/// `parameters`: rows as in model/parameters.h. A forward pass and one of scores for each view.
+ViewWeights view_weights(const PlanarFloats& parameters, const std::vector<Camera>& cameras,
+                         const RenderOptions& options, const Threads& threads,
+                         const ProgressReport& progress = {});
+
+}  // namespace fluxgs

@@ -1,0 +1,125 @@
+// The inner loops of the CPU rasteriser: plain structs and function pointers, one table for each
+// instruction set. Everything here works on memory that the caller owns; nothing allocates.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "fluxgs/math/projection.h"
+#include "trainer/core/isa.h"
+#include "trainer/raster/score.h"
+
+namespace fluxgs {
+
+inline constexpr int kTileSize = 16;  ///< px
+inline constexpr int kBlockSize = 4;  ///< px; a tile has 4×4 blocks of 4×4 px
+inline constexpr int kTilePixels = kTileSize * kTileSize;
+
+/// The footprint's factor is stored times √(½·log₂e), so that α = 2^(log2_opacity − u² − v²):
+/// one exponential to base 2 and no further product per pixel.
+inline constexpr float kFactorScale = 0.8493218002880191f;
+
+/// A splat on the image, one cache line.
+struct alignas(64) ProjectedSplat {
+  float x, y;        ///< centre, px
+  float xx, xy, yy;  ///< triangular factor of the conic × kFactorScale
+  float log2_opacity;
+  float r, g, b;                  ///< colour ≥ 0
+  float depth;                    ///< camera z
+  float half_width, half_height;  ///< px, the box outside of which α < α_min
+  float opacity;
+  float unused[3];
+};
+
+/// The image model's constants in the form the kernels use.
+struct RasterConstants {
+  float alpha_max, alpha_min, log2_alpha_min, transmittance_min;
+  float background[3];
+};
+
+struct ProjectArgs {
+  const float* parameters;  ///< rows as in trainer/model/parameters.h
+  std::size_t stride;       ///< floats from row to row
+  std::size_t size;         ///< splats
+  int sh_degree;            ///< degree to evaluate
+  math::View<float> view;
+  RasterConstants constants;
+  ProjectedSplat* out;    ///< [size], written where visible
+  std::uint8_t* visible;  ///< [padded size]: 1 where the splat can touch the image
+};
+
+/// One splat in one tile. Bit 4·row + column of `blocks` is set where the ellipse may reach the
+/// block. `slot` is where the backward pass leaves this pair's gradient.
+struct TileEntry {
+  std::uint32_t splat, slot, blocks;
+};
+
+struct TileBins {
+  std::uint32_t tile, blocks;
+};
+
+/// The gradient of one splat–tile pair: moments (see math::FootprintMoments, in units of the scaled
+/// factor), Σh, the colour's gradient, and padding.
+struct alignas(16) PairGradient {
+  float u, v, uu, uv, vv, h, r, g, b, unused[3];
+};
+
+struct TileArgs {
+  const ProjectedSplat* splats;
+  const TileEntry* entries;
+  std::uint32_t count;
+  int x0, y0;         ///< the tile's corner, px
+  int width, height;  ///< the image's size
+  std::size_t pitch;  ///< floats from row to row of a plane
+  RasterConstants constants;
+  float* color;                 ///< 3 planes of pitch·height, including the background
+  const float* color_gradient;  ///< 3 planes (backward only)
+  PairGradient* gradients;      ///< indexed by TileEntry::slot (backward only)
+  std::uint64_t* pairs;  ///< if not null, the number of contributing splat–pixel pairs is added
+};
+
+/// The scores of one splat–tile pair: Σ w·map of two maps, Σ α·T, and how many pixels it reached.
+struct alignas(16) PairScore {
+  float first, second, contribution, pixels;
+};
+
+struct ScoreArgs {
+  TileArgs tile;      ///< color, color_gradient and gradients are not used
+  const float* maps;  ///< 2 planes of pitch·height
+  ScoreWeight weight;
+  PairScore* scores;  ///< indexed by TileEntry::slot
+};
+
+struct GradientArgs {
+  const float* parameters;
+  std::size_t stride, size;
+  int sh_degree;
+  math::View<float> view;
+  const ProjectedSplat* splats;
+  const float* sums;       ///< 9 rows (stride as above): u, v, uu, uv, vv, h, r, g, b by splat
+  float* gradients;        ///< rows as the parameters; written for every pack with a visible splat
+  float* center_gradient;  ///< one row: |∂L/∂centre| in normalised device coordinates
+  std::uint8_t* visible;   ///< cleared where a gradient is not finite
+};
+
+struct RasterKernels {
+  /// Projects splats [begin, end); begin is a multiple of 16.
+  void (*project)(const ProjectArgs&, std::size_t begin, std::size_t end);
+  /// Lists the tiles that a splat's ellipse {α ≥ α_min} reaches, in row-major order, with the
+  /// blocks inside each. `out` must hold every tile of the splat's box. Returns how many.
+  std::uint32_t (*bin)(const ProjectedSplat&, const RasterConstants&, int tiles_x, int tiles_y,
+                       TileBins* out);
+  /// Renders a tile. Returns how many entries were used before every pixel was finished.
+  std::uint32_t (*forward)(const TileArgs&);
+  /// Replays the first `count` entries of a tile and writes their pairs' gradients.
+  void (*backward)(const TileArgs&);
+  /// Replays the first `count` entries of a tile and writes their pairs' scores.
+  void (*score)(const ScoreArgs&);
+  /// Chain rule from the summed pair gradients to the parameters, for splats [begin, end).
+  /// Returns how many visible splats had a gradient that is not finite (they become invisible).
+  std::uint32_t (*gradient)(const GradientArgs&, std::size_t begin, std::size_t end);
+};
+
+const RasterKernels& raster_kernels(Isa isa);
+
+}  // namespace fluxgs
