@@ -16,7 +16,7 @@
 #include "support/scenes.h"
 #include "tools/reference/reference_renderer.h"
 #include "trainer/data/image_io.h"
-#include "trainer/loss/evaluate.h"
+#include "trainer/train/evaluate.h"
 
 namespace fluxgs {
 namespace {

@@ -34,13 +34,13 @@ struct Case {
 
 /// All 300 iterations long; intervals are shortened so that every part of the method takes place.
 constexpr Case kCases[] = {
-    {"flux", "--preset flux --densify-from 50 --sh-loss 0.1"},
+    {"flux", "--preset flux --densify-from 50 --sh-max-psnr-drop 0.1"},
     {"flux-paper",
      "--preset flux-paper --densify-from 50 --densify-interval 50 --opacity-reset-interval 100"},
     {"3dgs", "--preset 3dgs --densify-from 50 --densify-interval 50 --opacity-reset-interval 100"},
     {"3dgs-sh1",
      "--preset 3dgs-sh1 --densify-from 50 --densify-interval 50 --opacity-reset-interval 100"},
-    {"densify-grad", "--preset flux --densify-from 50 --densify grad"},
+    {"densify-gradient", "--preset flux --densify-from 50 --densify gradient"},
     {"densify-multiview",
      "--preset 3dgs --densify-from 50 --densify-interval 50 --densify multiview --prune multiview "
      "--late-prune opacity"},
@@ -102,7 +102,8 @@ TEST_P(Pinned, TrainsTheSameScene) {
     GTEST_SKIP() << "pinned with " << hashes[""] << "; this is " << surroundings();
   const test::TempFolder folder;
   const std::string command = fmt::format(
-      "FLUXGS_ISA={} '{}' train '{}' -o '{}' --exact '{}' --iterations 300 --initial-splats 4000 "
+      "FLUXGS_ISA={} '{}' train '{}' -o '{}' --float-output '{}' --iterations 300 --initial-splats "
+      "4000 "
       "{} >'{}' 2>&1",
       name_of(isa), FLUXGS_BINARY, capture_folder().string(), (folder / "scene.glb").string(),
       (folder / "scene.ply").string(), pinned.options, (folder / "log").string());

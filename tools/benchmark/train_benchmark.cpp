@@ -1,6 +1,7 @@
 // How long the stages of a training iteration take, beside what they work on.
 #include <algorithm>
-#include <array>
+#include <map>
+#include <string>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -8,7 +9,10 @@
 
 #include "trainer/core/clock.h"
 #include "trainer/data/initial_points.h"
+#include "trainer/densify/densification.h"
+#include "trainer/densify/opacity_reset.h"
 #include "trainer/train/checkpoint.h"
+#include "trainer/train/sh_curriculum.h"
 #include "trainer/train/trainer.h"
 
 namespace fluxgs {
@@ -27,9 +31,9 @@ double median(std::vector<double> v) {
 /// Contributing splat–pixel pairs per pixel, over the training views, counted by a pass of its own.
 double pairs_per_pixel(const Dataset& data, const TrainState& state, const TrainOptions& options,
                        const Threads& threads) {
-  StageTimes times;
+  Profiler profiler;
   const auto rasterizer =
-      make_cpu_rasterizer(threads, times, {.isa = best_isa(), .count_pixel_pairs = true});
+      make_cpu_rasterizer(threads, profiler, {.isa = best_isa(), .count_pixel_pairs = true});
   double pairs = 0, pixels = 0;
   for (const View& view : data.train) {
     rasterizer->forward(state.parameters, view.camera, options.render);
@@ -59,36 +63,35 @@ Expected<void> run(const Settings& settings) {
   if (!data) return std::unexpected(data.error());
 
   const Threads threads(settings.threads);
-  TrainOptions options;
-  options.densify_from = 1 << 30;  // the same splats throughout
-  options.opacity_reset_interval = 0;
-  options.sh_degree_interval = 1;  // every coefficient in use, as for most of a run
-  StageTimes times;
+  TrainOptions options = default_options();
+  options.get<DensificationOptions>().from = 1 << 30;  // the same splats throughout
+  options.get<OpacityResetOptions>().interval = 0;
+  options.get<ShCurriculumOptions>().interval = 1;  // every coefficient in use, as most of the time
+  Profiler profiler;
   auto state = starting_state(settings, *data, options, threads);
   if (!state) return std::unexpected(state.error());
   const double density = pairs_per_pixel(*data, *state, options, threads);
-  Trainer trainer(*data, options, std::move(*state), threads, times);
+  Trainer trainer(*data, options, std::move(*state), threads, profiler);
   for (int i = 0; i < settings.warmup; ++i) trainer.step();
 
   std::vector<double> wall_ms, cpu_ms;
-  std::array<std::vector<double>, kStageNames.size()> stage_ms;
+  std::map<std::string, std::vector<double>> stage_ms;
   for (int i = 0; i < settings.iterations; ++i) {
-    times = {};
+    profiler.clear();
     const double wall = wall_seconds(), cpu = cpu_seconds();
     trainer.step();
     wall_ms.push_back(1e3 * (wall_seconds() - wall));
     cpu_ms.push_back(1e3 * (cpu_seconds() - cpu));
-    for (std::size_t s = 0; s < stage_ms.size(); ++s) stage_ms[s].push_back(1e3 * times.seconds[s]);
+    for (const auto& [name, seconds] : profiler.entries()) stage_ms[name].push_back(1e3 * seconds);
   }
 
   const Camera& camera = data->train.front().camera;
   const double pairs = density * camera.width * camera.height;
   fmt::print("{}x{}, {} splats, {:.1f} contributing pairs a pixel, {}, {} threads\n", camera.width,
-             camera.height, trainer.state().parameters.size(), density, name_of(best_isa()),
+             camera.height, trainer.state.parameters.size(), density, name_of(best_isa()),
              threads.count());
-  fmt::print("{:<10} {:>18}\n", "stage", "median ms (wall)");
-  for (std::size_t s = 0; s < kStageNames.size(); ++s)
-    fmt::print("{:<10} {:>18.3f}\n", kStageNames[s], median(stage_ms[s]));
+  fmt::print("{:<20} {:>8}\n", "stage", "median ms (wall)");
+  for (const auto& [name, ms] : stage_ms) fmt::print("{:<20} {:>8.3f}\n", name, median(ms));
   fmt::print(
       "iteration: median {:.2f} ms wall, {:.2f} ms CPU ({:.2f} ns CPU per contributing pair); "
       "cores used: {:.0f}%\n",

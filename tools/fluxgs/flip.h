@@ -7,7 +7,7 @@
 #include "fluxgs/error.h"
 #include "trainer/core/progress.h"
 #include "trainer/data/dataset.h"
-#include "trainer/loss/evaluate.h"
+#include "trainer/train/evaluate.h"
 
 namespace fluxgs::cli {
 

@@ -1,94 +1,101 @@
 #include "tools/fluxgs/method_options.h"
 
 #include <algorithm>
-#include <charconv>
+#include <memory>
+#include <regex>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "trainer/train/schedule.h"
 
 namespace fluxgs::cli {
 namespace {
 
-/// CLI11 would take −1 for 2⁶⁴ − 1, and that for anything larger.
-std::uint64_t parse_natural(const std::string& name, const std::string& text) {
-  std::uint64_t value = 0;
-  const char* end = text.data() + text.size();
-  const auto [rest, status] = std::from_chars(text.data(), end, value);
-  if (status != std::errc() || rest != end)
-    throw CLI::ValidationError("--" + name, "expected a whole number from 0 to 2^64 - 1");
-  return value;
+constexpr std::string_view kCommon[] = {"iterations", "seed", "max-splats", "target-splats",
+                                        "max-memory"};
+
+OptionField* find(OptionFields& fields, std::string_view name) {
+  const auto at =
+      std::ranges::find_if(fields, [&](const OptionField& f) { return name == f.name; });
+  return at == fields.end() ? nullptr : &*at;
 }
 
-void check_range(const OptionField& f, double value) {
-  if (!(value >= f.low && value <= f.high))  // also refuses NaN
-    throw CLI::ValidationError(std::string("--") + f.name,
-                               fmt::format("expected {:.10g} to {:.10g}", f.low, f.high));
+/// Refuses values that the option does not take.
+void check(const std::string& name, const std::string& text) {
+  TrainOptions scratch = default_options();
+  OptionFields fields = scratch.fields();
+  if (auto ok = set(*find(fields, name), text); !ok)
+    throw CLI::ValidationError("--" + name, ok.error().what);
 }
 
-CLI::Option* add_number(CLI::App& command, const OptionField& f, MethodOptions& given) {
-  const std::string name = std::string("--") + f.name;
-  if (f.real)
-    return command.add_option_function<double>(
-        name,
-        [&f, &given](double value) {
-          check_range(f, value);
-          given.push_back([&f, value](TrainOptions& o) { o.*f.real = value; });
-        },
-        f.help);
-  if (f.integer)
-    return command.add_option_function<std::int64_t>(
-        name,
-        [&f, &given](std::int64_t value) {
-          check_range(f, static_cast<double>(value));
-          given.push_back([&f, value](TrainOptions& o) { o.*f.integer = static_cast<int>(value); });
-        },
-        f.help);
-  return command.add_option_function<std::string>(
-      name,
-      [&f, &given](const std::string& text) {
-        const std::uint64_t value = parse_natural(f.name, text);
-        given.push_back([&f, value](TrainOptions& o) { o.*f.natural = value; });
-      },
-      f.help);
+const char* type_name(const OptionField& f) {
+  if (std::holds_alternative<int*>(f.value) || std::holds_alternative<std::uint64_t*>(f.value))
+    return "INT";
+  return std::holds_alternative<double*>(f.value) ? "FLOAT" : "";
 }
 
-CLI::Option* add_choice(CLI::App& command, const OptionField& f, MethodOptions& given) {
-  const auto names = f.choice.names;
-  return command
-      .add_option_function<std::string>(
-          std::string("--") + f.name,
-          [&f, &given](const std::string& text) {
-            const auto at = std::ranges::find(f.choice.names, text);
-            const int value = static_cast<int>(at - f.choice.names.begin());
-            given.push_back([&f, value](TrainOptions& o) { f.choice.set(o, value); });
-          },
-          f.help)
-      ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())));
+std::string help_of(const OptionField& f) {
+  const auto* choice = std::get_if<OptionChoice>(&f.value);
+  if (std::holds_alternative<bool*>(f.value)) return fmt::format("{}: off or on", f.help);
+  return choice ? fmt::format("{} {{{}}}", f.help, fmt::join(choice->names, ",")) : f.help;
 }
 
-std::string shown(const OptionField& f, const TrainOptions& options) {
-  if (f.real) return fmt::format("{:g}", options.*f.real);
-  if (f.integer) return fmt::format("{}", options.*f.integer);
-  if (f.natural) return fmt::format("{}", options.*f.natural);
-  return std::string(f.choice.names[static_cast<std::size_t>(f.choice.get(options))]);
-}
+/// Leaves groups out of the usual help.
+class ShortHelp final : public CLI::Formatter {
+ public:
+  explicit ShortHelp(std::vector<std::string> groups) : groups_(std::move(groups)) {}
+
+  std::string make_help(const CLI::App* app, std::string name,
+                        CLI::AppFormatMode mode) const override {
+    shows_all_ = mode == CLI::AppFormatMode::All;
+    // Groups that are left out leave their empty lines behind
+    return std::regex_replace(Formatter::make_help(app, std::move(name), mode),
+                              std::regex("\n{3,}"), "\n\n");
+  }
+  std::string make_group(std::string group, bool is_positional,
+                         std::vector<const CLI::Option*> options) const override {
+    const bool shown = shows_all_ || is_positional || std::ranges::count(groups_, group) > 0;
+    return shown ? Formatter::make_group(std::move(group), is_positional, std::move(options)) : "";
+  }
+
+ private:
+  std::vector<std::string> groups_;
+  mutable bool shows_all_ = false;
+};
 
 }  // namespace
 
+void show_groups(CLI::App& command, std::vector<std::string> groups) {
+  command.set_help_all_flag("--help-all", "print all options, by the phase of the training");
+  for (const char* name : {"--help", "--help-all"}) command.get_option(name)->group("Help");
+  groups.emplace_back("Help");
+  const auto formatter = std::make_shared<ShortHelp>(std::move(groups));
+  formatter->column_width(34);
+  command.formatter(formatter);
+}
+
 void add_method_options(CLI::App& command, MethodOptions& given) {
-  const TrainOptions defaults = preset(preset_names().front()).value();
-  for (const OptionField& f : option_fields()) {
-    CLI::Option* option =
-        f.choice.get ? add_choice(command, f, given) : add_number(command, f, given);
-    option->default_str(shown(f, defaults));
-    const std::string_view name = f.name;
-    const bool common =
-        name == "iterations" || name == "max-splats" || name == "target-splats" || name == "seed";
-    option->group(common ? "Options" : "Constants of the method");
+  TrainOptions defaults = preset(preset_names().front()).value();
+  for (const OptionField& f : defaults.fields()) {
+    const std::string name = f.name;
+    command
+        .add_option_function<std::string>(
+            "--" + name,
+            [name, &given](const std::string& text) {
+              check(name, text);
+              given.emplace_back(name, text);
+            },
+            help_of(f))
+        ->type_name(type_name(f))
+        ->default_str(text_of(f))
+        ->group(std::ranges::count(kCommon, name) > 0 ? kCommonOptions : std::string(f.group));
   }
 }
 
 void apply(const MethodOptions& given, TrainOptions& options) {
-  for (const auto& change : given) change(options);
+  OptionFields fields = options.fields();
+  for (const auto& [name, text] : given) (void)set(*find(fields, name), text);
 }
 
 }  // namespace fluxgs::cli

@@ -1,7 +1,8 @@
-// The constants and choices of the method as options of a sub-command.
+// The options of a training as options of a sub-command.
 #pragma once
 
-#include <functional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -10,13 +11,21 @@
 
 namespace fluxgs::cli {
 
-/// What was given on the command line, to be applied to a preset.
-using MethodOptions = std::vector<std::function<void(TrainOptions&)>>;
+/// Names (without dashes) and values as typed, to be applied to a preset.
+using MethodOptions = std::vector<std::pair<std::string, std::string>>;
 
-/// One option for each of option_fields(); its help shows the default of the default preset.
-/// `given` must outlive the parsing.
+/// Heading of the options that --help shows; the others are under the names of their phases, which
+/// only --help-all shows.
+inline constexpr const char* kCommonOptions = "Training";
+
+/// One option for each field of the default preset, whose values the help shows. Values are checked
+/// while parsing. `given` must outlive the parsing.
 void add_method_options(CLI::App& command, MethodOptions& given);
 
+/// Lets --help show these groups of options only, and --help-all all of them.
+void show_groups(CLI::App& command, std::vector<std::string> groups);
+
+/// Sets the options, which have been checked.
 void apply(const MethodOptions& given, TrainOptions& options);
 
 }  // namespace fluxgs::cli

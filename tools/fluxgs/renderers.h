@@ -8,7 +8,7 @@
 
 #include "fluxgs/splat_cloud.h"
 #include "render/renderer.h"
-#include "trainer/loss/evaluate.h"
+#include "trainer/train/evaluate.h"
 
 namespace fluxgs::cli {
 

@@ -18,7 +18,7 @@
 #include "tools/fluxgs/progress.h"
 #include "tools/fluxgs/report.h"
 #include "trainer/compress/compact_search.h"
-#include "trainer/loss/evaluate.h"
+#include "trainer/train/evaluate.h"
 
 namespace fluxgs::cli {
 namespace {

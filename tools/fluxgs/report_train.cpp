@@ -171,7 +171,7 @@ void take_apart(TrainReport& s) {
   s.common.assign(first, s.data.end());
   s.data.erase(first, s.data.end());
   for (const std::string& word : s.common) {
-    constexpr std::string_view kOwn[] = {"--out",    "--json", "--resume", "--exact",
+    constexpr std::string_view kOwn[] = {"--out",    "--json", "--resume", "--float-output",
                                          "--preset", "--seed", "-h",       "--help"};
     if (word.starts_with("-o") ||
         std::ranges::count(kOwn, std::string_view(word).substr(0, word.find('='))) > 0)

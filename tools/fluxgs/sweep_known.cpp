@@ -8,6 +8,7 @@
 
 #include "tools/fluxgs/read_json.h"
 #include "trainer/train/checkpoint.h"
+#include "trainer/train/schedule.h"
 
 namespace fluxgs::cli {
 namespace {
@@ -50,7 +51,7 @@ json training_meaning(const SweepRow& row, const std::vector<std::string>& commo
   const auto trained = meaning_of(row.preset, options);
   if (!trained) return fmt::format("{} {}", row.preset, fmt::join(options, " "));
   json meaning = {{"data", picked_options(options, {"--downscale", "--background"})}};
-  const json usual = options_json(TrainOptions()), all = options_json(*trained);
+  const json usual = options_json(default_options()), all = options_json(*trained);
   for (const auto& [name, value] : all.items())
     if (value != usual.at(name)) meaning[name] = value;
   return meaning;

@@ -17,7 +17,7 @@ namespace fluxgs::cli {
 
 /// What a training of this row means, besides the files of its data set and its seed: an object
 /// with the options of the data set, and with those of the method that are not what
-/// TrainOptions() has, so that an option which comes to be later changes no older meaning. The
+/// default_options() have, so that an option which comes to be later changes no older meaning. The
 /// text of the options itself where the trainer is going to refuse them.
 nlohmann::json training_meaning(const SweepRow& row, const std::vector<std::string>& common);
 

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "tools/fluxgs/method_options.h"
+#include "trainer/train/schedule.h"
 
 namespace fluxgs::cli {
 namespace {
@@ -55,13 +56,14 @@ void add_named(std::vector<SweepRow>& rows, const char* group, const char* prese
 
 /// The paper's table "Ablation": each part of the method taken away from the whole.
 void add_parts(std::vector<SweepRow>& rows) {
-  add_named(rows, "parts", kPaper,
-            {{"full", "full", {}},
-             {"no-mc-sea", "without MC-SEA (truncated)", {"--sh-reduce", "truncate"}},
-             {"no-delta-c", "without Δc", {"--phi", "off"}},
-             {"no-multiview-densify", "without multi-view densification", {"--densify", "grad"}},
-             {"no-multiview-prune", "without multi-view pruning", {"--prune", "opacity"}},
-             {"no-prune", "without pruning", {"--prune", "none"}}});
+  add_named(
+      rows, "parts", kPaper,
+      {{"full", "full", {}},
+       {"no-mc-sea", "without MC-SEA (truncated)", {"--sh-reduce", "truncate"}},
+       {"no-delta-c", "without Δc", {"--phi", "off"}},
+       {"no-multiview-densify", "without multi-view densification", {"--densify", "gradient"}},
+       {"no-multiview-prune", "without multi-view pruning", {"--prune", "opacity"}},
+       {"no-prune", "without pruning", {"--prune", "none"}}});
 }
 
 /// What `flux` adds to 3DGS and to the paper, each taken away from the whole.
@@ -69,13 +71,13 @@ void add_ours(std::vector<SweepRow>& rows) {
   add_named(rows, "ours", kOurs,
             {{"ours-full", "full", {}},
              {"ours-no-dropout", "without dropout", {"--dropout", "0"}},
-             {"ours-no-coarse-start", "without halved images first", {"--coarse-levels", "0"}},
-             {"ours-no-error-rank", "growth by gradients only", {"--densify", "grad"}},
+             {"ours-no-coarse-start", "without halved images first", {"--resolution-levels", "0"}},
+             {"ours-no-error-rank", "growth by gradients only", {"--densify", "gradient"}},
              {"ours-random-split", "splits at random", {"--split", "random"}},
              {"ours-unlimited-growth", "without a limit to growth", {"--densify-growth", "0"}},
              {"ours-no-late-prune", "without late pruning", {"--late-prune", "off"}},
              {"ours-no-adaptive-degree", "all of degree 3", {"--sh-target", "3"}},
-             {"ours-no-rounding", "rounded only when stored", {"--rounding", "off"}},
+             {"ours-no-quantize-aware", "quantized only when stored", {"--quantize-aware", "off"}},
              {"ours-no-depth-spread", "splats of any depth", {"--depth-spread", "0"}}});
 }
 
@@ -103,7 +105,7 @@ void add_scores(std::vector<SweepRow>& rows) {
   add_named(rows, "score", kOurs,
             {{"score-full", "full", {}},
              {"score-random-views", "views at random", {"--camera-sampling", "random"}},
-             {"score-alpha", "α instead of αT", {"--score", "alpha"}},
+             {"score-alpha", "α instead of αT", {"--score-weight", "alpha"}},
              {"score-l1", "L1 instead of L1 and D-SSIM", {"--score-loss", "l1"}},
              {"score-raw", "errors as they are", {"--score-unit", "raw"}},
              {"score-by-gradient", "the largest gradients first", {"--growth-rank", "gradient"}}});
@@ -142,7 +144,7 @@ std::vector<SweepRow> all_sweep_rows() {
   add_parts(rows);
   add_quadratures(rows);
   add_scores(rows);
-  add_values(rows, "cameras", "--cameras", {2, 4, 6, 8, 10, 12});
+  add_values(rows, "cameras", "--score-views", {2, 4, 6, 8, 10, 12});
   add_values(rows, "quantile-plus", "--quantile-plus", {0.4, 0.5, 0.6, 0.7, 0.8, 0.9});
   // Of the prunings that look at it. The one in between takes splats too faint to be in any
   // image, which therefore have no score: only the late one makes a difference
@@ -150,7 +152,8 @@ std::vector<SweepRow> all_sweep_rows() {
              {"--prune", "multiview", "--late-prune", "opacity"});
   add_values(rows, "size", "--densify-gradient", {1e-4, 2e-4, 3e-4, 4.5e-4, 6e-4, 9e-4});
   // Of which the other limit must not take the decision
-  add_values(rows, "store", "--store-psnr", {36, 38, 40, 42, 44, 46}, {"--store-loss", "0.01"});
+  add_values(rows, "store", "--compress-psnr", {36, 38, 40, 42, 44, 46},
+             {"--max-psnr-drop", "0.01"});
   add_choices(rows, "sh", "sh-target", "--sh-target", {"0", "1", "2", "3", "adaptive"});
   add_choices(rows, "sh", "sh-reduce", "--sh-reduce",
               {"view-ls", "truncate", "uniform-ls", "energy"}, {"--sh-target", "1"});
@@ -158,8 +161,8 @@ std::vector<SweepRow> all_sweep_rows() {
   const Options energy = {"--sh-target", "1", "--sh-reduce", "energy"};
   add_choices(rows, "sh", "residual", "--residual", {"3-1", "3-2", "3-0"}, energy);
   add_choices(rows, "sh", "psi", "--psi", {"off"}, energy);
-  add_values(rows, "switch", "--switch-iter", {1000, 2000, 3000, 4000, 5000, 6000});
-  add_choices(rows, "densify", "densify", "--densify", {"multiview", "grad"});
+  add_values(rows, "switch", "--sh-reduce-iter", {1000, 2000, 3000, 4000, 5000, 6000});
+  add_choices(rows, "densify", "densify", "--densify", {"multiview", "gradient"});
   // As its authors use it
   add_choices(rows, "densify", "densify", "--densify", {"mcmc"},
               {"--densify-interval", "100", "--opacity-reset-interval", "0", "--opacity-weight",
@@ -227,7 +230,7 @@ Expected<TrainOptions> meaning_of(const std::string& name, const Options& option
     return fail("", "", error.what());
   }
   cli::apply(given, *meaning);  // not the one of std
-  return resolved(*meaning);
+  return plan_schedule(*meaning).options;
 }
 
 }  // namespace fluxgs::cli

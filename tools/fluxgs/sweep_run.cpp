@@ -50,10 +50,14 @@ fs::path checkpoint_of(const SweepRun& run) { return run.folder / "scene.glb.ckp
 
 Step train_step(const SweepRun& run) {
   const fs::path report = run.folder / "train.json";
-  const Options files = {"train",   run.data,
-                         "-o",      (run.folder / "scene.glb").string(),
-                         "--exact", (run.folder / "scene.ply").string(),
-                         "--json",  report.string()};
+  const Options files = {"train",
+                         run.data,
+                         "-o",
+                         (run.folder / "scene.glb").string(),
+                         "--float-output",
+                         (run.folder / "scene.ply").string(),
+                         "--json",
+                         report.string()};
   // So that little is lost with the power
   const Options options = merged_options({"--checkpoint-every", "1000"}, run.options);
   Step step{.name = kTrain, .meaning = run.meaning, .arguments = {}, .product = report};
@@ -250,8 +254,8 @@ class Execution {
   /// Of the sizes that training wrote. The .ply, which nothing reads, may be gone.
   bool has_whole_scene(const json& report) const {
     return report.contains("bytes") && has_size("scene.glb", report.at("bytes")) &&
-           (!has("scene.ply") || !report.contains("exact_bytes") ||
-            has_size("scene.ply", report.at("exact_bytes")));
+           (!has("scene.ply") || !report.contains("float_bytes") ||
+            has_size("scene.ply", report.at("float_bytes")));
   }
 
   bool has_size(const char* name, const json& bytes) const {
@@ -367,11 +371,11 @@ class Execution {
   }
 
   void collect_training(const json& report) {
-    take(report, "/psnr_before_storing", "psnr");
-    take(report, "/ssim_before_storing", "ssim");
+    take(report, "/psnr_before_compression", "psnr");
+    take(report, "/ssim_before_compression", "ssim");
     take(report, "/splats", "splats");
     take(report, "/bytes", "stored_bytes");
-    take(report, "/exact_bytes", "ply_bytes");
+    take(report, "/float_bytes", "ply_bytes");
     take(report, "/seconds", "seconds");
     take(report, "/cpu_seconds", "cpu_seconds");
     take(report, "/threads", "threads");
@@ -381,12 +385,13 @@ class Execution {
     if (report.contains("psnr")) collect_curves(report.at("curves"));
   }
 
-  /// The test images' PSNR over the training, and what the switch did to it.
+  /// The test images' PSNR over the training, and the effect of the SH reduction on it.
   void collect_curves(const json& curves) {
-    if (curves.at("switch").is_object()) {
-      const auto test = curves.at("switch").at("test_psnr").get<std::array<double, 2>>();
-      outcome_.values["switch_psnr"] = test[1] - test[0];
-    }
+    for (const json& phase : curves.at("phases"))
+      if (phase.at("phase") == "SH reduction") {
+        const auto test = phase.at("test_psnr").get<std::array<double, 2>>();
+        outcome_.values["sh_reduction_psnr"] = test[1] - test[0];
+      }
     outcome_.curve = curves.at("psnr");
   }
 

@@ -24,7 +24,7 @@ std::string text_of(const TrainHistory& history) {
   return json{{"seconds", history.seconds},
               {"cpu_seconds", history.cpu_seconds},
               {"rejected_gradients", history.rejected_gradients},
-              {"stages", history.stages.seconds},
+              {"stages", history.stages},
               {"curves", history.curves}}
       .dump();
 }
@@ -36,7 +36,7 @@ TrainHistory history_of(const std::string& text) {
     all.at("seconds").get_to(history.seconds);
     all.at("cpu_seconds").get_to(history.cpu_seconds);
     all.at("rejected_gradients").get_to(history.rejected_gradients);
-    all.at("stages").get_to(history.stages.seconds);
+    all.at("stages").get_to(history.stages);
     history.curves = all.at("curves");
     const bool known = history.curves.is_object() || history.curves.is_null();
     return known ? history : TrainHistory{};
@@ -50,8 +50,7 @@ TrainHistory joined(const TrainHistory& before, const TrainHistory& after) {
   all.seconds += before.seconds;
   all.cpu_seconds += before.cpu_seconds;
   all.rejected_gradients += before.rejected_gradients;
-  for (std::size_t s = 0; s < all.stages.seconds.size(); ++s)
-    all.stages.seconds[s] += before.stages.seconds[s];
+  for (const auto& [name, seconds] : before.stages) all.stages[name] += seconds;
   all.curves = joined(before.curves, after.curves);
   return all;
 }

@@ -2,19 +2,18 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 
 #include <nlohmann/json.hpp>
-
-#include "trainer/core/profiler.h"
 
 namespace fluxgs::cli {
 
 struct TrainHistory {
   double seconds = 0, cpu_seconds = 0;
   std::uint64_t rejected_gradients = 0;  ///< that were not finite
-  StageTimes stages;
-  nlohmann::json curves;  ///< TrainLog::to_json(); null: none yet
+  std::map<std::string, double> stages;  ///< seconds by name
+  nlohmann::json curves;                 ///< TrainLog::to_json(); null: none yet
 };
 
 /// As text, for a checkpoint.

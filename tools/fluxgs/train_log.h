@@ -1,5 +1,5 @@
-// What a training did on its way: means over equal stretches, the PSNR of the test images now and
-// then, and what its turning points were worth. For the report and its plots.
+// Log of a training: means over equal stretches, the PSNR of the test views now and then, and the
+// reports of phases. For the report and its plots.
 #pragma once
 
 #include <utility>
@@ -17,7 +17,7 @@ class TrainLog {
 
   /// Takes a step in, and tells the user of what happened in it. Stretches end at the same steps
   /// wherever a training was interrupted; of one cut in two, the curves have the second part.
-  void add(int iteration, const StepReport& step, std::size_t splats);
+  void add(int iteration, const IterationReport& report, std::size_t splats);
 
   /// Twenty times in all, halfway between the even marks, at many of which opacities are reset.
   bool psnr_is_due(int iteration) const { return iteration % (10 * stretch_) == 5 * stretch_; }
@@ -29,9 +29,7 @@ class TrainLog {
   nlohmann::json to_json() const;
 
  private:
-  void add_switch(int iteration, const SwitchReport& report);
-  void add_late_prune(int iteration, const LatePruneReport& report);
-  void add_rounding(int iteration, const RoundingReport& report);
+  void add_phase(const PhaseReport& report);
 
   int stretch_, count_ = 0;
   double loss_ = 0, l1_ = 0, start_, measuring_ = 0, measuring_cpu_ = 0;
@@ -39,7 +37,7 @@ class TrainLog {
   std::vector<double> losses_, l1s_, rates_;
   std::vector<std::size_t> splats_;
   std::vector<std::pair<int, double>> psnr_;
-  nlohmann::json switch_, rounding_, late_prunes_ = nlohmann::json::array();
+  nlohmann::json phases_ = nlohmann::json::array();
 };
 
 }  // namespace fluxgs::cli

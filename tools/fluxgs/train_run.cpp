@@ -9,7 +9,7 @@
 
 #include "fluxgs/io/scene.h"
 #include "tools/fluxgs/console.h"
-#include "tools/fluxgs/idle_options.h"
+#include "tools/fluxgs/ineffective_options.h"
 #include "tools/fluxgs/progress.h"
 #include "trainer/data/scale_check.h"
 #include "trainer/train/checkpoint.h"
@@ -21,21 +21,6 @@ namespace {
 bool is_compact(const std::string& out) {
   const auto format = scene_format_for(out);
   return format && (*format)->name == "glb";
-}
-
-Expected<TrainOptions> options_from(const TrainSettings& settings) {
-  auto options = preset(settings.preset);
-  if (!options) return options;
-  // Only compact files hold rounded numbers
-  if (!is_compact(settings.out)) options->rounding = Switch::off;
-  apply(settings.method, *options);
-  options->render.background = settings.data.background_color();
-  if (auto valid = validate(*options); !valid) return std::unexpected(valid.error());
-  if (options->max_splats > 0 && options->target_splats > options->max_splats)
-    return fail("", "--target-splats",
-                fmt::format("{} are more than --max-splats {}", options->target_splats,
-                            options->max_splats));
-  return options;
 }
 
 std::size_t max_initial(const Dataset& data, const TrainOptions& options) {
@@ -67,10 +52,24 @@ std::string typed(const std::string& path) {
 
 }  // namespace
 
+Expected<TrainOptions> options_from(const TrainSettings& settings) {
+  auto options = preset(settings.preset);
+  if (!options) return options;
+  options->compact_output = settings.out.empty() || is_compact(settings.out);
+  apply(settings.method, *options);
+  options->render.background = settings.data.background_color();
+  if (auto valid = options->validate(); !valid) return std::unexpected(valid.error());
+  if (options->max_splats > 0 && options->target_splats > options->max_splats)
+    return fail("", "--target-splats",
+                fmt::format("{} are more than --max-splats {}", options->target_splats,
+                            options->max_splats));
+  return options;
+}
+
 Expected<Run> new_run(const TrainSettings& settings, const Threads& threads) {
   const auto options = options_from(settings);
   if (!options) return std::unexpected(options.error());
-  for (const std::string& line : idle_options(settings.given, *options, is_compact(settings.out)))
+  for (const std::string& line : ineffective_options(settings.given, *options))
     spdlog::warn("warning: {}", line);
   auto data = load(settings.data);
   if (!data) return std::unexpected(data.error());
@@ -114,15 +113,15 @@ Expected<void> save_checkpoint(const TrainSettings& settings, const Run& run,
   return write_checkpoint(
       checkpoint_of(settings),
       {run.options, settings.preset, settings.data.downscale, run.data.train.size(), run.views_hash,
-       trainer.state(), text_of(history)});
+       trainer.saved_state(), text_of(history)});
 }
 
-std::string how_to_go_on(const TrainSettings& settings) {
+std::string how_to_resume(const TrainSettings& settings) {
   std::string line =
-      fmt::format("saved; go on with: fluxgs train {} -o {} --resume {}",
+      fmt::format("Checkpoint saved. Resume with: fluxgs train {} -o {} --resume {}",
                   typed(settings.data.folder), typed(settings.out), typed(checkpoint_of(settings)));
   // What a checkpoint does not hold
-  if (!settings.exact.empty()) line += " --exact " + typed(settings.exact);
+  if (!settings.float_output.empty()) line += " --float-output " + typed(settings.float_output);
   if (settings.report == "-")
     line += " --json -";
   else if (!settings.report.empty())

@@ -10,16 +10,16 @@
 #include "tools/fluxgs/method_options.h"
 #include "tools/fluxgs/train_history.h"
 #include "trainer/data/dataset.h"
-#include "trainer/model/options.h"
 #include "trainer/train/trainer.h"
 
 namespace fluxgs::cli {
 
 /// The command line of `fluxgs train`.
 struct TrainSettings {
-  std::string out, exact, preset = preset_names().front(), backend = "auto", resume, report;
+  std::string out, float_output, preset = preset_names().front(), backend = "auto", resume, report;
   DataOptions data;
   int checkpoint_every = 0;
+  bool plan = false;
   MethodOptions method;
   std::set<std::string> given;  ///< names of all options on the command line, without dashes
 };
@@ -31,6 +31,9 @@ struct Run {
   std::uint64_t views_hash;
   TrainHistory history = {};  ///< of the parts before this one
 };
+
+/// The preset with the options of the command line. Errors name the option.
+Expected<TrainOptions> options_from(const TrainSettings& settings);
 
 /// Loads the data set and makes its first splats. Errors: options that are refused, images that
 /// cannot be read or take too much memory.
@@ -45,7 +48,7 @@ std::string checkpoint_of(const TrainSettings& settings);  ///< OUT.ckpt
 Expected<void> save_checkpoint(const TrainSettings& settings, const Run& run,
                                const TrainHistory& history, const Trainer& trainer);
 
-/// "saved; go on with: fluxgs train …", as one would type it.
-std::string how_to_go_on(const TrainSettings& settings);
+/// "Checkpoint saved. Resume with: fluxgs train …", as one would type it.
+std::string how_to_resume(const TrainSettings& settings);
 
 }  // namespace fluxgs::cli

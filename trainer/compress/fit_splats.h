@@ -8,7 +8,6 @@
 #include "trainer/core/parallel.h"
 #include "trainer/core/parameters.h"
 #include "trainer/core/quadrature.h"
-#include "trainer/model/appearance_choices.h"
 
 namespace fluxgs {
 

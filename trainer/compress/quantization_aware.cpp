@@ -4,10 +4,11 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
 #include <glm/gtc/quaternion.hpp>
 
 #include "fluxgs/io/gltf.h"
-#include "trainer/compress/view_sensitivity.h"
+#include "trainer/compress/compression.h"
 #include "trainer/data/dataset.h"
 
 namespace fluxgs {
@@ -54,27 +55,178 @@ void follow_rotations(const PlanarFloats& before, const std::vector<glm::quat>& 
   }
 }
 
-}  // namespace
-
-Expected<CompactTrial> compact_within(const SplatCloud& cloud, const SplatCloud& shown,
-                                      const CompactGoal& goal, CompactOptions start,
-                                      const Threads& threads,
-                                      const std::function<void(const CompactTrial&)>& on_trial) {
-  start.costs = seen_costs(goal.cameras, shown, start.networks.has_value(), goal.render, threads);
-  const SceneError error(shown, spread_cameras(goal.cameras, kMeasuringViews), goal.render,
-                         threads);
-  return CompactSearch(cloud, shown, error, std::move(start), on_trial).within_loss(goal.decibels);
+/// The lists of `costs` with the number of their entries for each splat, in the order in which
+/// attached values hold them.
+template <class Costs, class Visit>
+void visit_lists(Costs& costs, int sh_degree, const Visit& visit) {
+  visit(costs.weights, std::size_t{1});
+  visit(costs.sh_factors, sh_factor_size(sh_degree));
+  visit(costs.scale, kTriangle3);
+  visit(costs.rotation, kTriangle3);
 }
 
-Expected<std::vector<std::byte>> round_parameters(TrainState& state) {
-  RoundingState& rounding = *state.rounding;
+ErrorCosts attached_sensitivity(const TrainState& state) {
+  ErrorCosts costs;
+  const auto found = state.attached.find(kSensitivity);
+  if (found == state.attached.end()) return costs;
+  const PlanarFloats& values = found->second.values;
+  int row = 0;
+  visit_lists(costs, sh_degree_of(state.parameters), [&](auto& list, std::size_t each) {
+    list.resize(values.size() * each);
+    for (std::size_t k = 0; k < each; ++k, ++row)
+      for (std::size_t i = 0; i < values.size(); ++i) list[i * each + k] = values.row(row)[i];
+  });
+  return costs;
+}
+
+class QuantizationAware final : public Phase {
+ public:
+  QuantizationAware(const QuantizationAwareOptions& options, int asked, int iterations)
+      : options_(options), asked_(asked), iterations_(iterations) {}
+
+  const char* name() const override { return "quantization-aware training"; }
+  PlanRow plan() const override {
+    return {.from = options_.from,
+            .until = iterations_,
+            .what = fmt::format("trains the values of the compact file, quantized every {} "
+                                "iterations",
+                                options_.interval)};
+  }
+  std::string warning() const override {
+    if (asked_ == 0 || options_.from <= asked_) return {};
+    return fmt::format(
+        "quantization-aware training begins at iteration {} instead of {}, after "
+        "densification and the SH reduction",
+        options_.from, asked_);
+  }
+  bool reports(const TrainState& state) const override {
+    return state.iteration == options_.from && state.parameters.size() > 0;
+  }
+
+  std::optional<PhaseReport> after_step(Training& t) override {
+    if (reports(t.state)) return start(t);
+    if (!steps_) return {};
+    const int since = t.state.iteration - options_.from;
+    if (since % options_.interval != 0 && t.state.iteration < iterations_) return {};
+    const auto file = quantize_parameters(t.state, *steps_);
+    if (file) return {};
+    return stop(t.state, file.error());
+  }
+  std::optional<Expected<std::vector<std::byte>>> compact_file(
+      const TrainState& state) const override {
+    if (!steps_) return {};
+    TrainState copy = state;
+    return quantize_parameters(copy, *steps_);
+  }
+
+  std::vector<double> save() const override {
+    if (!steps_) return {};
+    const CompactSteps& s = *steps_;
+    return {s.position, s.log_scale, s.rotation, s.opacity, s.sh_dc, s.sh_rest, s.energy};
+  }
+  Expected<void> load(const std::vector<double>& values, const TrainState& state) override;
+
+ private:
+  /// Searches for the step sizes and quantizes for the first time.
+  PhaseReport start(Training& t) {
+    const SplatCloud scene = t.cloud();
+    const CompactGoal goal{cameras_of(t.data.train), t.options.render,
+                           compressed_psnr(t.train_psnr, t.options.get<CompressionOptions>())};
+    auto found =
+        compact_within(scene, scene, goal, {.steps = default_compact_steps(scene)}, t.threads, {});
+    if (!found) return stop(t.state, found.error());
+    steps_ = found->options.steps;
+    attach_sensitivity(t.state, found->options.costs);
+    const auto file = quantize_parameters(t.state, *steps_);
+    if (!file) return stop(t.state, file.error());
+    PhaseReport report;
+    report.details = {{"bytes", file->size()}};
+    report.summary = fmt::format("quantized as in a file of {} bytes", file->size());
+    return report;
+  }
+  /// A lost file is no reason to lose the scene.
+  PhaseReport stop(TrainState& state, const Error& error) {
+    steps_.reset();
+    state.attached.erase(kQuantizationOffsets);
+    state.attached.erase(kSensitivity);
+    PhaseReport report;
+    report.error = error;
+    return report;
+  }
+
+  QuantizationAwareOptions options_;
+  int asked_, iterations_;
+  std::optional<CompactSteps> steps_;  ///< once it has begun
+};
+
+Expected<void> QuantizationAware::load(const std::vector<double>& values, const TrainState& state) {
+  const bool attached = state.attached.contains(kSensitivity);
+  if (values.empty()) {
+    steps_.reset();
+    if (!attached) return {};
+  }
+  const auto positive = [](double v) { return v > 0 && std::isfinite(v); };
+  const auto rows_are = [&](const char* key, std::size_t rows) {
+    const auto found = state.attached.find(key);
+    return found != state.attached.end() &&
+           static_cast<std::size_t>(found->second.values.rows()) == rows;
+  };
+  const int degree = sh_degree_of(state.parameters);
+  if (values.size() != 7 || !std::ranges::all_of(values, positive) ||
+      !rows_are(kSensitivity, error_costs_size(degree)) ||
+      !rows_are(kQuantizationOffsets, static_cast<std::size_t>(state.parameters.rows())))
+    return fail("", name(), "expected 7 step sizes, sensitivities and offsets");
+  const auto f = [&](std::size_t i) { return static_cast<float>(values[i]); };
+  steps_ = CompactSteps{values[0], f(1), f(2), f(3), f(4), f(5), f(6)};
+  return {};
+}
+
+}  // namespace
+
+OptionFields QuantizationAwareOptions::fields(const TrainOptions&) {
+  const bool on = mode != QuantizeAware::off;
+  OptionFields f;
+  f.push_back(choice("quantize-aware",
+                     "train on with the values that a compact file holds (auto: where OUT is a "
+                     ".glb)",
+                     mode, kQuantizeAwareNames)
+                  .only_if(!on || !has_networks, "a training without networks (--psi, --phi)"));
+  f.push_back(whole("quantize-from",
+                    "first iteration of quantization-aware training, after densification and the "
+                    "SH reduction (0: 9/10 of the iterations)",
+                    from, 0, kUnlimited)
+                  .only_if(on, "--quantize-aware on"));
+  f.push_back(whole("quantize-interval",
+                    "iterations until values are quantized anew (0: a thousandth of the "
+                    "iterations, at least 20)",
+                    interval, 0, kUnlimited)
+                  .only_if(on, "--quantize-aware on"));
+  return f;
+}
+
+void attach_sensitivity(TrainState& state, const ErrorCosts& costs) {
+  const int degree = sh_degree_of(state.parameters);
+  const std::size_t size = state.parameters.size();
+  PlanarFloats values(static_cast<int>(error_costs_size(degree)), size);
+  int row = 0;
+  visit_lists(costs, degree, [&](const auto& list, std::size_t each) {
+    for (std::size_t k = 0; k < each; ++k, ++row)
+      for (std::size_t i = 0; i < size && !list.empty(); ++i)
+        values.row(row)[i] = list[i * each + k];
+  });
+  state.attached[kSensitivity] = {std::move(values)};
+}
+
+Expected<std::vector<std::byte>> quantize_parameters(TrainState& state, const CompactSteps& steps) {
   const int degree = sh_degree_of(state.parameters);
   PlanarFloats exact = state.parameters;
-  if (rounding.offsets.size() == exact.size()) add(exact, rounding.offsets, -1);
+  if (const auto offsets = state.attached.find(kQuantizationOffsets);
+      offsets != state.attached.end())
+    add(exact, offsets->second.values, -1);
   SplatCloud cloud = to_cloud(exact, degree);
   // Offsets must be between quaternions that mean the same of four half turns
   canonicalize_rotations(cloud);
-  const CompactOptions options{.steps = rounding.steps, .costs = rounding.costs};
+  const CompactOptions options{.steps = steps, .costs = attached_sensitivity(state)};
   auto file = encode_compact_glb(cloud, options, kName);
   if (!file) return std::unexpected(file.error());
   const auto stored = read_glb(*file, kName);
@@ -85,9 +237,22 @@ Expected<std::vector<std::byte>> round_parameters(TrainState& state) {
   const std::vector<std::uint32_t> order = compact_order(cloud);
   rearrange(state, order, order);
   state.parameters = to_parameters(stored->cloud, degree);
-  rounding.offsets = state.parameters;
-  add(rounding.offsets, to_parameters(in_order(cloud, order), degree), -1);
+  PlanarFloats offsets = state.parameters;
+  add(offsets, to_parameters(in_order(cloud, order), degree), -1);
+  state.attached[kQuantizationOffsets] = {std::move(offsets)};
   return file;
+}
+
+std::unique_ptr<Phase> make_quantization_aware(TrainOptions& options, int settled) {
+  auto& own = options.get<QuantizationAwareOptions>();
+  if (own.mode == QuantizeAware::off || own.has_networks) return nullptr;
+  if (own.mode == QuantizeAware::automatic && !options.compact_output) return nullptr;
+  const int asked = own.from;
+  resolve(own.from, options.iterations / 10 * 9);
+  resolve(own.interval, std::max(options.iterations / 1000, 20));
+  own.from = std::max(own.from, settled + 1);
+  options.get<CompressionOptions>().used = true;
+  return std::make_unique<QuantizationAware>(own, asked, options.iterations);
 }
 
 }  // namespace fluxgs

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "trainer/loss/evaluate.h"
+#include "trainer/raster/view_renderer.h"
 
 namespace fluxgs {
 namespace {

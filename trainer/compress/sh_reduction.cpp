@@ -1,119 +1,183 @@
 #include "trainer/compress/sh_reduction.h"
 
 #include <algorithm>
-#include <numbers>
 
-#include "fluxgs/math/spherical_harmonics.h"
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "fluxgs/io/compact_glb.h"
 #include "trainer/compress/adaptive_degree.h"
 #include "trainer/compress/fit_splats.h"
 #include "trainer/compress/sphere_prior.h"
 #include "trainer/core/psnr.h"
-#include "trainer/paper/energy_moments.h"
+#include "trainer/data/dataset.h"
 
 namespace fluxgs {
 namespace {
 
-void keep_rows(TrainState& state, int degree) {
-  state.adam.first = rows_of_degree(state.adam.first, degree);
-  state.adam.second = rows_of_degree(state.adam.second, degree);
-}
-
-/// The rule named by the options; they have been validated.
-SphereRule rule_of(const TrainOptions& options) {
-  return sphere_rule(options.quadrature, options.samples, options.seed).value();
-}
-
-/// Adds the projection of max(0, residual) onto degree 0 and 1: with Y₀ and Y₁ the basis functions'
-/// constants, 4π·Y₀·E_mag and 4π·Y₁·E_dir (order −y, z, −x). "Monte Carlo directional moments
-/// largely match 1st-order SH" (paper, Insight 1), taken literally.
-void add_projection(const PlanarFloats& energy, PlanarFloats& parameters) {
-  constexpr double k4Pi = 4 * std::numbers::pi;
-  const auto y0 = static_cast<float>(k4Pi * math::kSh0), y1 = static_cast<float>(k4Pi * math::kSh1);
-  constexpr int kAxis[] = {1, 2, 0};  // y, z, x
-  constexpr float kSign[] = {-1, 1, -1};
-  for (int c = 0; c < 3; ++c)
-    for (std::size_t i = 0; i < parameters.size(); ++i) {
-      parameters.row(row::sh_dc + c)[i] += y0 * energy.row(c)[i];
-      for (int k = 0; k < 3; ++k)
-        parameters.row(row::sh_rest + 3 * k + c)[i] +=
-            kSign[k] * y1 * energy.row(3 + 3 * kAxis[k] + c)[i];
-    }
-}
-
-/// Rows sh_dc and sh_rest of degree 1.
-PlanarFloats first_order(const PlanarFloats& parameters) {
-  PlanarFloats rows(networks::kShColumns, parameters.size());
-  for (int r = 0; r < rows.rows(); ++r)
-    std::copy_n(parameters.row(row::sh_dc + r), parameters.size(), rows.row(r));
-  return rows;
-}
-
-/// Turns the SH of degree 1 that the parameters have by now into what networks make of
-/// latents: `energy`, or without Ψ the SH coefficients themselves.
-PsiFitReport introduce_networks(TrainState& state, const TrainOptions& options, PlanarFloats energy,
-                                const Threads& threads) {
-  const bool psi = energy.rows() > 0;
-  NetworkState networks{
-      make_appearance_model(psi, options.phi == Switch::on, measure_normalisation(state.parameters),
-                            options.seed),
-      {},
-      {}};
-  const PlanarFloats target = first_order(state.parameters);
-  networks.latents = psi ? std::move(energy) : target;
-  // Without Ψ, the optimiser goes on with the coefficients it knows
-  networks.adam = psi ? AdamState{PlanarFloats(target.rows(), target.size()),
-                                  PlanarFloats(target.rows(), target.size())}
-                      : AdamState{first_order(state.adam.first), first_order(state.adam.second)};
-  PsiFitReport report;
-  if (psi && options.psi_fit_steps > 0)
-    report = fit_psi(
-        networks.model, state.parameters, networks.latents, target,
-        {.steps = options.psi_fit_steps, .rate = options.psi_rate, .seed = options.seed}, threads);
-  state.networks = std::move(networks);
-  return report;
-}
-
 void reduce_to_one_degree(TrainState& state, const TrainOptions& options, const ViewWeights& views,
-                          double prior, const Threads& threads, ReductionReport& report) {
-  const int degree = target_degree(options);
-  PlanarFloats energy;
-  if (options.sh_reduce == ShReduction::energy)
-    energy = energy_moments(state.parameters, options.residual, rule_of(options), threads);
-  switch (options.sh_reduce) {
+                          double prior, const Threads& threads) {
+  const int degree = target_sh_degree(options);
+  switch (options.get<ShReductionOptions>().reduce) {
     case ShReduction::view_ls:
       state.parameters = fit_to_views(state.parameters, degree, views, prior, threads);
       break;
     case ShReduction::uniform_ls:
-      state.parameters = fit_to_sphere(state.parameters, degree, rule_of(options), threads);
+      state.parameters = fit_to_sphere(state.parameters, degree, sphere_rule_of(options), threads);
       break;
     default:
       state.parameters = rows_of_degree(state.parameters, degree);
   }
-  keep_rows(state, degree);
-  const bool psi = makes_psi(options);
-  if (energy.rows() > 0 && !psi) add_projection(energy, state.parameters);
-  if (psi || makes_phi(options))
-    report.psi =
-        introduce_networks(state, options, psi ? std::move(energy) : PlanarFloats(), threads);
+  state.adam.first = rows_of_degree(state.adam.first, degree);
+  state.adam.second = rows_of_degree(state.adam.second, degree);
 }
+
+/// Bytes of a compact file with default quantization; 0 where the scene cannot be stored.
+std::size_t compact_bytes(const SplatCloud& scene) {
+  const auto file =
+      encode_compact_glb(scene, {.steps = default_compact_steps(scene)}, "compact .glb");
+  return file ? file->size() : 0;
+}
+
+class ShReductionPhase final : public Phase {
+ public:
+  ShReductionPhase(const ShReductionOptions& options, int degree)
+      : options_(options), degree_(degree) {}
+
+  const char* name() const override { return "SH reduction"; }
+  PlanRow plan() const override {
+    const auto way = kShReductionNames[static_cast<std::size_t>(options_.reduce)];
+    return {.from = options_.iteration,
+            .until = options_.iteration,
+            .interval = 0,
+            .what = options_.target == ShTarget::adaptive
+                        ? fmt::format("leaves each splat the lowest SH degree, by {}, for {:g} dB "
+                                      "in all",
+                                      way, options_.max_psnr_drop)
+                        : fmt::format("reduces all splats to SH degree {} by {}", degree_, way)};
+  }
+  bool reports(const TrainState& state) const override { return plan().due(state.iteration); }
+
+  std::optional<PhaseReport> after_step(Training& t) override {
+    if (!plan().due(t.state.iteration)) return {};
+    const std::size_t bytes_before = compact_bytes(t.cloud());
+    const ViewWeights views =
+        view_weights(t.state.parameters, cameras_of(t.data.train), t.render_options(), t.threads);
+    // At the resolution of this iteration: larger images have details that nothing has learned yet
+    const double mse = mse_of_psnr(t.mean_psnr(*t.views));
+    const ReductionReport done = reduce_sh(t.state, t.options, views, mse, t.threads);
+    PhaseReport report;
+    report.bytes = {bytes_before, compact_bytes(t.cloud())};
+    report.details = {{"mse_if_truncated", done.dropped},
+                      {"mse_if_fitted", done.unexplained},
+                      {"sphere_prior", done.sphere_prior},
+                      {"splats_of_degree", done.degrees}};
+    report.summary = fmt::format("splats of degree 0 to 3: {}", fmt::join(done.degrees, ", "));
+    return report;
+  }
+
+ private:
+  ShReductionOptions options_;
+  int degree_;
+};
 
 }  // namespace
 
-ReductionReport reduce_appearance(TrainState& state, const TrainOptions& options,
-                                  const ViewWeights& views, double train_mse,
-                                  const Threads& threads) {
-  const std::size_t size = state.parameters.size();
-  const bool adaptive = options.sh_target == ShTarget::adaptive;
+OptionFields ShReductionOptions::fields(const TrainOptions& all) {
+  const bool reduced = reduces_sh(all), adaptive = target == ShTarget::adaptive;
+  const bool integrates =
+      reduced && (reduce == ShReduction::energy || reduce == ShReduction::uniform_ls);
+  const char* below = "a --sh-target below --sh-degree";
+  const char* quadratures = "a reduction by --sh-reduce energy or uniform-ls";
+  OptionFields f;
+  f.push_back(choice("sh-target", "SH degree of the finished scene (adaptive: each splat its own)",
+                     target, kShTargetNames));
+  f.push_back(choice("sh-reduce", "way to reduce SH degrees", reduce, kShReductionNames)
+                  .only_if(reduced || reduce == ShReduction::none, below));
+  f.push_back(whole("sh-reduce-iter",
+                    "iteration of the reduction (0: a tenth of the iterations, at most 3000; "
+                    "adaptive: 7/10)",
+                    iteration, 0, kUnlimited)
+                  .only_if(reduced, below));
+  f.push_back(real("sh-max-psnr-drop", "dB that adaptive degrees may cost", max_psnr_drop, 0, 10)
+                  .only_if(adaptive, "--sh-target adaptive"));
+  f.push_back(
+      choice("quadrature", "rule that integrates over directions", quadrature, kQuadratureNames)
+          .only_if(integrates, quadratures));
+  f.push_back(whole("samples", "directions of the quadrature", samples, 1, kMaxSphereSamples)
+                  .only_if(integrates, quadratures));
+  return f;
+}
+
+Expected<void> ShReductionOptions::validate(const TrainOptions& all) const {
+  if (reduce == ShReduction::energy && (target != ShTarget::degree_1 || all.sh_degree < 1))
+    return fail("", "--sh-reduce",
+                fmt::format("energy makes colours of degree 1 only, {}",
+                            all.sh_degree >= 1 ? "expected --sh-target 1"
+                                               : "expected a --sh-degree of 1 or more"));
+  if (target == ShTarget::adaptive && reduce != ShReduction::view_ls)
+    return fail("", "--sh-target", "adaptive degrees are fitted, expected --sh-reduce view-ls");
+  const bool integrates = reduce == ShReduction::energy || reduce == ShReduction::uniform_ls;
+  if (integrates && quadrature == Quadrature::lebedev && samples > kMaxLebedevSamples)
+    return fail("", "--samples",
+                fmt::format("{} are too many for --quadrature lebedev, expected at most {}",
+                            samples, kMaxLebedevSamples));
+  return {};
+}
+
+int target_sh_degree(const TrainOptions& options) {
+  switch (options.get<ShReductionOptions>().target) {
+    case ShTarget::degree_0:
+      return 0;
+    case ShTarget::degree_1:
+      return std::min(options.sh_degree, 1);
+    case ShTarget::degree_2:
+      return std::min(options.sh_degree, 2);
+    case ShTarget::degree_3:
+    case ShTarget::adaptive:
+      break;
+  }
+  return options.sh_degree;
+}
+
+bool reduces_sh(const TrainOptions& options) {
+  const auto& own = options.get<ShReductionOptions>();
+  return own.target == ShTarget::adaptive ||
+         (own.reduce != ShReduction::none && target_sh_degree(options) < options.sh_degree);
+}
+
+int initial_sh_degree(const TrainOptions& options) {
+  return options.get<ShReductionOptions>().reduce == ShReduction::none ? target_sh_degree(options)
+                                                                       : options.sh_degree;
+}
+
+int sh_reduce_iteration(TrainOptions& options) {
+  auto& own = options.get<ShReductionOptions>();
+  const int n = options.iterations;
+  resolve(own.iteration, own.target == ShTarget::adaptive ? n / 10 * 7 : std::min(n / 10, 3000));
+  return own.iteration;
+}
+
+SphereRule sphere_rule_of(const TrainOptions& options) {
+  const auto& own = options.get<ShReductionOptions>();
+  return sphere_rule(own.quadrature, own.samples, options.seed).value();
+}
+
+ReductionReport reduce_sh(TrainState& state, const TrainOptions& options, const ViewWeights& views,
+                          double train_mse, const Threads& threads) {
+  const auto& own = options.get<ShReductionOptions>();
+  const bool adaptive = own.target == ShTarget::adaptive;
   const double prior = best_sphere_prior(state.parameters, views, threads);
   const Unexplained unexplained = unexplained_variance(state.parameters, views, prior, threads);
   Unexplained dropped = unexplained;
   dropped.fitted = dropped.truncated;
   ReductionReport report;
   report.sphere_prior = prior;
-  std::vector<std::uint8_t> degrees(size, static_cast<std::uint8_t>(target_degree(options)));
+  std::vector<std::uint8_t> degrees(state.parameters.size(),
+                                    static_cast<std::uint8_t>(target_sh_degree(options)));
   if (adaptive)
     degrees = min_degrees(unexplained, threshold_for(unexplained, views.pixels,
-                                                     added_mse(train_mse, options.sh_loss)));
+                                                     added_mse(train_mse, own.max_psnr_drop)));
   report.dropped = degree_loss(dropped, degrees, views.pixels);
   report.unexplained = degree_loss(unexplained, degrees, views.pixels);
   for (std::uint8_t d : degrees) ++report.degrees[d];
@@ -122,9 +186,16 @@ ReductionReport reduce_appearance(TrainState& state, const TrainOptions& options
     state.parameters = fit_to_views(state.parameters, degrees, views, prior, threads);
     state.degrees = std::move(degrees);
   } else {
-    reduce_to_one_degree(state, options, views, prior, threads, report);
+    reduce_to_one_degree(state, options, views, prior, threads);
   }
   return report;
+}
+
+std::unique_ptr<Phase> make_sh_reduction(TrainOptions& options) {
+  if (!reduces_sh(options)) return nullptr;
+  sh_reduce_iteration(options);
+  return std::make_unique<ShReductionPhase>(options.get<ShReductionOptions>(),
+                                            target_sh_degree(options));
 }
 
 }  // namespace fluxgs

@@ -64,8 +64,8 @@ ErrorCurvature error_curvature(const PlanarFloats& parameters, const std::vector
                                const RenderOptions& options, const Threads& threads,
                                const ProgressReport& progress) {
   Squares scale(parameters.size()), rotation(parameters.size());
-  StageTimes times;
-  const auto rasterizer = make_cpu_rasterizer(threads, times);
+  Profiler profiler;
+  const auto rasterizer = make_cpu_rasterizer(threads, profiler);
   const PlanarFloats& gradient = rasterizer->gradient();
   const auto number = [&](const PlanarFloats& of, int row, std::size_t i) {
     return double{of.row(row)[i]};

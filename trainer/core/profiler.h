@@ -1,66 +1,63 @@
-// Where an iteration's time goes.
+// Wall-clock time by named part of the program, without double counting.
 #pragma once
 
-#include <array>
 #include <chrono>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace fluxgs {
 
-enum class Stage {
-  networks,
-  project,
-  sort,
-  forward,
-  loss,
-  backward,
-  gradient,
-  optimizer,
-  score,
-  densify,
-  late_prune,
-  appearance,  ///< the switch to fewer SH coefficients
-  rounding,
-  count
-};
+class ProfileScope;
 
-inline constexpr std::array<std::string_view, 13> kStageNames = {
-    "networks", "project", "sort",    "forward",    "ssim",   "backward", "gradient",
-    "adam",     "score",   "densify", "late prune", "switch", "rounding"};
-
-class StageTimer;
-
-/// Wall-clock seconds per stage, added up. No second is in two of them.
-struct StageTimes {
-  std::array<double, static_cast<std::size_t>(Stage::count)> seconds{};
-  StageTimer* running = nullptr;
-  double& operator[](Stage s) { return seconds[static_cast<std::size_t>(s)]; }
-  double operator[](Stage s) const { return seconds[static_cast<std::size_t>(s)]; }
-};
-
-/// Adds its own lifetime to a stage, without that of the timers that are made and gone meanwhile.
-/// Those of one StageTimes belong to one thread.
-class StageTimer {
+/// Seconds by name, in the order in which the names came up. No second is counted twice. For one
+/// thread at a time.
+class Profiler {
  public:
-  StageTimer(StageTimes& times, Stage stage) : times_(times), outer_(times.running), stage_(stage) {
-    if (outer_) outer_->stop();
-    times_.running = this;
+  using Entries = std::vector<std::pair<std::string, double>>;
+
+  /// The time of a part, 0 before its first scope.
+  double& operator[](std::string_view name) {
+    for (auto& [known, seconds] : entries_)
+      if (known == name) return seconds;
+    return entries_.emplace_back(name, 0.0).second;
   }
-  ~StageTimer() {
+  const Entries& entries() const { return entries_; }
+  void clear() {
+    for (auto& entry : entries_) entry.second = 0;
+  }
+
+ private:
+  friend class ProfileScope;
+  Entries entries_;
+  ProfileScope* running_ = nullptr;
+};
+
+/// Adds its own lifetime to a part, without that of scopes made and gone meanwhile. `name` must
+/// outlive it.
+class ProfileScope {
+ public:
+  ProfileScope(Profiler& profiler, std::string_view name)
+      : profiler_(profiler), outer_(profiler.running_), name_(name) {
+    if (outer_) outer_->stop();
+    profiler_.running_ = this;
+  }
+  ~ProfileScope() {
     stop();
-    times_.running = outer_;
+    profiler_.running_ = outer_;
     if (outer_) outer_->start_ = Clock::now();
   }
-  StageTimer(const StageTimer&) = delete;
-  StageTimer& operator=(const StageTimer&) = delete;
+  ProfileScope(const ProfileScope&) = delete;
+  ProfileScope& operator=(const ProfileScope&) = delete;
 
  private:
   using Clock = std::chrono::steady_clock;
-  void stop() { times_[stage_] += std::chrono::duration<double>(Clock::now() - start_).count(); }
+  void stop() { profiler_[name_] += std::chrono::duration<double>(Clock::now() - start_).count(); }
 
-  StageTimes& times_;
-  StageTimer* outer_;
-  Stage stage_;
+  Profiler& profiler_;
+  ProfileScope* outer_;
+  std::string_view name_;
   Clock::time_point start_ = Clock::now();
 };
 

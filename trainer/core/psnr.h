@@ -1,4 +1,4 @@
-// Mean square errors of colours of 0…1, and the decibels that they are said in (PSNR).
+// PSNR: mean square errors of colours of 0…1 in decibels.
 #pragma once
 
 #include <cmath>
@@ -11,10 +11,10 @@ inline double psnr_of_mse(double mse) {
   return mse == 0 ? std::numeric_limits<double>::infinity() : -10 * std::log10(mse);
 }
 
-/// An image that is nearer to its image, such as an all black one, is as good as the image: this
-/// is the error of rounding to its 8 bits, 1/(12·255²). Without such a limit one would make means
+/// Largest PSNR of a render against an 8-bit image: the error of rounding to 8 bits, 1/(12·255²).
+/// Without such a limit one exact render, of an all black image for example, would make means
 /// infinite.
-inline const double kAsGoodAsTheView = psnr_of_mse(1 / (12 * 255.0 * 255.0));
+inline const double kMaxPsnr = psnr_of_mse(1 / (12 * 255.0 * 255.0));
 
 inline double mse_of_psnr(double psnr) { return std::pow(10, -psnr / 10); }
 

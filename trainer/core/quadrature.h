@@ -1,15 +1,25 @@
 // Directions all over the sphere, for means of functions of the direction.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include <glm/vec3.hpp>
 
 #include "fluxgs/error.h"
-#include "trainer/model/appearance_choices.h"
 
 namespace fluxgs {
+
+/// Approximation of means over the sphere.
+enum class Quadrature { fibonacci, lebedev, mc };
+inline constexpr std::array<std::string_view, 3> kQuadratureNames = {"fibonacci", "lebedev", "mc"};
+
+inline constexpr std::string_view name_of(Quadrature q) {
+  return kQuadratureNames[static_cast<std::size_t>(q)];
+}
 
 /// Unit directions and weights that add up to 1: Σ wₖ·f(dₖ) stands for (1/4π)∫f dω.
 struct SphereRule {

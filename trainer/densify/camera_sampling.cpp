@@ -48,11 +48,11 @@ std::vector<std::vector<std::uint32_t>> camera_bins(const std::vector<View>& vie
 }
 
 std::vector<std::uint32_t> sample_cameras(const std::vector<View>& views,
-                                          const TrainOptions& options, Random& random) {
+                                          const ScoreOptions& options, Random& random) {
   const std::size_t count =
-      std::min<std::size_t>(static_cast<std::size_t>(options.score_cameras), views.size());
+      std::min<std::size_t>(static_cast<std::size_t>(options.views), views.size());
   std::vector<std::uint32_t> chosen;
-  if (options.camera_sampling == CameraSampling::random) {
+  if (options.sampling == CameraSampling::random) {
     chosen = all_indices(views.size());
     shuffle(chosen, random);
   } else {

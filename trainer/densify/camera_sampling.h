@@ -6,7 +6,7 @@
 
 #include "trainer/core/random.h"
 #include "trainer/data/dataset.h"
-#include "trainer/model/options.h"
+#include "trainer/densify/splat_scores.h"
 
 namespace fluxgs {
 
@@ -17,9 +17,9 @@ namespace fluxgs {
 std::vector<std::vector<std::uint32_t>> camera_bins(const std::vector<View>& views, int azimuth,
                                                     int elevation);
 
-/// Draws `score_cameras` different images, or all of them if there are fewer. Stratified: one from
+/// Draws `views` different images, or all of them if there are fewer. Stratified: one from
 /// each bin, the bins in random order; then a second one from each, where that does not suffice.
 std::vector<std::uint32_t> sample_cameras(const std::vector<View>& views,
-                                          const TrainOptions& options, Random& random);
+                                          const ScoreOptions& options, Random& random);
 
 }  // namespace fluxgs

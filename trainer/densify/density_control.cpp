@@ -8,11 +8,12 @@
 
 #include "trainer/core/indices.h"
 #include "trainer/core/logistic.h"
+#include "trainer/densify/camera_sampling.h"
+#include "trainer/densify/densification.h"
+#include "trainer/densify/opacity_reset.h"
 
 namespace fluxgs {
 namespace {
-
-enum class Fate : std::uint8_t { keep, clone, split, prune };
 
 float largest_scale(const PlanarFloats& p, std::size_t i) {
   return std::exp(std::max(
@@ -27,13 +28,14 @@ float mean_gradient(const TrainState& state, std::uint32_t i) {
 
 /// How many splats may be added now. With a target, what goes is made up for.
 std::size_t room(const TrainState& state, const TrainOptions& options, std::size_t pruned) {
+  const auto& own = options.get<DensificationOptions>();
   const double size = static_cast<double>(state.parameters.size());
   double limit = 1e18;
   if (options.max_splats > 0) limit = static_cast<double>(options.max_splats) - size;
-  if (options.densify_growth > 0) limit = std::min(limit, options.densify_growth * size);
+  if (own.growth > 0) limit = std::min(limit, own.growth * size);
   if (options.target_splats > 0) {
     // As many at each of the densifications that are left
-    const int left = (options.densify_until - state.iteration) / options.densify_interval + 1;
+    const int left = (own.until - state.iteration) / own.interval + 1;
     const double missing =
         static_cast<double>(options.target_splats) - size + static_cast<double>(pruned);
     limit = std::min(limit, missing / left);
@@ -43,68 +45,74 @@ std::size_t room(const TrainState& state, const TrainOptions& options, std::size
 
 /// Of the splats that stay those that are to grow, the first by rank if there is room for some
 /// only.
-std::vector<std::uint32_t> growing(const TrainState& state, const TrainOptions& options,
-                                   const SplatScores* scores, const std::vector<Fate>& fates) {
-  const float least =
-      options.target_splats > 0 ? 0.0f : static_cast<float>(options.densify_gradient);
+std::vector<std::uint32_t> select_for_growth(const TrainState& state, const TrainOptions& options,
+                                             const SplatScores* scores,
+                                             const std::vector<RefineAction>& actions) {
+  const auto& own = options.get<DensificationOptions>();
+  const auto& score = options.get<ScoreOptions>();
+  const float least = options.target_splats > 0 ? 0.0f : static_cast<float>(own.gradient);
   const float quantile =
-      scores ? score_quantile(scores->plus, *scores, options.quantile_plus, options.score_share)
+      scores ? score_quantile(scores->plus, *scores, score.quantile_plus, score.normalization)
              : 0.0f;
   std::vector<std::uint32_t> chosen;
   for (std::uint32_t i = 0; i < state.parameters.size(); ++i)
-    if (fates[i] == Fate::keep && mean_gradient(state, i) >= least &&
+    if (actions[i] == RefineAction::keep && mean_gradient(state, i) >= least &&
         (!scores || scores->plus[i] > quantile))
       chosen.push_back(i);
-  const auto pruned = static_cast<std::size_t>(std::ranges::count(fates, Fate::prune));
+  const auto pruned = static_cast<std::size_t>(std::ranges::count(actions, RefineAction::prune));
   const std::size_t most = room(state, options, pruned);
   if (chosen.size() <= most) return chosen;
   const auto rank = [&](std::uint32_t i) {
-    if (!scores || options.growth_rank == GrowthRank::gradient) return mean_gradient(state, i);
-    return options.score_share == ScoreShare::sum ? scores->plus[i]
-                                                  : scores->plus[i] * scores->pixels[i];
+    if (!scores || own.growth_rank == GrowthRank::gradient) return mean_gradient(state, i);
+    return score.normalization == ScoreNormalization::sum ? scores->plus[i]
+                                                          : scores->plus[i] * scores->pixels[i];
   };
   std::ranges::stable_sort(chosen, [&](auto a, auto b) { return rank(a) > rank(b); });
   chosen.resize(most);
   return chosen;
 }
 
-bool oversized(const TrainState& state, std::size_t i, const TrainOptions& options, double extent) {
+bool oversized(const TrainState& state, std::size_t i, const DensificationOptions& own,
+               double extent) {
   const double radius = static_cast<double>(state.statistics.row(statistic::radius)[i]);
-  return (options.prune_screen_radius > 0 && radius > options.prune_screen_radius) ||
-         (options.prune_world_size > 0 && static_cast<double>(largest_scale(state.parameters, i)) >
-                                              options.prune_world_size * extent);
+  return (own.prune_screen_radius > 0 && radius > own.prune_screen_radius) ||
+         (own.prune_world_size > 0 &&
+          static_cast<double>(largest_scale(state.parameters, i)) > own.prune_world_size * extent);
 }
 
 /// Marks transparent and oversized splats.
 void mark_pruned(const TrainState& state, const TrainOptions& options, double extent,
-                 const SplatScores* scores, std::vector<Fate>& fates) {
-  if (options.prune == Prune::none) return;
+                 const SplatScores* scores, std::vector<RefineAction>& actions) {
+  const auto& own = options.get<DensificationOptions>();
+  const auto& score = options.get<ScoreOptions>();
+  const int reset_interval = options.get<OpacityResetOptions>().interval;
+  if (own.prune == Prune::none) return;
   const PlanarFloats& p = state.parameters;
-  const auto least = static_cast<float>(logit(std::max(options.prune_opacity, 1e-9)));
-  const bool moderate = options.prune == Prune::multiview && scores;
+  const auto least = static_cast<float>(logit(std::max(own.prune_opacity, 1e-9)));
+  const bool moderate = own.prune == Prune::multiview && scores;
   const float quantile =
-      moderate ? score_quantile(scores->minus, *scores, options.quantile_minus, options.score_share)
+      moderate ? score_quantile(scores->minus, *scores, score.quantile_minus, score.normalization)
                : 0.0f;
-  const bool limit_size =
-      options.opacity_reset_interval > 0 && state.iteration > options.opacity_reset_interval;
+  const bool limit_size = reset_interval > 0 && state.iteration > reset_interval;
   for (std::size_t i = 0; i < p.size(); ++i) {
     const bool faint = p.row(row::opacity)[i] < least && (!moderate || scores->minus[i] > quantile);
-    if (faint || (limit_size && oversized(state, i, options, extent))) fates[i] = Fate::prune;
+    if (faint || (limit_size && oversized(state, i, own, extent))) actions[i] = RefineAction::prune;
   }
 }
 
-std::vector<Fate> decide(const TrainState& state, const TrainOptions& options, double extent,
-                         const SplatScores* scores) {
+std::vector<RefineAction> decide(const TrainState& state, const TrainOptions& options,
+                                 double extent, const SplatScores* scores) {
+  const auto& own = options.get<DensificationOptions>();
   const PlanarFloats& p = state.parameters;
-  std::vector<Fate> fates(p.size(), Fate::keep);
-  mark_pruned(state, options, extent, scores, fates);
-  const bool by_views = options.densify == Densify::multiview;
-  for (std::uint32_t i : growing(state, options, by_views ? scores : nullptr, fates))
-    fates[i] = options.split == Split::long_axis ||
-                       static_cast<double>(largest_scale(p, i)) > options.densify_size * extent
-                   ? Fate::split
-                   : Fate::clone;
-  return fates;
+  std::vector<RefineAction> actions(p.size(), RefineAction::keep);
+  mark_pruned(state, options, extent, scores, actions);
+  const bool by_views = own.strategy == Densify::multiview;
+  for (std::uint32_t i : select_for_growth(state, options, by_views ? scores : nullptr, actions))
+    actions[i] = own.split == Split::long_axis ||
+                         static_cast<double>(largest_scale(p, i)) > own.size * extent
+                     ? RefineAction::split
+                     : RefineAction::clone;
+  return actions;
 }
 
 /// `offset` is along the splat's own axes, in scene units.
@@ -160,19 +168,18 @@ void gather_statistics(TrainState& state, const Rasterizer& rasterizer) {
   }
 }
 
-namespace {
-
-DensifyCounts carry_out(TrainState& state, const TrainOptions& options,
-                        const std::vector<Fate>& fates) {
+DensifyCounts apply_refinement(TrainState& state, const TrainOptions& options,
+                               const std::vector<RefineAction>& actions) {
+  const auto& own = options.get<DensificationOptions>();
   DensifyCounts counts;
   // What stays keeps its place and its moments; what is new comes behind, with moments of zero.
   std::vector<std::uint32_t> order, halves;
   std::vector<std::uint32_t> copies;
-  for (std::uint32_t i = 0; i < fates.size(); ++i) {
-    if (fates[i] == Fate::keep || fates[i] == Fate::clone) order.push_back(i);
-    if (fates[i] == Fate::clone) copies.push_back(i), ++counts.cloned;
-    if (fates[i] == Fate::split) halves.insert(halves.end(), {i, i}), ++counts.split;
-    if (fates[i] == Fate::prune) ++counts.pruned;
+  for (std::uint32_t i = 0; i < actions.size(); ++i) {
+    if (actions[i] == RefineAction::keep || actions[i] == RefineAction::clone) order.push_back(i);
+    if (actions[i] == RefineAction::clone) copies.push_back(i), ++counts.cloned;
+    if (actions[i] == RefineAction::split) halves.insert(halves.end(), {i, i}), ++counts.split;
+    if (actions[i] == RefineAction::prune) ++counts.pruned;
   }
   const std::size_t old_count = order.size();
   std::vector<std::uint32_t> moments = order;
@@ -182,13 +189,15 @@ DensifyCounts carry_out(TrainState& state, const TrainOptions& options,
 
   rearrange(state, order, moments);
   for (std::size_t i = old_count + copies.size(), half = 0; i < order.size(); ++i, ++half) {
-    if (options.split == Split::long_axis)
+    if (own.split == Split::long_axis)
       shift_along_longest(state.parameters, i, half % 2 == 0 ? 1.0 : -1.0);
     else
-      scatter(state.parameters, i, options.split_shrink, state.random);
+      scatter(state.parameters, i, own.split_shrink, state.random);
   }
   return counts;
 }
+
+namespace {
 
 void cap_opacity(TrainState& state, double cap) {
   if (cap >= 1) return;
@@ -198,66 +207,22 @@ void cap_opacity(TrainState& state, double cap) {
     opacity[i] = std::min(opacity[i], limit);
 }
 
-/// Indices by what splats contribute for what they cost, the least first; ties by index. A splat
-/// costs its place in the file and the pixels that it has drawn: half of the cost of all splats is
-/// for the one, half for the other.
-std::vector<std::uint32_t> by_worth(const SplatScores& scores) {
-  const double pixels = std::accumulate(scores.pixels.begin(), scores.pixels.end(), 0.0);
-  const double mean = pixels / static_cast<double>(scores.pixels.size());
-  std::vector<double> worth(scores.pixels.size());
-  for (std::size_t i = 0; i < worth.size(); ++i)
-    worth[i] = double{scores.contribution[i]} / std::max(mean + double{scores.pixels[i]}, 1.0);
-  std::vector<std::uint32_t> order = all_indices(worth.size());
-  std::ranges::stable_sort(order, [&](auto a, auto b) { return worth[a] < worth[b]; });
-  return order;
-}
-
 }  // namespace
 
 DensifyCounts densify_and_prune(TrainState& state, const TrainOptions& options, double extent,
                                 const SplatScores* scores) {
-  const DensifyCounts counts = carry_out(state, options, decide(state, options, extent, scores));
-  cap_opacity(state, options.opacity_cap);
+  const DensifyCounts counts =
+      apply_refinement(state, options, decide(state, options, extent, scores));
+  cap_opacity(state, options.get<DensificationOptions>().opacity_cap);
   return counts;
 }
 
-DensifyCounts prune_late(TrainState& state, const TrainOptions& options,
-                         const SplatScores& scores) {
-  const std::size_t size = state.parameters.size();
-  std::vector<Fate> fates(size, Fate::keep);
-  std::size_t left = size > options.target_splats ? size - options.target_splats : 0;
-  if (options.late_prune == LatePrune::opacity) {
-    const auto least = static_cast<float>(logit(std::max(options.late_prune_opacity, 1e-9)));
-    // No pixel has these, so that they have no score either
-    const auto undrawn = static_cast<float>(logit(std::max(options.render.alpha_min, 1e-9)));
-    const float quantile =
-        score_quantile(scores.minus, scores, options.quantile_minus, options.score_share);
-    for (std::size_t i = 0; i < size && left > 0; ++i) {
-      const float opacity = state.parameters.row(row::opacity)[i];
-      if (opacity < least && (opacity < undrawn || scores.minus[i] > quantile))
-        fates[i] = Fate::prune, --left;
-    }
-  } else if (options.late_prune == LatePrune::contribution) {
-    double total = 0;
-    for (float c : scores.contribution) total += static_cast<double>(c);
-    double rest = total * options.late_prune_share;
-    for (std::uint32_t i : by_worth(scores)) {
-      rest -= static_cast<double>(scores.contribution[i]);
-      if (rest < 0 || left == 0) break;
-      fates[i] = Fate::prune, --left;
-    }
-  }
-  return carry_out(state, options, fates);
-}
-
-void reset_opacity(TrainState& state, const TrainOptions& options) {
-  const auto limit = static_cast<float>(logit(options.opacity_reset_to));
-  float* opacity = state.parameters.row(row::opacity);
-  for (std::size_t i = 0; i < state.parameters.size(); ++i) {
-    opacity[i] = std::min(opacity[i], limit);
-    state.adam.first.row(row::opacity)[i] = 0;
-    state.adam.second.row(row::opacity)[i] = 0;
-  }
+SplatScores sampled_scores(Training& t) {
+  const auto& options = t.options.get<ScoreOptions>();
+  const std::vector<std::uint32_t> sampled = sample_cameras(t.data.train, options, t.state.random);
+  t.complete_colors();
+  return score_splats(t.data.train, sampled, t.state.parameters, t.render_options(), options,
+                      t.options.lambda_dssim, t.rasterizer, t.threads);
 }
 
 }  // namespace fluxgs

@@ -2,9 +2,11 @@
 // 5.2; paper, "Accurate Densification", "Moderate Pruning").
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "trainer/densify/splat_scores.h"
-#include "trainer/model/options.h"
-#include "trainer/model/train_state.h"
+#include "trainer/model/phase.h"
 #include "trainer/raster/rasterizer.h"
 
 namespace fluxgs {
@@ -26,12 +28,15 @@ void gather_statistics(TrainState& state, const Rasterizer& rasterizer);
 DensifyCounts densify_and_prune(TrainState& state, const TrainOptions& options, double extent,
                                 const SplatScores* scores);
 
-/// Removes splats between or after densifications, by `late_prune`; for LatePrune::contribution,
-/// which removes those first that contribute the least for their place in a file and the pixels
-/// that are drawn for them, the scores must be of all training views. Never below `target_splats`.
-DensifyCounts prune_late(TrainState& state, const TrainOptions& options, const SplatScores& scores);
+/// A decision about one splat.
+enum class RefineAction : std::uint8_t { keep, clone, split, prune };
 
-/// Limits every opacity to `opacity_reset_to` and clears the optimiser's memory of it.
-void reset_opacity(TrainState& state, const TrainOptions& options);
+/// Carries out one decision for each splat. Splats that stay keep their order and moments; copies,
+/// then halves of split splats follow, with moments of zero.
+DensifyCounts apply_refinement(TrainState& state, const TrainOptions& options,
+                               const std::vector<RefineAction>& actions);
+
+/// Scores of all splats over views drawn by ScoreOptions.
+SplatScores sampled_scores(Training& training);
 
 }  // namespace fluxgs

@@ -1,39 +1,41 @@
-// Splats hidden at random, another set in each step, so that no view's colours come to hang on a
-// few splats that only it sees: DropGaussian (Park et al. 2025), which does it for the fewest of
-// views.
+// Dropout: each iteration hides another random set of splats, so that no view's colours come to
+// depend on a few splats that only it sees. DropGaussian (Park et al. 2025) does so for the fewest
+// of views.
 #pragma once
 
+#include <memory>
 #include <vector>
 
-#include "trainer/core/parameters.h"
-#include "trainer/core/random.h"
-#include "trainer/model/options.h"
+#include "trainer/model/phase.h"
 
 namespace fluxgs {
 
-/// The share of the splats that one step hides, 0…0.2: TrainOptions::dropout over the number of
-/// training views, growing linearly over the run. The fewer views there are, the less they say
-/// about what another one shows; with hundreds nearly nothing is hidden.
-double dropout_share(const TrainOptions& options, std::size_t views, int iteration);
+struct DropoutOptions {
+  static constexpr const char* kTitle = "Dropout";
+  double dropout = 0;  ///< × training views: share of hidden splats at the end; 0: off
 
-class Dropout {
- public:
-  /// Hides each splat with probability `share` (< 1), and makes the opacities of the others
-  /// 1/(1 − share) times what they are, up to kOpaque, so that the image is the same on average.
-  /// Share 0 does nothing and draws no random numbers.
-  void hide(PlanarFloats& parameters, double share, Random& random);
-
-  /// Exchanges the altered opacities with the true ones, and again back.
-  void exchange(PlanarFloats& parameters);
-
-  /// Gives all splats their opacities back, and turns the gradients of the altered opacities (a
-  /// row) into those of the true ones.
-  void restore(PlanarFloats& parameters, float* opacity_gradient);
-
-  static constexpr double kOpaque = 0.99;  ///< rasterised opacities end here, too
-
- private:
-  std::vector<float> logits_;  // the others of the two; empty: nothing is hidden
+  OptionFields fields(const TrainOptions& all);
 };
+
+/// The share of the splats that one iteration hides, 0…0.2: `dropout` over the number of training
+/// views, growing linearly over the run. The fewer views there are, the less they say about what
+/// another one shows; with hundreds nearly nothing is hidden.
+double dropout_share(double dropout, std::size_t views, int iteration, int iterations);
+
+/// Hides each splat with probability `share` (< 1), and makes the opacities of the others
+/// 1/(1 − share) times what they are, up to kOpaque, so that the image is the same on average.
+/// Returns the true opacity logits. Share 0 does nothing, draws no random numbers and returns
+/// nothing.
+std::vector<float> hide_splats(PlanarFloats& parameters, double share, Random& random);
+
+/// Gives all splats their opacities back, and turns the gradients of the changed opacities (a row)
+/// into those of the true ones.
+void restore_splats(PlanarFloats& parameters, const std::vector<float>& true_opacities,
+                    float* opacity_gradient);
+
+inline constexpr double kOpaque = 0.99;  ///< rasterised opacities end here, too
+
+/// Null where the options hide nothing.
+std::unique_ptr<Phase> make_dropout(TrainOptions& options);
 
 }  // namespace fluxgs

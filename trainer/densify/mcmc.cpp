@@ -33,7 +33,7 @@ std::vector<std::uint32_t> draw(const PlanarFloats& p, const std::vector<std::ui
 }
 
 /// Makes splat i one of `copies` in its place.
-void share(PlanarFloats& p, std::size_t i, int copies, const TrainOptions& options) {
+void share(PlanarFloats& p, std::size_t i, int copies, const DensificationOptions& options) {
   const Shared s = shared_among(opacity_of(p, i), copies);
   p.row(row::opacity)[i] = static_cast<float>(
       logit(std::clamp(s.opacity, std::max(options.prune_opacity, 1e-6), 1 - 1e-6)));
@@ -42,7 +42,7 @@ void share(PlanarFloats& p, std::size_t i, int copies, const TrainOptions& optio
 
 /// Divides every drawn splat among itself and its copies.
 void share_all(TrainState& state, const std::vector<std::uint32_t>& drawn,
-               const TrainOptions& options) {
+               const DensificationOptions& options) {
   std::vector<int> copies(state.parameters.size(), 1);
   for (std::uint32_t d : drawn) ++copies[d];
   for (std::size_t i = 0; i < copies.size(); ++i) {
@@ -53,7 +53,7 @@ void share_all(TrainState& state, const std::vector<std::uint32_t>& drawn,
 }
 
 /// How many moved.
-std::size_t relocate(TrainState& state, const TrainOptions& options) {
+std::size_t relocate(TrainState& state, const DensificationOptions& options) {
   std::vector<std::uint32_t> dead, alive;
   for (std::uint32_t i = 0; i < state.parameters.size(); ++i)
     (opacity_of(state.parameters, i) <= options.prune_opacity ? dead : alive).push_back(i);
@@ -71,14 +71,15 @@ std::size_t relocate(TrainState& state, const TrainOptions& options) {
 
 /// How many were added.
 std::size_t grow(TrainState& state, const TrainOptions& options) {
+  const auto& own = options.get<DensificationOptions>();
   const std::size_t size = state.parameters.size();
-  auto count = static_cast<std::uint64_t>((1 + options.mcmc_growth) * static_cast<double>(size));
+  auto count = static_cast<std::uint64_t>((1 + own.mcmc_growth) * static_cast<double>(size));
   for (const std::uint64_t limit : {options.target_splats, options.max_splats})
     if (limit > 0) count = std::min(count, limit);
   if (count <= size) return 0;
   std::vector<std::uint32_t> order = all_indices(state.parameters.size()), moments = order;
   const auto drawn = draw(state.parameters, order, count - size, state.random);
-  share_all(state, drawn, options);
+  share_all(state, drawn, own);
   order.insert(order.end(), drawn.begin(), drawn.end());
   moments.resize(order.size(), PlanarFloats::kNew);
   rearrange(state, order, moments);
@@ -103,12 +104,12 @@ Shared shared_among(double opacity, int copies) {
 
 DensifyCounts relocate_and_grow(TrainState& state, const TrainOptions& options) {
   DensifyCounts counts;
-  counts.pruned = relocate(state, options);
+  counts.pruned = relocate(state, options.get<DensificationOptions>());
   counts.cloned = grow(state, options);
   return counts;
 }
 
-void add_noise(TrainState& state, const TrainOptions& options, double rate,
+void add_noise(TrainState& state, const DensificationOptions& options, double rate,
                const Threads& threads) {
   constexpr double kSteepness = 100;
   PlanarFloats& p = state.parameters;

@@ -3,6 +3,7 @@
 // noise lets faint splats explore; penalties (penalties.h) set splats free.
 #pragma once
 
+#include "trainer/densify/densification.h"
 #include "trainer/densify/density_control.h"
 
 namespace fluxgs {
@@ -21,6 +22,7 @@ DensifyCounts relocate_and_grow(TrainState& state, const TrainOptions& options);
 
 /// Adds noise to the positions of faint splats, in the shape of each; `rate` is the learning rate
 /// of positions (scene units). Results do not depend on the number of threads.
-void add_noise(TrainState& state, const TrainOptions& options, double rate, const Threads& threads);
+void add_noise(TrainState& state, const DensificationOptions& options, double rate,
+               const Threads& threads);
 
 }  // namespace fluxgs

@@ -62,8 +62,8 @@ PlanarImage loss_map(const PlanarImage& color, const PlanarImage& target, ScoreL
   return out;
 }
 
-PlanarImage metric_maps(const PlanarImage& loss, const TrainOptions& options) {
-  const float unit = unit_of(loss, options.score_unit);
+PlanarImage metric_maps(const PlanarImage& loss, const ScoreOptions& options) {
+  const float unit = unit_of(loss, options.unit);
   const float bad = unit * static_cast<float>(options.tau_plus),
               good = unit * static_cast<float>(options.tau_minus);
   PlanarImage maps(loss.width(), loss.height(), 2);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "trainer/core/planar_image.h"
-#include "trainer/model/options.h"
+#include "trainer/densify/splat_scores.h"
 
 namespace fluxgs {
 
@@ -15,7 +15,7 @@ PlanarImage loss_map(const PlanarImage& color, const PlanarImage& target, ScoreL
 /// it is below τ⁻ and otherwise 0 (ℒ·M⁻). With ScoreUnit::percentile τ± are fractions of the
 /// image's 99.5th percentile of the loss, which one outlier pixel does not move, or of
 /// kMinUnit if that is larger, so that a perfect image has no bad pixels. NaN counts as bad.
-PlanarImage metric_maps(const PlanarImage& loss, const TrainOptions& options);
+PlanarImage metric_maps(const PlanarImage& loss, const ScoreOptions& options);
 
 /// A loss that is hardly visible.
 inline constexpr float kMinUnit = 0.02f;

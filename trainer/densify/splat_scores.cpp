@@ -14,9 +14,50 @@ void add(const float* row, std::vector<float>& sums) {
 
 }  // namespace
 
+OptionFields ScoreOptions::fields(const TrainOptions&) {
+  const bool used = uses_plus || uses_minus;
+  const char* any = "--densify multiview, --prune multiview or --late-prune opacity";
+  const char* pruning = "--prune multiview or --late-prune opacity";
+  const bool stratified = used && sampling == CameraSampling::stratified;
+  const char* bins = "multi-view scores with --camera-sampling stratified";
+  OptionFields f;
+  f.push_back(
+      whole("score-views", "views that scores are taken from", views, 1, 1000).only_if(used, any));
+  f.push_back(choice("camera-sampling", "choice of these views", sampling, kCameraSamplingNames)
+                  .only_if(used, any));
+  f.push_back(whole("azimuth-bins", "bins of stratified cameras around the data set's z axis",
+                    azimuth_bins, 1, 1000)
+                  .only_if(stratified, bins));
+  f.push_back(whole("elevation-bins", "bins of stratified cameras from below to above",
+                    elevation_bins, 1, 1000)
+                  .only_if(stratified, bins));
+  f.push_back(choice("score-weight", "weight of a splat in a pixel", weight, kScoreWeightNames)
+                  .only_if(used, any));
+  f.push_back(
+      choice("score-loss", "loss in the metric maps", loss, kScoreLossNames).only_if(used, any));
+  f.push_back(choice("score-unit", "unit of --tau-plus and --tau-minus", unit, kScoreUnitNames)
+                  .only_if(used, any));
+  f.push_back(choice("score-normalization", "scores per covered pixel, or their sums",
+                     normalization, kScoreNormalizationNames)
+                  .only_if(used, any));
+  f.push_back(
+      real("tau-plus", "pixels with a larger loss are badly reconstructed", tau_plus, 0, kUnlimited)
+          .only_if(uses_plus, "--densify multiview"));
+  f.push_back(real("tau-minus", "pixels with a smaller loss are well reconstructed", tau_minus, 0,
+                   kUnlimited)
+                  .only_if(uses_minus, pruning));
+  f.push_back(real("quantile-plus", "splats above this quantile of S+ may be cloned or split",
+                   quantile_plus, 0, 1)
+                  .only_if(uses_plus, "--densify multiview"));
+  f.push_back(real("quantile-minus", "transparent splats above this quantile of S- are removed",
+                   quantile_minus, 0, 1)
+                  .only_if(uses_minus, pruning));
+  return f;
+}
+
 SplatScores score_splats(const std::vector<View>& views, const std::vector<std::uint32_t>& sampled,
                          const PlanarFloats& parameters, const RenderOptions& render,
-                         const TrainOptions& options, Rasterizer& rasterizer,
+                         const ScoreOptions& options, double lambda_dssim, Rasterizer& rasterizer,
                          const Threads& threads) {
   const std::size_t count = parameters.size();
   SplatScores scores;
@@ -27,15 +68,14 @@ SplatScores score_splats(const std::vector<View>& views, const std::vector<std::
     const View& view = views[index];
     rasterizer.forward(parameters, view.camera, render);
     to_planar(view.rgb, threads, target);
-    const PlanarImage loss =
-        loss_map(rasterizer.color(), target, options.score_loss, options.lambda_dssim);
-    const PlanarFloats& sums = rasterizer.score(metric_maps(loss, options), options.score_weight);
+    const PlanarImage loss = loss_map(rasterizer.color(), target, options.loss, lambda_dssim);
+    const PlanarFloats& sums = rasterizer.score(metric_maps(loss, options), options.weight);
     add(sums.row(score::first), scores.plus);
     add(sums.row(score::second), scores.minus);
     add(sums.row(score::contribution), scores.contribution);
     add(sums.row(score::pixels), scores.pixels);
   }
-  if (options.score_share == ScoreShare::pixel)
+  if (options.normalization == ScoreNormalization::pixel)
     for (std::size_t i = 0; i < count; ++i) {
       scores.plus[i] /= std::max(scores.pixels[i], 1.0f);
       scores.minus[i] /= std::max(scores.pixels[i], 1.0f);
@@ -44,11 +84,12 @@ SplatScores score_splats(const std::vector<View>& views, const std::vector<std::
 }
 
 float score_quantile(const std::vector<float>& values, const SplatScores& scores, double quantile,
-                     ScoreShare share) {
+                     ScoreNormalization normalization) {
   std::vector<float> counted;
   counted.reserve(values.size());
   for (std::size_t i = 0; i < values.size(); ++i)
-    if (share == ScoreShare::sum || scores.pixels[i] > 0) counted.push_back(values[i]);
+    if (normalization == ScoreNormalization::sum || scores.pixels[i] > 0)
+      counted.push_back(values[i]);
   if (counted.empty()) return -1;
   const auto at = counted.begin() +
                   static_cast<std::ptrdiff_t>(quantile * static_cast<double>(counted.size() - 1));

@@ -15,23 +15,12 @@ std::vector<std::uint8_t> gather(const std::vector<std::uint8_t>& from,
 
 void rearrange(TrainState& state, const std::vector<std::uint32_t>& order,
                const std::vector<std::uint32_t>& moments) {
-  const auto gather_moments = [&](AdamState& adam) {
-    adam.first = adam.first.gather(moments);
-    adam.second = adam.second.gather(moments);
-  };
   state.parameters = state.parameters.gather(order);
-  gather_moments(state.adam);
-  if (state.networks) {
-    state.networks->latents = state.networks->latents.gather(order);
-    gather_moments(state.networks->adam);
-  }
+  state.adam.first = state.adam.first.gather(moments);
+  state.adam.second = state.adam.second.gather(moments);
+  for (auto& [name, attached] : state.attached)
+    attached.values = attached.values.gather(attached.moments ? moments : order);
   if (!state.degrees.empty()) state.degrees = gather(state.degrees, order);
-  if (state.rounding) {
-    const int degree = sh_degree_of(state.parameters);
-    state.rounding->costs = costs_of(state.rounding->costs, degree, order, degree);
-    if (state.rounding->offsets.size() > 0)
-      state.rounding->offsets = state.rounding->offsets.gather(order);
-  }
   state.statistics = PlanarFloats(statistic::count, order.size());
 }
 
@@ -41,9 +30,8 @@ void clear_moments(TrainState& state, std::size_t i) {
   };
   clear(state.adam.first);
   clear(state.adam.second);
-  if (!state.networks) return;
-  clear(state.networks->adam.first);
-  clear(state.networks->adam.second);
+  for (auto& [name, attached] : state.attached)
+    if (attached.moments) clear(attached.values);
 }
 
 }  // namespace fluxgs

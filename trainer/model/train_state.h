@@ -1,55 +1,44 @@
-// Everything that changes while training: what a checkpoint holds.
+// Everything that changes while training: the content of a checkpoint.
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <map>
+#include <string>
 #include <vector>
 
-#include "fluxgs/io/compact_glb.h"
 #include "trainer/core/adam.h"
 #include "trainer/core/parameters.h"
 #include "trainer/core/random.h"
-#include "trainer/paper/appearance_model.h"
 
 namespace fluxgs {
 
 /// Rows of TrainState::statistics, gathered over visible splats since the last densification.
 namespace statistic {
 inline constexpr int gradient_sum = 0;  // Σ |∂L/∂centre|, normalised device coordinates
-inline constexpr int views = 1;         // how often the splat was seen
+inline constexpr int views = 1;         // number of times the splat was visible
 inline constexpr int radius = 2;        // largest extent on the screen, px
 inline constexpr int count = 3;
 }  // namespace statistic
 
-/// Colours that networks make, after the switch: what is trained in the place of the parameters'
-/// rows sh_dc and sh_rest, which hold the networks' results for the splats last seen.
-struct NetworkState {
-  AppearanceModel model;
-  PlanarFloats latents;
-  AdamState adam;
-};
-
-/// While parameters are what a compact file would hold (trainer/compress/rounding.h).
-struct RoundingState {
-  CompactSteps steps;
-  ErrorCosts costs;      ///< all of them
-  PlanarFloats offsets;  ///< rounded − exact; empty: not rounded yet
+/// Further values for each splat, which a phase owns.
+struct SplatValues {
+  PlanarFloats values;
+  bool moments = false;  ///< moments of an optimiser: zero for new splats
 };
 
 struct TrainState {
   PlanarFloats parameters;
   AdamState adam;
   PlanarFloats statistics;
-  /// Each splat's SH degree (its higher bands are zero and stay so), at most
-  /// that of the parameters' rows; empty: all have that.
+  /// Each splat's SH degree (its higher bands are zero and stay so), at most that of the
+  /// parameters' rows; empty: all have that.
   std::vector<std::uint8_t> degrees;
-  std::optional<NetworkState> networks;
-  std::optional<RoundingState> rounding;
-  int switched_at = 0;   ///< the iteration after which the SH coefficients were reduced; 0: not yet
-  int iteration = 0;     ///< steps done
-  double max_pairs = 0;  ///< most splat–tile pairs for each visible splat, of all steps
+  std::map<std::string, SplatValues> attached;              ///< by names that phases choose
+  std::map<std::string, std::vector<double>> phase_values;  ///< Phase::save() by name
+  int iteration = 0;                                        ///< iterations done
+  double max_pairs = 0;  ///< largest number of splat–tile pairs for each visible splat so far
   Random random;
-  std::vector<std::uint32_t> view_order;  ///< a random permutation of the training images
+  std::vector<std::uint32_t> view_order;  ///< a random permutation of the training views
   std::uint32_t next_view = 0;            ///< position in it
 };
 
@@ -58,7 +47,7 @@ struct TrainState {
 void rearrange(TrainState& state, const std::vector<std::uint32_t>& order,
                const std::vector<std::uint32_t>& moments);
 
-/// Forgets the moments of splat i.
+/// Sets the moments of splat i to zero.
 void clear_moments(TrainState& state, std::size_t i);
 
 }  // namespace fluxgs

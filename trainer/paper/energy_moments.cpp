@@ -50,4 +50,18 @@ PlanarFloats energy_moments(const PlanarFloats& parameters, Residual residual,
   return result;
 }
 
+void add_projection(const PlanarFloats& energy, PlanarFloats& parameters) {
+  constexpr double k4Pi = 4 * std::numbers::pi;
+  const auto y0 = static_cast<float>(k4Pi * math::kSh0), y1 = static_cast<float>(k4Pi * math::kSh1);
+  constexpr int kAxis[] = {1, 2, 0};  // y, z, x
+  constexpr float kSign[] = {-1, 1, -1};
+  for (int c = 0; c < 3; ++c)
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      parameters.row(row::sh_dc + c)[i] += y0 * energy.row(c)[i];
+      for (int k = 0; k < 3; ++k)
+        parameters.row(row::sh_rest + 3 * k + c)[i] +=
+            kSign[k] * y1 * energy.row(3 + 3 * kAxis[k] + c)[i];
+    }
+}
+
 }  // namespace fluxgs

@@ -11,13 +11,23 @@
 // symmetry.
 #pragma once
 
+#include <array>
+#include <string_view>
+
 #include "trainer/core/parallel.h"
 #include "trainer/core/parameters.h"
 #include "trainer/core/quadrature.h"
-#include "trainer/model/appearance_choices.h"
 #include "trainer/paper/energy_kernels.h"
 
 namespace fluxgs {
+
+/// The part of the colour that the moments are taken of: degree 3 less a lower degree.
+enum class Residual {
+  from_1,  ///< bands 2 and 3
+  from_2,  ///< band 3 alone, as the paper has it: its E_dir is zero
+  from_0   ///< bands 1, 2 and 3
+};
+inline constexpr std::array<std::string_view, 3> kResidualNames = {"3-1", "3-2", "3-0"};
 
 /// 12 rows in the column order of networks/appearance.h ("energy"): E_mag (r, g, b), E_dir along x
 /// (r, g, b), along y, along z; units of colour. Bands that `parameters` do not have are zero.
@@ -25,5 +35,10 @@ namespace fluxgs {
 PlanarFloats energy_moments(const PlanarFloats& parameters, Residual residual,
                             const SphereRule& rule, const Threads& threads,
                             const EnergyKernels& kernels = energy_kernels(best_isa()));
+
+/// Adds the projection of max(0, residual) onto degree 0 and 1: with Y₀ and Y₁ the basis functions'
+/// constants, 4π·Y₀·E_mag and 4π·Y₁·E_dir (order −y, z, −x). "Monte Carlo directional moments
+/// largely match 1st-order SH" (paper, Insight 1), taken literally.
+void add_projection(const PlanarFloats& energy, PlanarFloats& parameters);
 
 }  // namespace fluxgs

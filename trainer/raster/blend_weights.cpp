@@ -6,7 +6,7 @@ BlendWeights::BlendWeights(const PlanarFloats& parameters, const RenderOptions& 
                            const Threads& threads)
     : parameters_(parameters),
       options_(options),
-      rasterizer_(make_cpu_rasterizer(threads, times_)),
+      rasterizer_(make_cpu_rasterizer(threads, profiler_)),
       weights_(parameters.size()),
       pixels_(parameters.size()) {}
 

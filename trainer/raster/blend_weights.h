@@ -25,7 +25,7 @@ class BlendWeights {
  private:
   const PlanarFloats& parameters_;
   RenderOptions options_;
-  StageTimes times_;
+  Profiler profiler_;
   std::unique_ptr<Rasterizer> rasterizer_;
   std::vector<float> weights_, pixels_;
 };

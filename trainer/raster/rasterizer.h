@@ -65,8 +65,8 @@ struct CpuRasterizerOptions {
   bool count_pixel_pairs = false;
 };
 
-/// `threads` and `times` must outlive the rasterizer.
-std::unique_ptr<Rasterizer> make_cpu_rasterizer(const Threads& threads, StageTimes& times,
+/// `threads` and `profiler` must outlive the rasterizer.
+std::unique_ptr<Rasterizer> make_cpu_rasterizer(const Threads& threads, Profiler& profiler,
                                                 const CpuRasterizerOptions& options = {});
 
 }  // namespace fluxgs

@@ -31,10 +31,9 @@ nlohmann::json options_json(const TrainOptions& options);
 std::uint64_t hash_views(const std::vector<View>& views);
 
 /// File layout (little-endian): "FLUXGSCK", u32 version, u32 size of a JSON header, the header
-/// (options, counts, random state, history), then as float32 the rows of parameters, both moments
-/// and statistics, and what the state has of rounding (costs, offsets), degrees (a byte each) and
-/// networks (latents, their moments, model); then a 64-bit FNV-1a hash of everything before it.
-/// Written whole or not at all.
+/// (options, counts, random state, history), then the rows of parameters, both moments, statistics
+/// and attached values as float32, the values of phases as float64, and degrees (a byte each); then
+/// a 64-bit FNV-1a hash of everything before it. Written whole or not at all.
 Expected<void> write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
 
 /// Errors: not a checkpoint, another version, damaged content, numbers that no training with its

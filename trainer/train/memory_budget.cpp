@@ -7,7 +7,9 @@
 
 #include "fluxgs/io/compact_glb.h"
 #include "trainer/compress/scene_error.h"
+#include "trainer/compress/sh_reduction.h"
 #include "trainer/core/parameters.h"
+#include "trainer/train/progressive_resolution.h"
 
 namespace fluxgs {
 namespace {
@@ -30,7 +32,7 @@ double fixed_bytes(const Dataset& data, const TrainOptions& options) {
   for (const auto* views : {&data.train, &data.test})
     for (const View& view : *views)
       pixels = std::max(pixels, static_cast<double>(view.rgb.pixels.size()) / 3);
-  const double smaller = options.coarse_levels > 0 ? 1.0 / 3 : 0;
+  const double smaller = options.get<ProgressiveResolutionOptions>().levels > 0 ? 1.0 / 3 : 0;
   // What the scene's file is measured by
   const double planes = kPlanes + 3.0 * kMeasuringViews;
   return kProgram + (1 + smaller) * view_bytes(data.train) + view_bytes(data.test) +
@@ -42,7 +44,7 @@ double bytes_per_splat(const Dataset& data, const TrainOptions& options, double 
   // as it was trained, shown, in the file's order, with one attribute rounded, and read back, twice
   // what the coder makes of it, and gradients again; what the file's encoder knows of the views,
   // and a copy of that
-  const int degree = degree_before_switch(options);
+  const int degree = initial_sh_degree(options);
   const double floats =
       (5.0 + 8.0) * row::count(degree) + 2.0 * static_cast<double>(error_costs_size(degree));
   double bytes = floats * sizeof(float) + kPerSplat + kPerPair * pairs;

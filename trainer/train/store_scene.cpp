@@ -3,8 +3,10 @@
 #include <utility>
 
 #include "fluxgs/io/gltf.h"
-#include "trainer/compress/quantization_aware.h"
+#include "trainer/compress/compression.h"
+#include "trainer/data/dataset.h"
 #include "trainer/paper/export_networks.h"
+#include "trainer/paper/network_colors.h"
 
 namespace fluxgs {
 namespace {
@@ -15,12 +17,6 @@ Expected<StoredScene> opened(std::vector<std::byte> file) {
   auto scene = read_glb(file, kName);
   if (!scene) return std::unexpected(scene.error());
   return StoredScene{.file = std::move(file), .cloud = std::move(scene->cloud)};
-}
-
-Expected<StoredScene> store_rounded(TrainState state) {
-  auto file = round_parameters(state);
-  if (!file) return std::unexpected(file.error());
-  return opened(std::move(*file));
 }
 
 /// What is to be stored, with what else goes into the file.
@@ -34,10 +30,19 @@ Candidate plain(SplatCloud cloud) {
   return {std::move(cloud), {.steps = steps}};
 }
 
-Expected<Candidate> with_networks(const NetworkState& networks, const PlanarFloats& parameters) {
-  auto exported = export_networks(networks.model, networks.latents);
+/// The phase whose networks make the colours, if there is one and it has begun.
+const NetworkColors* network_colors(const Schedule& schedule) {
+  for (const auto& phase : schedule.phases)
+    if (const auto* found = dynamic_cast<const NetworkColors*>(phase.get()))
+      return found->model() ? found : nullptr;
+  return nullptr;
+}
+
+Expected<Candidate> with_networks(const AppearanceModel& model, const TrainState& state) {
+  const PlanarFloats& latents = state.attached.at(kLatents).values;
+  auto exported = export_networks(model, latents);
   if (!exported) return std::unexpected(exported.error());
-  Candidate c = plain(cloud_for_networks(networks.model, parameters, networks.latents));
+  Candidate c = plain(cloud_for_networks(model, state.parameters, latents));
   c.options.networks = std::move(*exported);
   return c;
 }
@@ -47,23 +52,26 @@ Expected<Candidate> with_networks(const NetworkState& networks, const PlanarFloa
 Expected<StoredScene> store_scene(const Trainer& trainer, const std::vector<View>& views,
                                   const Threads& threads,
                                   const std::function<void(const CompactTrial&)>& on_trial) {
-  const TrainState& state = trainer.state();
+  const TrainState& state = trainer.state;
   if (state.parameters.size() == 0) {
     auto empty = encode_compact_glb(trainer.cloud(), {}, kName);
     return empty ? opened(std::move(*empty)) : std::unexpected(empty.error());
   }
-  if (state.rounding) return store_rounded(state);
+  for (const auto& phase : trainer.schedule().phases)
+    if (auto file = phase->compact_file(state))
+      return *file ? opened(std::move(**file)) : std::unexpected(file->error());
 
   const SplatCloud shown = trainer.cloud();
-  const CompactGoal goal{cameras_of(views), trainer.options().render, trainer.stored_psnr()};
+  const CompactGoal goal{cameras_of(views), trainer.options.render, trainer.compressed_psnr()};
   const auto smallest = [&](const Candidate& c) {
     return compact_within(c.cloud, shown, goal, c.options, threads, on_trial);
   };
   auto direct = smallest(plain(shown));
   if (!direct) return std::unexpected(direct.error());
-  if (!state.networks) return opened(std::move(direct->file));
+  const NetworkColors* networks = network_colors(trainer.schedule());
+  if (!networks) return opened(std::move(direct->file));
 
-  auto candidate = with_networks(*state.networks, state.parameters);
+  auto candidate = with_networks(*networks->model(), state);
   auto made = candidate ? smallest(*candidate) : std::unexpected(candidate.error());
   const std::size_t direct_bytes = direct->file.size();
   if (!made) {

@@ -23,10 +23,10 @@ struct StoredScene {
   std::optional<Error> networks_error = {};
 };
 
-/// The state as a compact file. Rounded parameters (state.rounding) are rounded once more. For
-/// others the smallest file is searched with Trainer::stored_psnr(); and
-/// networks go into it only if it is then smaller than with the colours that they make. `on_trial`
-/// may be empty. Errors name the attribute.
+/// The state as a compact file: the file of a phase that has decided how it is quantized, otherwise
+/// the smallest one that is found with Trainer::compressed_psnr(). Networks go into it only if it
+/// is then smaller than with the colours that they make. `on_trial` may be empty. Errors name the
+/// attribute.
 Expected<StoredScene> store_scene(const Trainer& trainer, const std::vector<View>& views,
                                   const Threads& threads,
                                   const std::function<void(const CompactTrial&)>& on_trial);

@@ -65,7 +65,7 @@ TEST(Command, TrainsEvaluatesRendersConvertsAndInforms) {
   const auto scene = folder / "scene.glb", report = folder / "report.json";
   const auto exact = folder / "exact.ply";
   const Outcome trained =
-      fluxgs(train(scene, fmt::format("--iterations 60 --sh-target 3 --json {} --exact {}",
+      fluxgs(train(scene, fmt::format("--iterations 60 --sh-target 3 --json {} --float-output {}",
                                       quoted(report), quoted(exact))));
   ASSERT_EQ(trained.status, 0) << trained.err;
   EXPECT_NE(trained.out.find("test views: PSNR "), std::string::npos) << trained.out;
@@ -133,8 +133,7 @@ TEST(Command, ATrainingWhoseSceneCannotBeWrittenIsSaved) {
   const int status = std::system(fmt::format("sh {}", quoted(folder / "run.sh")).c_str());
   const std::string said = text_of(folder / "said");
   ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 1) << said;
-  EXPECT_NE(said.find("the training is saved; go on with: fluxgs train "), std::string::npos)
-      << said;
+  EXPECT_NE(said.find("Checkpoint saved. Resume with: fluxgs train "), std::string::npos) << said;
   std::filesystem::remove(scene);
   const Outcome stored =
       fluxgs(fmt::format("train {} -o {} --resume {} --json -", quoted(capture_folder()),
@@ -156,18 +155,18 @@ TEST(Command, WrongUsageIsStatusTwoAndHelpHasExamples) {
   EXPECT_EQ(fluxgs("train x -o y.glb --iterations many").status, 2);
   EXPECT_EQ(fluxgs("train x -o y.glb --preset best").status, 2);
   EXPECT_EQ(fluxgs("train x -o y.glb --iterations 5.5").status, 2);
-  EXPECT_EQ(fluxgs("train x -o y.glb --position-rate nan").status, 2);
+  EXPECT_EQ(fluxgs("train x -o y.glb --position-lr nan").status, 2);
   EXPECT_EQ(fluxgs("train x -o y.glb --background nan,0,0").status, 2);
   for (const char* seed : {"-1", "18446744073709551616", "0x2", "1e3", "''"})
     EXPECT_EQ(fluxgs(fmt::format("train x -o y.glb --seed {}", seed)).status, 2) << seed;
   EXPECT_EQ(fluxgs("train x -o y.glb --resume z.ckpt --iterations 9").status, 2);
-  EXPECT_EQ(fluxgs("train x -o y.glb --exact ./y.glb").status, 2);
+  EXPECT_EQ(fluxgs("train x -o y.glb --float-output ./y.glb").status, 2);
   EXPECT_EQ(fluxgs("convert x.ply y.glb --threads 2").status, 2);
   EXPECT_EQ(fluxgs("convert x.ply y.glb --max-loss 40 --downscale 2").status, 2);
   EXPECT_EQ(fluxgs("render x.glb -o y.png --size 0x9").status, 2);
   EXPECT_EQ(fluxgs("render x.glb -o y.png --size 12").status, 2);
   EXPECT_NE(fluxgs("train x -o y.glb --iterations 0")
-                .err.find("fluxgs: error: --iterations: expected 1 to 1000000000"),
+                .err.find("expected a whole number from 1 to 1000000000"),
             std::string::npos);
   for (const char* command : {"train", "eval", "render", "view", "convert", "info", "doctor"}) {
     const Outcome help = fluxgs(std::string(command) + " --help");
@@ -334,7 +333,7 @@ TEST(Command, InputIsNeverOverwritten) {
   with_points["ply_file_path"] = "points.ply";
   write_text(own / "transforms_train.json", with_points.dump());
   const std::string points = text_of(own / "points.ply");
-  for (const char* option : {"-o", "-o x.glb --exact"})
+  for (const char* option : {"-o", "-o x.glb --float-output"})
     expect_error(fluxgs(fmt::format("train {} {} {}", quoted(own.path()), option,
                                     quoted(own / "points.ply"))),
                  {"points.ply", "points of the data set"});
@@ -459,14 +458,18 @@ TEST(Command, OutOfMemoryIsALine) {
                {"huge.ply", "memory"});
 }
 
-TEST(Command, SaysWhenRoundingIsNotAsAskedFor) {
+TEST(Command, SaysWhenQuantizationIsNotAsAskedFor) {
   const test::TempFolder folder;
   const auto said = [&](const std::string& options) {
     return fluxgs(train(folder / "scene.glb", "--iterations 60 " + options)).err;
   };
-  EXPECT_THAT(said("--densify-until 60 --round-from 20"), HasSubstr("nothing is rounded"));
-  EXPECT_THAT(said("--switch-iter 50 --round-from 30"), HasSubstr("at step 51 instead of 30"));
-  EXPECT_THAT(said("--preset flux-paper --rounding on"), HasSubstr("--rounding on does nothing"));
+  EXPECT_THAT(
+      said("--densify-until 60 --quantize-from 20"),
+      HasSubstr("quantization-aware training never takes place: it would begin at iteration 61"));
+  EXPECT_THAT(said("--sh-reduce-iter 50 --quantize-from 30"),
+              HasSubstr("at iteration 51 instead of 30"));
+  EXPECT_THAT(said("--preset flux-paper --quantize-aware on"),
+              HasSubstr("--quantize-aware has no effect"));
   EXPECT_THAT(said(""), Not(HasSubstr("warning: ")));
 }
 
@@ -475,8 +478,8 @@ TEST(Command, SaysWhichOptionsDoNothing) {
   const auto said = [&](const std::string& options) {
     return fluxgs(train(folder / "scene.glb", "--iterations 20 " + options)).err;
   };
-  EXPECT_THAT(said("--psi off --samples 64"), HasSubstr("no effect of --psi, expected"));
-  EXPECT_THAT(said("--target-splats 1500"), HasSubstr("no splats are added"));
+  EXPECT_THAT(said("--psi off --samples 64"), HasSubstr("--psi has no effect, expected"));
+  EXPECT_THAT(said("--target-splats 1500"), HasSubstr("densification never takes place"));
   expect_error(fluxgs(train(folder / "x.glb", "--target-splats 3000")),
                {"--target-splats", "--max-splats 2000"});
   expect_error(fluxgs(train(folder / "x.glb", "--sh-target 1 --sh-degree 0 --phi on")),
@@ -491,7 +494,7 @@ TEST(Command, TheScoreIsThatOfTheFile) {
   ASSERT_EQ(trained.status, 0) << trained.err;
   const json run = json::parse(trained.out);
   EXPECT_EQ(run["bytes"], std::filesystem::file_size(scene));
-  EXPECT_NE(run["psnr"], run["psnr_before_storing"]);
+  EXPECT_NE(run["psnr"], run["psnr_before_compression"]);
   const Outcome scored =
       fluxgs(fmt::format("eval {} --data {} --json", quoted(scene), quoted(capture_folder())));
   EXPECT_NEAR(json::parse(scored.out)["psnr"].get<double>(), run["psnr"].get<double>(), 1e-3);

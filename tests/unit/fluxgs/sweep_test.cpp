@@ -24,6 +24,7 @@
 #include "tools/fluxgs/report.h"
 #include "tools/fluxgs/sweep.h"
 #include "tools/fluxgs/sweep_plot.h"
+#include "trainer/densify/splat_scores.h"
 
 namespace fluxgs::cli {
 namespace {
@@ -215,11 +216,11 @@ TEST(SweepRows, ARowsOwnOptionsComeFirst) {
   EXPECT_THAT(merged_options({"--a", "1", "2", "--b=3", "--c"}, {"--b", "4", "--a", "5"}),
               ElementsAre("--c", "--b", "4", "--a", "5"));
   const auto meaning =
-      meaning_of("3dgs", {"--cameras", "4", "--iterations=80", "--downscale", "2"});
+      meaning_of("3dgs", {"--score-views", "4", "--iterations=80", "--downscale", "2"});
   ASSERT_TRUE(meaning);
-  EXPECT_EQ(meaning->score_cameras, 4);
+  EXPECT_EQ(meaning->get<ScoreOptions>().views, 4);
   EXPECT_EQ(meaning->iterations, 80);
-  EXPECT_FALSE(meaning_of("3dgs", {"--cameras", "many"}));
+  EXPECT_FALSE(meaning_of("3dgs", {"--score-views", "many"}));
 }
 
 TEST(Sweep, AFailingRowDoesNotLoseTheOthersAndIsTriedAgainWhenAsked) {
@@ -261,7 +262,7 @@ TEST(Sweep, AFailingRowDoesNotLoseTheOthersAndIsTriedAgainWhenAsked) {
   settings.common = {"--max-splats=300", "--threads", "2", "--iterations", "60"};
   ASSERT_TRUE(run_sweep(settings));
   EXPECT_EQ(time_of(report), trained);
-  settings.rows = {row("good", {"--cameras", "4", "--opacity-rate", "0.03"})};
+  settings.rows = {row("good", {"--score-views", "4", "--opacity-lr", "0.03"})};
   const auto changed = run_sweep(settings);  // made again, but not in the place of the other
   ASSERT_TRUE(changed);
   EXPECT_NE(time_of(report), trained);
@@ -311,7 +312,7 @@ TEST(Sweep, WhatCannotBeReadIsMadeAgainAndOddFilesCostOneRun) {
   const std::string bytes = fmt::format("{}", fs::file_size(run / "scene.glb"));
   for (const std::string& odd :
        {"{\"psnr\": 1, \"bytes\": " + bytes + "}",
-        "{\"psnr\": 1, \"bytes\": " + bytes + R"(, "curves": {"switch": null, "psnr": [null]}})"}) {
+        "{\"psnr\": 1, \"bytes\": " + bytes + R"(, "curves": {"phases": [], "psnr": [null]}})"}) {
     write(run / "train.json", odd);
     const auto table = run_sweep(settings);
     ASSERT_TRUE(table) << odd;
@@ -365,7 +366,7 @@ TEST(Sweep, InterruptedItGoesOnWithTheSameCommand) {
   const test::TempFolder folder;
   const std::string length = " -- --iterations 400 --max-splats 300 --checkpoint-every 20";
   const std::string call =
-      report_train(folder / "out", "--only densify-grad,densify-mcmc --seeds 2", length);
+      report_train(folder / "out", "--only densify-gradient,densify-mcmc --seeds 2", length);
   const fs::path runs = folder / "out/spheres";
   // set -m: a background job of a shell without job control would ignore the interrupt
   std::ofstream(folder / "interrupt.sh") << fmt::format(
@@ -380,13 +381,13 @@ TEST(Sweep, InterruptedItGoesOnWithTheSameCommand) {
                               "fluxgs report train "));
   EXPECT_EQ(text_of(folder / "said"), "");
   EXPECT_THAT(text_of(folder / "out/report.md"), HasSubstr("1 of 2 |"));
-  const auto trained = time_of(runs / "densify-grad/seed-1/train.json");
+  const auto trained = time_of(runs / "densify-gradient/seed-1/train.json");
   ASSERT_FALSE(fs::exists(runs / "densify-mcmc/seed-1/train.json"));
   const Outcome o = fluxgs(call);
   ASSERT_EQ(o.status, 0) << o.err;
-  EXPECT_EQ(time_of(runs / "densify-grad/seed-1/train.json"), trained);
+  EXPECT_EQ(time_of(runs / "densify-gradient/seed-1/train.json"), trained);
   EXPECT_THAT(text_of(runs / "densify-mcmc/seed-1/log.txt"), HasSubstr("resuming at iteration "));
-  EXPECT_THAT(o.out, HasSubstr("| densify grad | "));
+  EXPECT_THAT(o.out, HasSubstr("| densify gradient | "));
   const auto report = read_json(folder / "out/report.json");
   ASSERT_TRUE(report);
   ASSERT_EQ(report->at("rows").size(), 2u);
@@ -450,7 +451,7 @@ TEST(Sweep, RunsOfAnotherReportAreTakenOver) {
 
   settings.out = folder / "second";
   ASSERT_TRUE(settings.known.add(report));
-  settings.rows = {row("another-name", {}), row("other", {"--opacity-rate", "0.03"})};
+  settings.rows = {row("another-name", {}), row("other", {"--opacity-lr", "0.03"})};
   const auto second = run_sweep(settings);
   ASSERT_TRUE(second) << second.error().message();
   EXPECT_EQ(second->at(0, 0, 0).values, first->at(0, 0, 0).values);
@@ -501,7 +502,7 @@ TEST(Sweep, BadUseIsOneLine) {
   EXPECT_FALSE(fs::exists(capture_folder() / "out"));
   EXPECT_EQ(hash_of_data(capture_folder()).value(), hash.value());
   EXPECT_EQ(fluxgs(report_train(folder / "out", "", " -- --seed 3")).status, 2);
-  EXPECT_EQ(fluxgs(report_train(folder / "out", "", " -- --exact x.ply")).status, 2);
+  EXPECT_EQ(fluxgs(report_train(folder / "out", "", " -- --float-output x.ply")).status, 2);
   EXPECT_EQ(fluxgs(report_train(folder / "out", "", " -- -ox.glb")).status, 2);
   EXPECT_EQ(fluxgs("report train -o x").status, 2);
   EXPECT_EQ(fluxgs("report train x").status, 2);
@@ -516,15 +517,15 @@ TEST(Sweep, BadUseIsOneLine) {
   expect_error(fluxgs(report_train(folder / "busy", "--only densify")), {"busy", "at work"});
   close(lock);
   // A failure of all is one of the command
-  expect_error(
-      fluxgs(report_train(folder / "out", "--only densify-grad --seeds 1", " -- --iterations nan")),
-      {"none of the 1 runs succeeded", "--iterations"});
+  expect_error(fluxgs(report_train(folder / "out", "--only densify-gradient --seeds 1",
+                                   " -- --iterations nan")),
+               {"none of the 1 runs succeeded", "--iterations"});
 }
 
 TEST(Sweep, WithoutGlOnlyTheFrameTimeIsMissing) {
   const test::TempFolder folder;
   const std::string call =
-      report_train(folder / "out", "--only densify-grad --seeds 1 --frames 1 --json");
+      report_train(folder / "out", "--only densify-gradient --seeds 1 --frames 1 --json");
   const Outcome o = fluxgs(call, "__EGL_VENDOR_LIBRARY_FILENAMES=/none");
   ASSERT_EQ(o.status, 0) << o.err;
   const json report = json::parse(o.out);

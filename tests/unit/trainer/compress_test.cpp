@@ -14,7 +14,7 @@
 #include "trainer/compress/sh_fit.h"
 #include "trainer/compress/shape_hessian.h"
 #include "trainer/compress/view_sensitivity.h"
-#include "trainer/loss/evaluate.h"
+#include "trainer/train/evaluate.h"
 
 namespace fluxgs {
 namespace {

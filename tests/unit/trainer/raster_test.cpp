@@ -37,7 +37,7 @@ Image<double> pixel_weights(int width, int height) {
 Rendered run(const SplatCloud& cloud, const Camera& camera, const RenderOptions& options, Isa isa,
              int thread_count = 2, const std::optional<BadPixel>& bad = {}) {
   const Threads threads(thread_count);
-  StageTimes times;
+  Profiler times;
   const auto rasterizer =
       make_cpu_rasterizer(threads, times, {.isa = isa, .count_pixel_pairs = false});
   const PlanarFloats parameters = to_parameters(cloud, cloud.sh_degree);

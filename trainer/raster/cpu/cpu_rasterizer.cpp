@@ -23,9 +23,9 @@ RasterConstants constants_of(const RenderOptions& o) {
 
 class CpuRasterizer final : public Rasterizer {
  public:
-  CpuRasterizer(const Threads& threads, StageTimes& times, const CpuRasterizerOptions& options)
+  CpuRasterizer(const Threads& threads, Profiler& profiler, const CpuRasterizerOptions& options)
       : threads_(threads),
-        times_(times),
+        profiler_(profiler),
         kernels_(raster_kernels(options.isa)),
         count_pairs_(options.count_pixel_pairs) {}
 
@@ -43,7 +43,7 @@ class CpuRasterizer final : public Rasterizer {
     start(parameters, camera, options);
     project(parameters);
     {
-      StageTimer timer(times_, Stage::sort);
+      ProfileScope scope(profiler_, "sort");
       sort_by_depth(splats_, visible_, lists_);
       binner_.run(threads_, kernels_, splats_, constants_, camera.width, camera.height, lists_);
     }
@@ -52,13 +52,13 @@ class CpuRasterizer final : public Rasterizer {
 
   void backward(const PlanarFloats& parameters, const PlanarImage& color_gradient) override {
     backpropagate_tiles(color_gradient);
-    StageTimer timer(times_, Stage::gradient);
+    ProfileScope scope(profiler_, "gradient");
     sum_pairs();
     chain_rule(parameters);
   }
 
   const PlanarFloats& score(const PlanarImage& maps, ScoreWeight weight) override {
-    StageTimer timer(times_, Stage::score);
+    ProfileScope scope(profiler_, "score");
     pair_scores_.resize(lists_.entries.size());
     threads_.for_pieces(lists_.tiles(), 1, [&](std::size_t tile, std::size_t) {
       ScoreArgs args{tile_args(tile), maps.plane(0), weight, pair_scores_.data()};
@@ -92,7 +92,7 @@ class CpuRasterizer final : public Rasterizer {
   }
 
   void project(const PlanarFloats& parameters) {
-    StageTimer timer(times_, Stage::project);
+    ProfileScope scope(profiler_, "project");
     splats_.resize(parameters.size());
     visible_.assign(parameters.stride() + PlanarFloats::kPadding, 0);
     const ProjectArgs args{
@@ -123,7 +123,7 @@ class CpuRasterizer final : public Rasterizer {
   }
 
   void blend(int width, int height) {
-    StageTimer timer(times_, Stage::forward);
+    ProfileScope scope(profiler_, "forward");
     if (color_.width() != width || color_.height() != height)
       color_ = PlanarImage(width, height, 3);
     used_.resize(lists_.tiles());
@@ -138,7 +138,7 @@ class CpuRasterizer final : public Rasterizer {
   }
 
   void backpropagate_tiles(const PlanarImage& color_gradient) {
-    StageTimer timer(times_, Stage::backward);
+    ProfileScope scope(profiler_, "backward");
     pairs_.resize(lists_.entries.size());
     threads_.for_pieces(lists_.tiles(), 1, [&](std::size_t tile, std::size_t) {
       TileArgs args = tile_args(tile);
@@ -212,7 +212,7 @@ class CpuRasterizer final : public Rasterizer {
   }
 
   const Threads& threads_;
-  StageTimes& times_;
+  Profiler& profiler_;
   const RasterKernels& kernels_;
   bool count_pairs_;
 
@@ -240,9 +240,9 @@ class CpuRasterizer final : public Rasterizer {
 
 }  // namespace
 
-std::unique_ptr<Rasterizer> make_cpu_rasterizer(const Threads& threads, StageTimes& times,
+std::unique_ptr<Rasterizer> make_cpu_rasterizer(const Threads& threads, Profiler& profiler,
                                                 const CpuRasterizerOptions& options) {
-  return std::make_unique<CpuRasterizer>(threads, times, options);
+  return std::make_unique<CpuRasterizer>(threads, profiler, options);
 }
 
 }  // namespace fluxgs

@@ -8,7 +8,7 @@
 #include "fluxgs/math/spherical_harmonics.h"
 #include "support/scenes.h"
 #include "trainer/compress/view_sensitivity.h"
-#include "trainer/loss/evaluate.h"
+#include "trainer/train/evaluate.h"
 
 namespace fluxgs {
 namespace {

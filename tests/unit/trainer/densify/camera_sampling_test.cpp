@@ -37,7 +37,7 @@ TEST(CameraSampling, BinsFollowAzimuthAndElevation) {
 
 TEST(CameraSampling, StratifiedTakesOneOfEachBinFirst) {
   const std::vector<View> views = views_at(lopsided());
-  TrainOptions options;  // 6 of 12 x 6 bins
+  ScoreOptions options;  // 6 of 12 x 6 bins
   Random random(1);
   for (int trial = 0; trial < 20; ++trial) {
     const auto chosen = sample_cameras(views, options, random);
@@ -45,7 +45,7 @@ TEST(CameraSampling, StratifiedTakesOneOfEachBinFirst) {
     for (std::uint32_t i : chosen) places.insert(std::max(i, 29u));
     EXPECT_EQ(places.size(), 6u);
   }
-  options.camera_sampling = CameraSampling::random;
+  options.sampling = CameraSampling::random;
   double crowded = 0;
   for (int trial = 0; trial < 50; ++trial)
     for (std::uint32_t i : sample_cameras(views, options, random)) crowded += i < 30;
@@ -54,11 +54,11 @@ TEST(CameraSampling, StratifiedTakesOneOfEachBinFirst) {
 
 TEST(CameraSampling, NeverTwiceTheSameAndNeverMoreThanThereAre) {
   const std::vector<View> views = views_at(lopsided());
-  TrainOptions options;
+  ScoreOptions options;
   for (const CameraSampling way : {CameraSampling::stratified, CameraSampling::random}) {
-    options.camera_sampling = way;
+    options.sampling = way;
     for (const int count : {1, 12, 35, 100}) {
-      options.score_cameras = count;
+      options.views = count;
       Random random(7);
       const auto chosen = sample_cameras(views, options, random);
       EXPECT_EQ(chosen.size(), static_cast<std::size_t>(std::min(count, 35)));

@@ -1,5 +1,8 @@
 // Which splats grow, which go, and what becomes of them.
 #include "trainer/densify/density_control.h"
+#include "trainer/densify/densification.h"
+#include "trainer/densify/late_pruning.h"
+#include "trainer/densify/opacity_reset.h"
 
 #include <gtest/gtest.h>
 
@@ -65,21 +68,21 @@ TEST(Densify, ClonesSmallSplitsLargeKeepsTheRest) {
 
 TEST(Densify, PrunesTransparentAndOversizedSplats) {
   TrainOptions options;
-  options.prune_screen_radius = 20;
+  options.get<DensificationOptions>().prune_screen_radius = 20;
   TrainState state = state_of({0, 0, 0, 0}, {0.01f, 0.01f, 0.2f, 0.01f});
-  state.parameters.row(row::opacity)[1] = -6;        // sigmoid(−6) = 0.0025 < 0.005
-  state.statistics.row(statistic::radius)[3] = 21;   // > 20 px
-  state.iteration = options.opacity_reset_interval;  // sizes do not count yet
+  state.parameters.row(row::opacity)[1] = -6;                     // sigmoid(−6) = 0.0025 < 0.005
+  state.statistics.row(statistic::radius)[3] = 21;                // > 20 px
+  state.iteration = options.get<OpacityResetOptions>().interval;  // sizes do not count yet
   TrainState later = state, any_radius = state, any_size = state;
   EXPECT_EQ(densify_and_prune(state, options, 1.0, nullptr).pruned, 1u);
-  later.iteration = options.opacity_reset_interval + 1;
+  later.iteration = options.get<OpacityResetOptions>().interval + 1;
   EXPECT_EQ(densify_and_prune(later, options, 1.0, nullptr).pruned, 3u);
   EXPECT_EQ(later.parameters.size(), 1u);
-  any_radius.iteration = options.opacity_reset_interval + 1;
-  options.prune_screen_radius = 0;
+  any_radius.iteration = options.get<OpacityResetOptions>().interval + 1;
+  options.get<DensificationOptions>().prune_screen_radius = 0;
   EXPECT_EQ(densify_and_prune(any_radius, options, 1.0, nullptr).pruned, 2u);
-  any_size.iteration = options.opacity_reset_interval + 1;
-  options.prune_world_size = 0;
+  any_size.iteration = options.get<OpacityResetOptions>().interval + 1;
+  options.get<DensificationOptions>().prune_world_size = 0;
   EXPECT_EQ(densify_and_prune(any_size, options, 1.0, nullptr).pruned, 1u);
 }
 
@@ -97,7 +100,7 @@ TEST(Densify, NeverExceedsTheLimitAndPrefersLargeGradients) {
 TEST(Densify, ResetLimitsOpacity) {
   TrainState state = state_of({0, 0}, {1, 1});
   state.parameters.row(row::opacity)[1] = -8;
-  reset_opacity(state, TrainOptions{});
+  reset_opacity(state, OpacityResetOptions().to);
   EXPECT_NEAR(state.parameters.row(row::opacity)[0], std::log(0.01 / 0.99), 1e-5);
   EXPECT_EQ(state.parameters.row(row::opacity)[1], -8);
   EXPECT_EQ(state.adam.first.row(row::opacity)[0], 0);
@@ -113,8 +116,8 @@ SplatScores scores_of(std::vector<float> plus, std::vector<float> minus,
 
 TEST(Densify, GrowsOnlyWhereSeveralViewsSeeErrors) {
   TrainOptions options;
-  options.densify = Densify::multiview;
-  options.quantile_plus = 0.5;
+  options.get<DensificationOptions>().strategy = Densify::multiview;
+  options.get<ScoreOptions>().quantile_plus = 0.5;
   TrainState state = state_of({1e-3f, 1e-3f, 1e-3f, 1e-5f}, {0.005f, 0.005f, 0.005f, 0.005f});
   const float wanted = state.parameters.row(row::position)[2];
   const SplatScores scores = scores_of({0.1f, 0.2f, 0.9f, 0.8f}, {0, 0, 0, 0}, {1, 1, 1, 1});
@@ -127,9 +130,9 @@ TEST(Densify, GrowsOnlyWhereSeveralViewsSeeErrors) {
 
 TEST(Densify, GrowthByGradientsIgnoresTheScoresThatPruningHas) {
   TrainOptions options;
-  options.densify = Densify::grad;
-  options.prune = Prune::multiview;
-  options.quantile_plus = 0.5;
+  options.get<DensificationOptions>().strategy = Densify::gradient;
+  options.get<DensificationOptions>().prune = Prune::multiview;
+  options.get<ScoreOptions>().quantile_plus = 0.5;
   TrainState state = state_of({1e-3f, 1e-3f, 1e-5f}, {0.005f, 0.005f, 0.005f});
   const SplatScores scores = scores_of({0.1f, 0.2f, 0.9f}, {0, 0, 0}, {1, 1, 1});
   EXPECT_EQ(densify_and_prune(state, options, 1.0, &scores).cloned, 2u);
@@ -138,29 +141,31 @@ TEST(Densify, GrowthByGradientsIgnoresTheScoresThatPruningHas) {
 TEST(Densify, UnseenSplatsDoNotCountInQuantiles) {
   SplatScores scores = scores_of({0, 0, 0, 1, 2, 3}, {0, 0, 0, 0, 0, 0}, {0, 0, 0, 1, 1, 1});
   for (std::size_t i = 0; i < 3; ++i) scores.pixels[i] = 0;
-  EXPECT_EQ(score_quantile(scores.plus, scores, 0.5, ScoreShare::pixel), 2);
-  EXPECT_EQ(score_quantile(scores.plus, scores, 0.5, ScoreShare::sum), 0);
+  EXPECT_EQ(score_quantile(scores.plus, scores, 0.5, ScoreNormalization::pixel), 2);
+  EXPECT_EQ(score_quantile(scores.plus, scores, 0.5, ScoreNormalization::sum), 0);
   const SplatScores none;
-  EXPECT_EQ(score_quantile(none.plus, none, 0.5, ScoreShare::pixel), -1);
+  EXPECT_EQ(score_quantile(none.plus, none, 0.5, ScoreNormalization::pixel), -1);
 }
 
 TEST(Densify, ModeratePruningSparesWhatHasNoPartInGoodPixels) {
   TrainOptions options;
-  options.prune = Prune::multiview;
-  options.quantile_minus = 0.5;
+  options.get<DensificationOptions>().prune = Prune::multiview;
+  options.get<ScoreOptions>().quantile_minus = 0.5;
   TrainState state = state_of({0, 0, 0}, {0.005f, 0.005f, 0.005f});
   for (std::size_t i = 0; i < 2; ++i) state.parameters.row(row::opacity)[i] = -6;
   const float kept = state.parameters.row(row::position)[0];
   const SplatScores scores = scores_of({0, 0, 0}, {0.1f, 0.9f, 0.2f}, {1, 1, 1});
   EXPECT_EQ(densify_and_prune(state, options, 1.0, &scores).pruned, 1u);
   EXPECT_EQ(state.parameters.row(row::position)[0], kept);
-  options.prune = Prune::none;
+  options.get<DensificationOptions>().prune = Prune::none;
   EXPECT_EQ(densify_and_prune(state, options, 1.0, nullptr).pruned, 0u);
 }
 
 TEST(Densify, ATargetIsReachedInEqualSteps) {
   TrainOptions options;
-  options.densify_from = 100, options.densify_interval = 100, options.densify_until = 300;
+  options.get<DensificationOptions>().from = 100,
+  options.get<DensificationOptions>().interval = 100,
+  options.get<DensificationOptions>().until = 300;
   options.target_splats = 16;
   TrainState state = state_of(std::vector<float>(10, 1e-9f), std::vector<float>(10, 0.005f));
   for (std::size_t expected : {12u, 14u, 16u, 16u}) {
@@ -173,7 +178,8 @@ TEST(Densify, ATargetIsReachedInEqualSteps) {
 
 TEST(Densify, WhatIsPrunedAtLastIsMadeUpForByATarget) {
   TrainOptions options;
-  options.densify_from = options.densify_until = options.densify_interval = 100;
+  options.get<DensificationOptions>().from = options.get<DensificationOptions>().until =
+      options.get<DensificationOptions>().interval = 100;
   options.target_splats = 10;
   std::vector<float> gradients(8, 1e-9f);
   gradients[0] = gradients[1] = 1;  // would be the first to grow if they stayed
@@ -186,10 +192,10 @@ TEST(Densify, WhatIsPrunedAtLastIsMadeUpForByATarget) {
 
 TEST(Densify, GrowthIsLimitedAndTheRankDecides) {
   TrainOptions options;
-  options.densify = Densify::multiview;
-  options.densify_growth = 0.25;
-  options.quantile_plus = 0;
-  options.growth_rank = GrowthRank::error;
+  options.get<DensificationOptions>().strategy = Densify::multiview;
+  options.get<DensificationOptions>().growth = 0.25;
+  options.get<ScoreOptions>().quantile_plus = 0;
+  options.get<DensificationOptions>().growth_rank = GrowthRank::error;
   TrainState state = state_of({1e-3f, 2e-3f, 3e-3f, 4e-3f}, std::vector<float>(4, 0.005f));
   TrainState same = state;
   const float by_error = state.parameters.row(row::position)[1],
@@ -197,14 +203,14 @@ TEST(Densify, GrowthIsLimitedAndTheRankDecides) {
   const SplatScores scores = scores_of({0.1f, 0.9f, 0.2f, 0.3f}, {0, 0, 0, 0}, {1, 1, 1, 1});
   EXPECT_EQ(densify_and_prune(state, options, 1.0, &scores).cloned, 1u);
   EXPECT_EQ(state.parameters.row(row::position)[4], by_error);
-  options.growth_rank = GrowthRank::gradient;
+  options.get<DensificationOptions>().growth_rank = GrowthRank::gradient;
   densify_and_prune(same, options, 1.0, &scores);
   EXPECT_EQ(same.parameters.row(row::position)[4], by_gradient);
 }
 
 TEST(Densify, LongAxisSplitsLieSideBySide) {
   TrainOptions options;
-  options.split = Split::long_axis;
+  options.get<DensificationOptions>().split = Split::long_axis;
   TrainState state = state_of({1e-3f}, {0.02f});
   PlanarFloats& p = state.parameters;
   p.row(row::log_scale + 1)[0] = std::log(0.2f);
@@ -225,7 +231,7 @@ TEST(Densify, LongAxisSplitsLieSideBySide) {
 
 TEST(Densify, OpacitiesAreCapped) {
   TrainOptions options;
-  options.opacity_cap = 0.8;
+  options.get<DensificationOptions>().opacity_cap = 0.8;
   TrainState state = state_of({0, 0}, {0.005f, 0.005f});
   state.parameters.row(row::opacity)[0] = 5;
   densify_and_prune(state, options, 1.0, nullptr);
@@ -235,8 +241,8 @@ TEST(Densify, OpacitiesAreCapped) {
 
 TEST(LatePrune, RemovesFaintSplatsOfGoodPixels) {
   TrainOptions options;
-  options.late_prune = LatePrune::opacity;
-  options.quantile_minus = 0.25;
+  options.get<LatePruningOptions>().mode = LatePrune::opacity;
+  options.get<ScoreOptions>().quantile_minus = 0.25;
   TrainState state = state_of({0, 0, 0, 0}, std::vector<float>(4, 0.005f));
   for (std::size_t i = 0; i < 3; ++i) state.parameters.row(row::opacity)[i] = -3;  // 0.047 < 0.1
   TrainState target = state;
@@ -249,7 +255,7 @@ TEST(LatePrune, RemovesFaintSplatsOfGoodPixels) {
 // What is too faint to be drawn covers no pixel and has no score.
 TEST(LatePrune, RemovesWhatIsNotDrawn) {
   TrainOptions options;
-  options.late_prune = LatePrune::opacity;
+  options.get<LatePruningOptions>().mode = LatePrune::opacity;
   TrainState state = state_of({0, 0}, std::vector<float>(2, 0.005f));
   state.parameters.row(row::opacity)[0] = -6;  // 0.0025 < 1/255
   const float stays = state.parameters.row(row::position)[1];
@@ -261,8 +267,8 @@ TEST(LatePrune, RemovesWhatIsNotDrawn) {
 
 TEST(LatePrune, RemovesTheLeastPartOfTheImages) {
   TrainOptions options;
-  options.late_prune = LatePrune::contribution;
-  options.late_prune_share = 0.1;
+  options.get<LatePruningOptions>().mode = LatePrune::contribution;
+  options.get<LatePruningOptions>().share = 0.1;
   TrainState state = state_of({0, 0, 0, 0}, std::vector<float>(4, 0.005f));
   const float last = state.parameters.row(row::position)[3];
   // Of 100 in all, 4 + 5 may go, the next would be too much
@@ -274,8 +280,8 @@ TEST(LatePrune, RemovesTheLeastPartOfTheImages) {
 
 TEST(LatePrune, ManyPixelsForLittleGoFirst) {
   TrainOptions options;
-  options.late_prune = LatePrune::contribution;
-  options.late_prune_share = 0.06;
+  options.get<LatePruningOptions>().mode = LatePrune::contribution;
+  options.get<LatePruningOptions>().share = 0.06;
   TrainState state = state_of({0, 0, 0, 0}, std::vector<float>(4, 0.005f));
   const float small = state.parameters.row(row::position)[0];
   // Of 100 in all, 6 may go: 4, or 5 that cost more than others
@@ -287,7 +293,7 @@ TEST(LatePrune, ManyPixelsForLittleGoFirst) {
 
 TEST(LatePrune, RemovesWhatNobodySees) {
   TrainOptions options;
-  options.late_prune = LatePrune::contribution;
+  options.get<LatePruningOptions>().mode = LatePrune::contribution;
   TrainState state = state_of({0, 0, 0}, std::vector<float>(3, 0.005f));
   SplatScores scores = scores_of({0, 0, 0}, {0, 0, 0}, {0, 1, 0});
   scores.pixels = {0, 3, 0};

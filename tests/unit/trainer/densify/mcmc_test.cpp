@@ -44,7 +44,7 @@ TEST(Mcmc, CopiesTogetherLookLikeTheOne) {
 
 TEST(Mcmc, DeadSplatsMoveToLivingOnes) {
   TrainOptions options;
-  options.mcmc_growth = 0;
+  options.get<DensificationOptions>().mcmc_growth = 0;
   TrainState state = state_of(40);
   for (std::size_t i = 0; i < 10; ++i) state.parameters.row(row::opacity)[i] = -8;
   const PlanarFloats before = state.parameters;
@@ -85,8 +85,8 @@ TEST(Mcmc, NoiseMovesFaintSplatsOnlyAndWhateverTheThreads) {
     a.parameters.row(row::opacity)[i] = i % 2 == 0 ? -6.0f : 2.0f;
   b = a;
   const PlanarFloats before = a.parameters;
-  add_noise(a, options, 1e-4, Threads(1));
-  add_noise(b, options, 1e-4, Threads(3));
+  add_noise(a, options.get<DensificationOptions>(), 1e-4, Threads(1));
+  add_noise(b, options.get<DensificationOptions>(), 1e-4, Threads(3));
   EXPECT_EQ(0, std::memcmp(a.parameters.row(0), b.parameters.row(0), 5000 * sizeof(float)));
   double moved = 0;
   for (std::size_t i = 0; i < 5000; ++i) {
@@ -105,9 +105,9 @@ TEST(Mcmc, PenaltiesPullOpacityAndSizeDown) {
   std::vector<std::uint8_t> visible(48, 1);
   visible[3] = 0;
   TrainOptions options;
-  options.opacity_weight = 0.2;
-  options.scale_weight = 0.3;
-  add_penalties(state.parameters, visible, options, gradient, Threads(2));
+  options.get<PenaltyOptions>().opacity_weight = 0.2;
+  options.get<PenaltyOptions>().scale_weight = 0.3;
+  add_penalties(state.parameters, visible, options.get<PenaltyOptions>(), gradient, Threads(2));
   const auto mean = [&](std::size_t i, float opacity, float scale) {
     const double o = 1 / (1 + std::exp(-double{opacity}));
     (void)i;

@@ -43,13 +43,13 @@ TEST(MetricMaps, ThresholdsAreMultiplesOfAPercentileOrPlain) {
   for (int y = 0; y < 10; ++y)
     for (int x = 0; x < 20; ++x) loss.row(0, y)[x] = 0.001f * static_cast<float>(20 * y + x);
   loss.row(0, 9)[19] = 1000;  // one outlier does not move the unit
-  TrainOptions options;       // percentile of about 0.198
+  ScoreOptions options;       // percentile of about 0.198
   PlanarImage maps = metric_maps(loss, options);
   EXPECT_EQ(maps.row(0, 0)[19], 0);            // 0.019 < 0.1·0.198
   EXPECT_EQ(maps.row(0, 1)[0], 1);             // 0.020
   EXPECT_FLOAT_EQ(maps.row(1, 0)[1], 0.001f);  // ℒ·M⁻ is the loss below 0.01·0.198
   EXPECT_EQ(maps.row(1, 0)[2], 0);
-  options.score_unit = ScoreUnit::raw;
+  options.unit = ScoreUnit::raw;
   maps = metric_maps(loss, options);
   EXPECT_EQ(maps.row(0, 5)[0], 0);  // 0.1 is not above 0.1
   EXPECT_EQ(maps.row(0, 5)[1], 1);
@@ -57,7 +57,7 @@ TEST(MetricMaps, ThresholdsAreMultiplesOfAPercentileOrPlain) {
 
 TEST(MetricMaps, APerfectImageHasNoBadPixelsAndNanIsBad) {
   PlanarImage loss(8, 8, 1);
-  TrainOptions options;
+  ScoreOptions options;
   EXPECT_EQ(mean(metric_maps(loss, options)), 0);
   for (int x = 0; x < 8; ++x) loss.row(0, 3)[x] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(mean(metric_maps(loss, options)), 1.0 / 8);
@@ -109,7 +109,7 @@ TEST_P(Score, EqualsBruteForceInFloat64) {
       maps.row(1, y)[x] = 0.01f * static_cast<float>(x);
     }
   const Threads threads(2);
-  StageTimes times;
+  Profiler times;
   const auto rasterizer =
       make_cpu_rasterizer(threads, times, {.isa = GetParam(), .count_pixel_pairs = false});
   rasterizer->forward(to_parameters(cloud, 1), camera, options);
@@ -137,16 +137,17 @@ TEST(SplatScores, ViewsAddUpAndSharesAreMeansOverPixels) {
     views.push_back(view);
   }
   const Threads threads(2);
-  StageTimes times;
+  Profiler times;
   const auto rasterizer = make_cpu_rasterizer(threads, times);
-  TrainOptions options;
-  const auto scores = [&](const std::vector<std::uint32_t>& sampled, ScoreShare share) {
-    options.score_share = share;
-    return score_splats(views, sampled, parameters, {}, options, *rasterizer, threads);
+  ScoreOptions options;
+  const auto scores = [&](const std::vector<std::uint32_t>& sampled, ScoreNormalization by) {
+    options.normalization = by;
+    return score_splats(views, sampled, parameters, {}, options, 0.2, *rasterizer, threads);
   };
-  const SplatScores a = scores({0}, ScoreShare::sum), b = scores({1}, ScoreShare::sum),
-                    both = scores({0, 1}, ScoreShare::sum),
-                    means = scores({0, 1}, ScoreShare::pixel);
+  const SplatScores a = scores({0}, ScoreNormalization::sum),
+                    b = scores({1}, ScoreNormalization::sum),
+                    both = scores({0, 1}, ScoreNormalization::sum),
+                    means = scores({0, 1}, ScoreNormalization::pixel);
   for (std::size_t i = 0; i < 50; ++i) {
     EXPECT_FLOAT_EQ(both.plus[i], a.plus[i] + b.plus[i]);
     EXPECT_FLOAT_EQ(both.contribution[i], a.contribution[i] + b.contribution[i]);

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "fluxgs/hash.h"
 #include "fluxgs/io/file.h"
 #include "trainer/train/checkpoint.h"
 #include "unit/trainer/train/short_run.h"
@@ -50,29 +51,29 @@ void expect_resumable(const TrainOptions& options, std::initializer_list<int> st
   }
 }
 
-TEST(Train, ResumingWithOwnDegreesAndRounding) {
+TEST(Train, ResumingWithOwnDegreesAndQuantization) {
   TrainOptions options = short_run(90);
-  options.densify_until = 40;
-  options.sh_degree_interval = 10;
-  options.sh_target = ShTarget::adaptive;
-  options.sh_loss = 0.5;
-  options.switch_iteration = 50;
-  options.rounding = Switch::on;
-  options.round_from = 60;
-  options.round_interval = 7;
+  options.get<DensificationOptions>().until = 40;
+  options.get<ShCurriculumOptions>().interval = 10;
+  options.get<ShReductionOptions>().target = ShTarget::adaptive;
+  options.get<ShReductionOptions>().max_psnr_drop = 0.5;
+  options.get<ShReductionOptions>().iteration = 50;
+  options.get<QuantizationAwareOptions>().mode = QuantizeAware::on;
+  options.get<QuantizationAwareOptions>().from = 60;
+  options.get<QuantizationAwareOptions>().interval = 7;
   expect_resumable(options, {45, 75});
 }
 
 TEST(Train, ResumingWithNetworks) {
   TrainOptions options = short_run(60);
-  options.sh_degree_interval = 8;
-  options.switch_iteration = 35;
-  options.sh_target = ShTarget::degree_1;
-  options.sh_reduce = ShReduction::energy;
-  options.phi = Switch::on;
-  options.psi_fit_steps = 20;
+  options.get<ShCurriculumOptions>().interval = 8;
+  options.get<ShReductionOptions>().iteration = 35;
+  options.get<ShReductionOptions>().target = ShTarget::degree_1;
+  options.get<ShReductionOptions>().reduce = ShReduction::energy;
+  options.get<NetworkColorOptions>().phi = true;
+  options.get<NetworkColorOptions>().psi_fit_iterations = 20;
   expect_resumable(options, {30, 45});
-  options.dropout = 3;
+  options.get<DropoutOptions>().dropout = 3;
   expect_resumable(options, {45});
 }
 
@@ -124,6 +125,18 @@ TEST(Checkpoint, DamageIsAnErrorThatNamesTheFile) {
   ASSERT_FALSE(read_checkpoint(folder / "missing.ckpt"));
 }
 
+TEST(Checkpoint, AnotherVersionIsOneClearLine) {
+  const TempFolder folder;
+  const auto path = folder / "run.ckpt";
+  std::vector<std::byte> file = small_checkpoint(path, short_run(10));
+  file[8] = std::byte{2};
+  ASSERT_TRUE(write_file_atomic(path, file));
+  const auto read = read_checkpoint(path);
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().message().find("another version of fluxgs"), std::string::npos);
+  EXPECT_EQ(read.error().message().find('\n'), std::string::npos);
+}
+
 constexpr std::size_t kHeaderSizeAt = 12, kHeaderAt = 16;
 
 nlohmann::json header_of(const std::vector<std::byte>& file) {
@@ -142,8 +155,7 @@ std::vector<std::byte> with_header(const std::vector<std::byte>& file, const std
   std::memcpy(&result[kHeaderSizeAt], &size, sizeof size);
   for (char c : header) result.push_back(static_cast<std::byte>(c));
   result.insert(result.end(), file.begin() + kHeaderAt + old_size, file.end() - 8);
-  std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a
-  for (std::byte b : result) hash = (hash ^ static_cast<std::uint64_t>(b)) * 0x100000001b3u;
+  const std::uint64_t hash = fnv1a(result);
   for (int i = 0; i < 8; ++i) result.push_back(static_cast<std::byte>(hash >> (8 * i)));
   return result;
 }
@@ -167,10 +179,15 @@ TEST(Checkpoint, WhatNoTrainingHasIsAnErrorThatNamesTheField) {
       {R"({"sh_degree": 7})", "sh_degree"},
       {R"({"sh_degree": 0})", "sh_degree"},
       {R"({"sh_degree": -1})", "sh_degree"},
-      {R"({"psi": true})", "sh_degree"},
       {R"({"own_degrees": true})", "sh_degree"},
-      {R"({"switched_at": 5})", "switched_at"},
-      {R"({"switched_at": -1})", "switched_at"},
+      {R"({"attached": [["latents", 12, false]]})", "splats"},
+      {R"({"attached": [["latents", 0, false]]})", "splats"},
+      {R"({"attached": [["latents", 1000000000, false]]})", "splats"},
+      {R"({"attached": [["latents"]]})", "header"},
+      {R"({"attached": 3})", "header"},
+      {R"({"phase_values": [["network colours", 1152921504606846976]]})", "splats"},
+      {R"({"phase_values": [["network colours", -1]]})", "splats"},
+      {R"({"compact_output": 3})", "header"},
       {R"({"iteration": -1})", "iteration"},
       {R"({"iteration": 11})", "iteration"},
       {R"({"iteration": 1099511627776})", "iteration"},
@@ -185,8 +202,6 @@ TEST(Checkpoint, WhatNoTrainingHasIsAnErrorThatNamesTheField) {
       {R"({"next_view": -1})", "next_view"},
       {R"({"view_order": []})", "view_order"},
       {R"({"train_views": -1})", "view_order"},
-      {R"({"rounding": [1]})", "header"},
-      {R"({"rounding": [1, 1, 1, 1, 1, 1, 1]})", "splats"},
       {R"({"options": {"iterations": -5}})", "--iterations"},
       {R"({"options": {"iterations": 4294967297}})", "--iterations"},
       {R"({"options": 3})", "header"},

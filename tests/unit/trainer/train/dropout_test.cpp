@@ -20,15 +20,12 @@ PlanarFloats splats_with(const std::vector<float>& logits) {
 }
 
 TEST(Dropout, GrowsWithTheRunAndFallsWithTheNumberOfViews) {
-  TrainOptions options;
-  options.iterations = 1000;
-  EXPECT_EQ(dropout_share(options, 14, 1000), 0);  // off unless asked for
-  options.dropout = 2;
-  EXPECT_EQ(dropout_share(options, 100, 0), 0);
-  EXPECT_NEAR(dropout_share(options, 100, 500), 0.01, 1e-12);
-  EXPECT_NEAR(dropout_share(options, 100, 1000), 0.02, 1e-12);
-  EXPECT_NEAR(dropout_share(options, 1, 1000), 0.2, 1e-12);
-  EXPECT_NEAR(dropout_share(options, 0, 1000), 0.2, 1e-12);
+  EXPECT_EQ(dropout_share(DropoutOptions().dropout, 14, 1000, 1000), 0);  // off unless asked for
+  EXPECT_EQ(dropout_share(2, 100, 0, 1000), 0);
+  EXPECT_NEAR(dropout_share(2, 100, 500, 1000), 0.01, 1e-12);
+  EXPECT_NEAR(dropout_share(2, 100, 1000, 1000), 0.02, 1e-12);
+  EXPECT_NEAR(dropout_share(2, 1, 1000, 1000), 0.2, 1e-12);
+  EXPECT_NEAR(dropout_share(2, 0, 1000, 1000), 0.2, 1e-12);
 }
 
 TEST(Dropout, KeepsTheMeanOpacityAndGivesItBackExactly) {
@@ -36,8 +33,7 @@ TEST(Dropout, KeepsTheMeanOpacityAndGivesItBackExactly) {
   PlanarFloats p = splats_with(logits);
   PlanarFloats gradient = splats_with(std::vector<float>(logits.size(), 1));
   Random random(7);
-  Dropout dropout;
-  dropout.hide(p, 0.2, random);
+  const std::vector<float> true_logits = hide_splats(p, 0.2, random);
   double sum = 0;
   std::size_t hidden = 0;
   for (std::size_t i = 0; i < logits.size(); ++i) {
@@ -48,7 +44,7 @@ TEST(Dropout, KeepsTheMeanOpacityAndGivesItBackExactly) {
   const auto n = static_cast<double>(logits.size());
   EXPECT_NEAR(static_cast<double>(hidden) / n, 0.2, 0.01);
   EXPECT_NEAR(sum / n, sigmoid(0.3), 0.01);
-  dropout.restore(p, gradient.row(row::opacity));
+  restore_splats(p, true_logits, gradient.row(row::opacity));
   for (std::size_t i = 0; i < logits.size(); ++i) ASSERT_EQ(p.row(row::opacity)[i], logits[i]);
 }
 
@@ -57,8 +53,7 @@ TEST(Dropout, TurnsGradientsIntoThoseOfTheTrueOpacity) {
   constexpr double kShare = 0.15;
   PlanarFloats p = splats_with(logits), gradient = splats_with({0, 0, 0, 0});
   Random random(2);
-  Dropout dropout;
-  dropout.hide(p, kShare, random);
+  const std::vector<float> true_logits = hide_splats(p, kShare, random);
   std::vector<double> expected(logits.size());
   for (std::size_t i = 0; i < logits.size(); ++i) {
     const double shown = sigmoid(double{p.row(row::opacity)[i]});
@@ -70,7 +65,7 @@ TEST(Dropout, TurnsGradientsIntoThoseOfTheTrueOpacity) {
     const double l = double{logits[i]};
     expected[i] = (f(l + 1e-4) - f(l - 1e-4)) / 2e-4;
   }
-  dropout.restore(p, gradient.row(row::opacity));
+  restore_splats(p, true_logits, gradient.row(row::opacity));
   for (std::size_t i = 0; i < logits.size(); ++i)
     EXPECT_NEAR(double{gradient.row(row::opacity)[i]}, expected[i], 2e-5 * expected[i] + 1e-9);
 }
@@ -79,13 +74,12 @@ TEST(Dropout, OpaqueAndTransparentSplatsStayFinite) {
   const float huge = std::numeric_limits<float>::max();
   const std::vector<float> logits = {40, 4.5f, -90, -huge, huge};
   PlanarFloats p = splats_with(logits), gradient = splats_with({1, 1, 1, 1, 1});
-  Dropout dropout;
   for (int seed = 0; seed < 20; ++seed) {
     Random random(static_cast<std::uint64_t>(seed));
-    dropout.hide(p, 0.2, random);
+    const std::vector<float> true_logits = hide_splats(p, 0.2, random);
     for (std::size_t i = 0; i < logits.size(); ++i)
       EXPECT_FALSE(std::isnan(p.row(row::opacity)[i]));
-    dropout.restore(p, gradient.row(row::opacity));
+    restore_splats(p, true_logits, gradient.row(row::opacity));
     for (std::size_t i = 0; i < logits.size(); ++i) {
       EXPECT_EQ(p.row(row::opacity)[i], logits[i]);
       EXPECT_TRUE(std::isfinite(gradient.row(row::opacity)[i])) << i;
@@ -101,7 +95,7 @@ TEST(Dropout, TrainsTheSameSceneOnAnyNumberOfThreads) {
     return test::train(data, options, test::fresh(data, options), threads, 60);
   };
   const TrainState without = end(1);
-  options.dropout = 2;
+  options.get<DropoutOptions>().dropout = 2;
   const TrainState one = end(1);
   test::expect_same(one, end(2));
   EXPECT_NE(one.random, without.random);

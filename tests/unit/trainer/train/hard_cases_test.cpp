@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "trainer/core/psnr.h"
-#include "trainer/loss/evaluate.h"
+#include "trainer/train/evaluate.h"
 #include "trainer/train/store_scene.h"
 #include "unit/trainer/train/short_run.h"
 
@@ -24,27 +24,27 @@ void expect_finite(const PlanarFloats& rows) {
 /// Trains and stores; what comes out is finite.
 void expect_survives(const Dataset& data, const TrainOptions& options, const PointCloud& points) {
   const Threads threads(2);
-  StageTimes times;
+  Profiler times;
   Trainer trainer(data, options, initial_state(data, points, options, threads), threads, times);
   while (!trainer.done()) {
-    const StepReport step = trainer.step();
-    ASSERT_TRUE(std::isfinite(step.loss)) << trainer.state().iteration;
+    const IterationReport step = trainer.step();
+    ASSERT_TRUE(std::isfinite(step.loss)) << trainer.state.iteration;
   }
-  expect_finite(trainer.state().parameters);
+  expect_finite(trainer.state.parameters);
   const auto stored = store_scene(trainer, data.train, threads, {});
   ASSERT_TRUE(stored) << stored.error().message();
-  EXPECT_EQ(stored->cloud.size(), trainer.state().parameters.size());
+  EXPECT_EQ(stored->cloud.size(), trainer.state.parameters.size());
 }
 
 /// Networks make the colours of the last steps.
 TrainOptions networks_run() {
   TrainOptions options = short_run(50);
-  options.sh_degree_interval = 10;
-  options.switch_iteration = 40;
-  options.sh_target = ShTarget::degree_1;
-  options.sh_reduce = ShReduction::energy;
-  options.psi = options.phi = Switch::on;
-  options.psi_fit_steps = 10;
+  options.get<ShCurriculumOptions>().interval = 10;
+  options.get<ShReductionOptions>().iteration = 40;
+  options.get<ShReductionOptions>().target = ShTarget::degree_1;
+  options.get<ShReductionOptions>().reduce = ShReduction::energy;
+  options.get<NetworkColorOptions>().psi = options.get<NetworkColorOptions>().phi = true;
+  options.get<NetworkColorOptions>().psi_fit_iterations = 10;
   return options;
 }
 
@@ -87,15 +87,15 @@ TEST(HardData, AViewThatIsReproducedExactly) {
   });
   const TrainOptions options = everything();
   const Threads threads(2);
-  StageTimes times;
+  Profiler times;
   const Trainer start(data, options,
                       initial_state(data, points_of(small_capture()), options, threads), threads,
                       times);
   const auto scores =
       evaluate(data.train, cpu_view_renderer(start.cloud(), options.render, threads), threads);
   ASSERT_TRUE(scores);
-  EXPECT_EQ(scores->views.front().psnr, kAsGoodAsTheView);
-  EXPECT_LT(scores->psnr, kAsGoodAsTheView);
+  EXPECT_EQ(scores->views.front().psnr, kMaxPsnr);
+  EXPECT_LT(scores->psnr, kMaxPsnr);
   EXPECT_LT(start.mean_psnr(data.train), 58.93);
   expect_survives(data);
 }
@@ -173,10 +173,10 @@ TEST(HardData, NeedlesAndGiants) {
     state.parameters.row(row::log_scale)[i] = i % 2 == 0 ? 3.0f : -20.0f;
     state.parameters.row(row::log_scale + 1)[i] = -20.0f;
   }
-  StageTimes times;
+  Profiler times;
   Trainer trainer(data, options, std::move(state), threads, times);
   while (!trainer.done()) ASSERT_TRUE(std::isfinite(trainer.step().loss));
-  expect_finite(trainer.state().parameters);
+  expect_finite(trainer.state.parameters);
 }
 
 }  // namespace

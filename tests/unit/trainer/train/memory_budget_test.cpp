@@ -39,7 +39,7 @@ TEST(MemoryBudget, TooLittleIsAnErrorThatSaysHowMuch) {
 TEST(MemoryBudget, NoSplatsAreAddedBeyondIt) {
   const Dataset& data = small_capture();
   TrainOptions options = short_run(100);
-  options.densify_gradient = 1e-6;
+  options.get<DensificationOptions>().gradient = 1e-6;
   options.max_splats = 0;
   const std::size_t start = fresh(data, options).parameters.size();
   options.max_memory = (training_memory(data, options, start + 500, kDefaultPairs) >> 20) + 1;

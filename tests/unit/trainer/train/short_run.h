@@ -9,6 +9,16 @@
 
 #include "support/temp_folder.h"
 #include "tools/capture/capture.h"
+#include "trainer/compress/quantization_aware.h"
+#include "trainer/compress/sh_reduction.h"
+#include "trainer/densify/densification.h"
+#include "trainer/densify/dropout.h"
+#include "trainer/densify/late_pruning.h"
+#include "trainer/densify/opacity_reset.h"
+#include "trainer/densify/penalties.h"
+#include "trainer/paper/network_colors.h"
+#include "trainer/train/progressive_resolution.h"
+#include "trainer/train/sh_curriculum.h"
 #include "trainer/train/trainer.h"
 
 namespace fluxgs::test {
@@ -45,11 +55,11 @@ inline PointCloud points_of(const Dataset& data) {
 inline TrainOptions short_run(int iterations) {
   TrainOptions options;
   options.iterations = iterations;
-  options.densify_from = 20;
-  options.densify_interval = 20;
-  options.densify_until = iterations;
-  options.sh_degree_interval = 30;
-  options.opacity_reset_interval = 70;
+  options.get<DensificationOptions>().from = 20;
+  options.get<DensificationOptions>().interval = 20;
+  options.get<DensificationOptions>().until = iterations;
+  options.get<ShCurriculumOptions>().interval = 30;
+  options.get<OpacityResetOptions>().interval = 70;
   options.max_splats = 12000;
   return options;
 }
@@ -57,40 +67,40 @@ inline TrainOptions short_run(int iterations) {
 /// Every part of the method at work within a hundred steps.
 inline TrainOptions everything() {
   TrainOptions options = short_run(100);
-  options.densify = Densify::multiview;
-  options.growth_rank = GrowthRank::error;
-  options.split = Split::long_axis;
-  options.prune = Prune::multiview;
-  options.densify_until = 60;
-  options.opacity_reset_interval = 30;  // twice, after which sizes are limited, too
-  options.dropout = 2;
-  options.sh_degree_interval = 10;
-  options.sh_target = ShTarget::adaptive;
-  options.switch_iteration = 65;
-  options.late_prune = LatePrune::contribution;
-  options.late_prune_from = 70;
-  options.late_prune_interval = 5;
-  options.late_prune_until = 80;
-  options.rounding = Switch::on;
-  options.round_from = 85;
+  options.get<DensificationOptions>().strategy = Densify::multiview;
+  options.get<DensificationOptions>().growth_rank = GrowthRank::error;
+  options.get<DensificationOptions>().split = Split::long_axis;
+  options.get<DensificationOptions>().prune = Prune::multiview;
+  options.get<DensificationOptions>().until = 60;
+  options.get<OpacityResetOptions>().interval = 30;  // twice, after which sizes are limited, too
+  options.get<DropoutOptions>().dropout = 2;
+  options.get<ShCurriculumOptions>().interval = 10;
+  options.get<ShReductionOptions>().target = ShTarget::adaptive;
+  options.get<ShReductionOptions>().iteration = 65;
+  options.get<LatePruningOptions>().mode = LatePrune::contribution;
+  options.get<LatePruningOptions>().from = 70;
+  options.get<LatePruningOptions>().interval = 5;
+  options.get<LatePruningOptions>().until = 80;
+  options.get<QuantizationAwareOptions>().mode = QuantizeAware::on;
+  options.get<QuantizationAwareOptions>().from = 85;
   return options;
 }
 
 inline TrainOptions mcmc_run(int iterations) {
   TrainOptions options = short_run(iterations);
-  options.densify = Densify::mcmc;
-  options.opacity_reset_interval = 0;
-  options.opacity_weight = options.scale_weight = 0.01;
+  options.get<DensificationOptions>().strategy = Densify::mcmc;
+  options.get<OpacityResetOptions>().interval = 0;
+  options.get<PenaltyOptions>().opacity_weight = options.get<PenaltyOptions>().scale_weight = 0.01;
   return options;
 }
 
 inline TrainState train(const Dataset& data, const TrainOptions& options, TrainState state,
                         int threads, int steps) {
   const Threads pool(threads);
-  StageTimes times;
+  Profiler times;
   Trainer trainer(data, options, std::move(state), pool, times);
   for (int i = 0; i < steps && !trainer.done(); ++i) trainer.step();
-  return trainer.state();
+  return trainer.saved_state();
 }
 
 inline TrainState fresh(const Dataset& data, const TrainOptions& options) {
@@ -112,28 +122,13 @@ inline void expect_same(const TrainState& a, const TrainState& b) {
   expect_same(a.adam.second, b.adam.second, "second moments");
   expect_same(a.statistics, b.statistics, "statistics");
   EXPECT_EQ(a.degrees, b.degrees);
-  EXPECT_EQ(a.switched_at, b.switched_at);
-  ASSERT_EQ(a.networks.has_value(), b.networks.has_value());
-  if (a.networks) {
-    expect_same(a.networks->latents, b.networks->latents, "latents");
-    expect_same(a.networks->adam.first, b.networks->adam.first, "first moments of latents");
-    expect_same(a.networks->adam.second, b.networks->adam.second, "moments of latents");
-    EXPECT_EQ(to_floats(a.networks->model), to_floats(b.networks->model));
+  ASSERT_EQ(a.attached.size(), b.attached.size());
+  for (const auto& [name, values] : a.attached) {
+    ASSERT_TRUE(b.attached.contains(name)) << name;
+    expect_same(values.values, b.attached.at(name).values, name.c_str());
+    EXPECT_EQ(values.moments, b.attached.at(name).moments) << name;
   }
-  ASSERT_EQ(a.rounding.has_value(), b.rounding.has_value());
-  if (a.rounding) {
-    const CompactSteps &s = a.rounding->steps, &t = b.rounding->steps;
-    EXPECT_EQ(s.position, t.position);
-    for (float CompactSteps::* step :
-         {&CompactSteps::log_scale, &CompactSteps::rotation, &CompactSteps::opacity,
-          &CompactSteps::sh_dc, &CompactSteps::sh_rest, &CompactSteps::energy})
-      EXPECT_EQ(s.*step, t.*step);
-    EXPECT_EQ(a.rounding->costs.weights, b.rounding->costs.weights);
-    EXPECT_EQ(a.rounding->costs.sh_factors, b.rounding->costs.sh_factors);
-    EXPECT_EQ(a.rounding->costs.scale, b.rounding->costs.scale);
-    EXPECT_EQ(a.rounding->costs.rotation, b.rounding->costs.rotation);
-    expect_same(a.rounding->offsets, b.rounding->offsets, "rounding");
-  }
+  EXPECT_EQ(a.phase_values, b.phase_values);
   EXPECT_EQ(a.iteration, b.iteration);
   EXPECT_EQ(a.max_pairs, b.max_pairs);
   EXPECT_EQ(a.random, b.random);

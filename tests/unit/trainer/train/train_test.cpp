@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <thread>
 
-#include "trainer/loss/evaluate.h"
+#include "trainer/train/evaluate.h"
 #include "unit/trainer/train/short_run.h"
 
 namespace fluxgs {
@@ -17,8 +17,8 @@ using namespace test;
 TEST(Train, LearnsTheScene) {
   const Dataset& data = small_capture();
   TrainOptions options = short_run(800);
-  options.densify_until = 600;
-  options.opacity_reset_interval = 0;
+  options.get<DensificationOptions>().until = 600;
+  options.get<OpacityResetOptions>().interval = 0;
   const Threads threads(2);
   const auto score = [&](const TrainState& state, const std::vector<View>& views) {
     const SplatCloud cloud = to_cloud(state.parameters, 3);
@@ -67,60 +67,65 @@ TEST(Train, NonFiniteGradientsAreSkippedAndCounted) {
   // A colour whose square is infinite: SSIM's gradient is not finite where it is seen
   for (int c = 0; c < 3; ++c) state.parameters.row(row::sh_dc + c)[0] = 1e38f;
   const Threads threads(2);
-  StageTimes times;
+  Profiler times;
   Trainer trainer(data, options, std::move(state), threads, times);
   while (!trainer.done()) trainer.step();
   EXPECT_GT(trainer.rejected_gradients(), 0u);
-  const TrainState& after = trainer.state();
+  const TrainState& after = trainer.state;
   for (int r = 0; r < after.parameters.rows(); ++r)
     for (std::size_t i = 0; i < after.parameters.size(); ++i)
       ASSERT_TRUE(std::isfinite(after.parameters.row(r)[i]));
 }
 
-TEST(StageTimes, NoSecondIsInTwoStages) {
+TEST(Profiler, NoSecondIsInTwoStages) {
   using namespace std::chrono_literals;
-  StageTimes times;
+  Profiler times;
   const auto start = std::chrono::steady_clock::now();
   {
-    const StageTimer outer(times, Stage::densify);
+    const ProfileScope outer(times, "densify");
     std::this_thread::sleep_for(20ms);
     {
-      const StageTimer inner(times, Stage::forward);
+      const ProfileScope inner(times, "forward");
       std::this_thread::sleep_for(50ms);
-      const StageTimer innermost(times, Stage::sort);
+      const ProfileScope innermost(times, "sort");
       std::this_thread::sleep_for(10ms);
     }
     std::this_thread::sleep_for(20ms);
   }
   {
-    const StageTimer again(times, Stage::forward);
+    const ProfileScope again(times, "forward");
   }
   const double all =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  EXPECT_GE(times[Stage::densify], 0.040);
-  EXPECT_GE(times[Stage::forward], 0.050);
-  EXPECT_GE(times[Stage::sort], 0.010);
-  EXPECT_LE(times[Stage::densify] + times[Stage::forward] + times[Stage::sort], all);
+  EXPECT_GE(times["densify"], 0.040);
+  EXPECT_GE(times["forward"], 0.050);
+  EXPECT_GE(times["sort"], 0.010);
+  EXPECT_LE(times["densify"] + times["forward"] + times["sort"], all);
 }
 
 TEST(Train, LatePruningSeesOpacitiesBeforeTheyAreReset) {
   const Dataset& data = small_capture();
   TrainOptions options = short_run(80);
-  options.densify_until = 60;
-  options.opacity_reset_interval = 40;
-  options.late_prune = LatePrune::contribution;
-  options.late_prune_from = options.late_prune_interval = 40;
+  options.get<DensificationOptions>().until = 60;
+  options.get<OpacityResetOptions>().interval = 40;
+  options.get<LatePruningOptions>().mode = LatePrune::contribution;
+  options.get<LatePruningOptions>().from = options.get<LatePruningOptions>().interval = 40;
   const Threads threads(2);
-  StageTimes times;
+  Profiler times;
   Trainer trainer(data, options, fresh(data, options), threads, times);
-  StepReport report;
+  IterationReport report;
   for (int i = 0; i < 40; ++i) report = trainer.step();
-  ASSERT_TRUE(report.pruned_late);
+  ASSERT_EQ(report.phases.size(), 1u);
+  const PhaseReport& pruned = report.phases[0];
+  EXPECT_EQ(pruned.name, "late pruning");
+  EXPECT_EQ(pruned.iteration, 40);
   const auto reset =
       evaluate(data.train, cpu_view_renderer(trainer.cloud(), options.render, threads), threads);
   ASSERT_TRUE(reset);
-  EXPECT_LT(report.pruned_late->splats_after, report.pruned_late->splats_before);
-  EXPECT_GT(report.pruned_late->train_psnr_after, reset->psnr + 2);
+  EXPECT_LT(pruned.splats.after, pruned.splats.before);
+  EXPECT_GT(pruned.train_psnr.after, reset->psnr + 2);
+  ASSERT_TRUE(pruned.test_psnr);
+  EXPECT_NEAR(pruned.test_psnr->after, pruned.train_psnr.after, 10);
 }
 
 TEST(Train, FoxForAShortWhile) {
@@ -132,7 +137,7 @@ TEST(Train, FoxForAShortWhile) {
   ASSERT_TRUE(data) << data.error().message();
   TrainOptions options;
   options.iterations = 600;
-  options.densify_from = 200;
+  options.get<DensificationOptions>().from = 200;
   const Threads threads(2);
   const TrainState state = train(*data, options, fresh(*data, options), 2, 600);
   const auto score =

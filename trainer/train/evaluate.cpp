@@ -1,26 +1,11 @@
-#include "trainer/loss/evaluate.h"
+#include "trainer/train/evaluate.h"
 
 #include <algorithm>
-#include <memory>
 
 #include "trainer/core/psnr.h"
 #include "trainer/loss/photometric.h"
-#include "trainer/raster/rasterizer.h"
 
 namespace fluxgs {
-
-ViewRenderer cpu_view_renderer(const SplatCloud& cloud, const RenderOptions& options,
-                               const Threads& threads) {
-  const auto parameters =
-      std::make_shared<const PlanarFloats>(to_parameters(cloud, cloud.sh_degree));
-  const auto times = std::make_shared<StageTimes>();
-  const std::shared_ptr<Rasterizer> rasterizer = make_cpu_rasterizer(threads, *times);
-  return [=](const Camera& camera) -> Expected<PlanarImage> {
-    (void)times;  // kept for as long as the rasterizer writes to it
-    rasterizer->forward(*parameters, camera, options);
-    return rasterizer->color();
-  };
-}
 
 namespace {
 
@@ -44,7 +29,7 @@ Expected<Evaluation> evaluate(const std::vector<View>& views, const ViewRenderer
     if (!image) return std::unexpected(image.error());
     limit_to_displayable(*image);
     to_planar(view.rgb, threads, target);
-    result.views.push_back({view.camera.name, std::min(psnr(*image, target), kAsGoodAsTheView),
+    result.views.push_back({view.camera.name, std::min(psnr(*image, target), kMaxPsnr),
                             loss.run(*image, target, 0).ssim});
     result.psnr += result.views.back().psnr / static_cast<double>(views.size());
     result.ssim += result.views.back().ssim / static_cast<double>(views.size());

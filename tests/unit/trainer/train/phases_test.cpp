@@ -1,16 +1,19 @@
-// The switch of the training curriculum, and rounding, within a run.
+// SH reduction, network colours and quantization-aware training within a run.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
 
 #include "fluxgs/io/gltf.h"
 #include "support/needs_onnxruntime.h"
+#include "trainer/compress/compression.h"
 #include "trainer/compress/quantization_aware.h"
 #include "trainer/compress/sh_reduction.h"
-#include "trainer/loss/evaluate.h"
+#include "trainer/paper/energy_moments.h"
+#include "trainer/train/evaluate.h"
 #include "trainer/train/store_scene.h"
 #include "unit/trainer/train/short_run.h"
 
@@ -19,11 +22,10 @@ namespace {
 
 using namespace test;
 
-/// A run, with what it said of its two turning points.
+/// A run, with its reports of phases.
 struct Told {
   TrainState state;
-  std::optional<SwitchReport> switched;
-  std::optional<RoundingReport> rounded;
+  std::optional<PhaseReport> reduced, quantized;
   SplatCloud cloud;
   std::optional<StoredScene> stored;
 };
@@ -31,15 +33,16 @@ struct Told {
 Told run(const TrainOptions& options) {
   const Dataset& data = small_capture();
   const Threads threads(2);
-  StageTimes times;
+  Profiler times;
   Trainer trainer(data, options, fresh(data, options), threads, times);
   Told told;
   while (!trainer.done()) {
-    const StepReport step = trainer.step();
-    if (step.switched) told.switched = step.switched;
-    if (step.rounded) told.rounded = step.rounded;
+    for (const PhaseReport& report : trainer.step().phases) {
+      if (report.name == "SH reduction") told.reduced = report;
+      if (report.name == "quantization-aware training") told.quantized = report;
+    }
   }
-  told.state = trainer.state();
+  told.state = trainer.saved_state();
   told.cloud = trainer.cloud();
   auto stored = store_scene(trainer, data.train, threads, {});
   EXPECT_TRUE(stored) << stored.error().message();
@@ -50,38 +53,40 @@ Told run(const TrainOptions& options) {
 /// The degree 3 is learnt for long before it is reduced, so that there is something to lose.
 TrainOptions curriculum(ShTarget target, ShReduction reduce) {
   TrainOptions options = short_run(420);
-  options.densify_until = 200;
-  options.opacity_reset_interval = 0;
-  options.sh_degree_interval = 20;
-  options.sh_rest_rate = 2e-3;
-  options.switch_iteration = 400;
-  options.sh_target = target;
-  options.sh_reduce = reduce;
+  options.get<DensificationOptions>().until = 200;
+  options.get<OpacityResetOptions>().interval = 0;
+  options.get<ShCurriculumOptions>().interval = 20;
+  options.sh_rest_lr = 2e-3;
+  options.get<ShReductionOptions>().iteration = 400;
+  options.get<ShReductionOptions>().target = target;
+  options.get<ShReductionOptions>().reduce = reduce;
   return options;
 }
 
-TEST(Switch, ViewFitLosesLessThanTruncation) {
+TEST(ShReduction, ViewFitLosesLessThanTruncation) {
   const Told fitted = run(curriculum(ShTarget::degree_1, ShReduction::view_ls));
   const Told cut = run(curriculum(ShTarget::degree_1, ShReduction::truncate));
-  ASSERT_TRUE(fitted.switched && cut.switched);
-  EXPECT_EQ(fitted.state.switched_at, 400);
+  ASSERT_TRUE(fitted.reduced && cut.reduced);
+  EXPECT_EQ(fitted.reduced->iteration, 400);
   EXPECT_EQ(sh_degree_of(fitted.state.parameters), 1);
   EXPECT_EQ(sh_degree_of(fitted.state.adam.first), 1);
-  const auto loss = [](const SwitchReport& s) { return s.train_psnr_before - s.train_psnr_after; };
-  RecordProperty("fitted", std::to_string(loss(*fitted.switched)));
-  RecordProperty("truncated", std::to_string(loss(*cut.switched)));
-  EXPECT_EQ(fitted.switched->train_psnr_before, cut.switched->train_psnr_before);
-  EXPECT_GT(loss(*cut.switched), 0.2);  // or this scene says nothing
-  EXPECT_LT(loss(*fitted.switched), 0.5 * loss(*cut.switched));
+  const auto loss = [](const PhaseReport& r) { return r.train_psnr.before - r.train_psnr.after; };
+  RecordProperty("fitted", std::to_string(loss(*fitted.reduced)));
+  RecordProperty("truncated", std::to_string(loss(*cut.reduced)));
+  EXPECT_EQ(fitted.reduced->train_psnr.before, cut.reduced->train_psnr.before);
+  EXPECT_GT(loss(*cut.reduced), 0.2);  // or this scene says nothing
+  EXPECT_LT(loss(*fitted.reduced), 0.5 * loss(*cut.reduced));
 }
 
-TEST(Switch, AdaptiveDegreesKeepTheirPromise) {
+TEST(ShReduction, AdaptiveDegreesKeepTheirPromise) {
   TrainOptions options = curriculum(ShTarget::adaptive, ShReduction::view_ls);
-  options.sh_loss = 0.2;
+  options.get<ShReductionOptions>().max_psnr_drop = 0.2;
   const Told told = run(options);
-  ASSERT_TRUE(told.switched);
-  EXPECT_LT(told.switched->train_psnr_before - told.switched->train_psnr_after, options.sh_loss);
-  const auto& degrees = told.switched->reduction.degrees;
+  ASSERT_TRUE(told.reduced);
+  EXPECT_LT(told.reduced->train_psnr.before - told.reduced->train_psnr.after,
+            options.get<ShReductionOptions>().max_psnr_drop);
+  const auto degrees =
+      told.reduced->details.at("splats_of_degree").get<std::array<std::size_t, 4>>();
   EXPECT_GT(degrees[0] + degrees[1], 0u);
   // What a splat lost stays lost while it is trained on
   for (std::size_t i = 0; i < told.state.degrees.size(); ++i)
@@ -91,29 +96,29 @@ TEST(Switch, AdaptiveDegreesKeepTheirPromise) {
 
 // The error in the full images is mostly of details that are not trained yet: a share of that would
 // be more than all SH coefficients are worth.
-TEST(Switch, HalvedViewsSayHowMuchMayBeMissedOfThem) {
+TEST(ShReduction, HalvedViewsSayHowMuchMayBeMissedOfThem) {
   TrainOptions options = curriculum(ShTarget::adaptive, ShReduction::view_ls);
-  options.coarse_levels = 1;
-  options.coarse_until = options.iterations;
+  options.get<ProgressiveResolutionOptions>().levels = 1;
+  options.get<ProgressiveResolutionOptions>().until = options.iterations;
   const Told told = run(options);
-  ASSERT_TRUE(told.switched);
-  const auto& degrees = told.switched->reduction.degrees;
+  ASSERT_TRUE(told.reduced);
+  const auto degrees =
+      told.reduced->details.at("splats_of_degree").get<std::array<std::size_t, 4>>();
   EXPECT_GT(4 * degrees[3], degrees[0]);  // 726 and 974; by the full images 24 and 2,195
 }
 
-TEST(Switch, EveryReductionTrainsOn) {
+TEST(ShReduction, EveryReductionTrainsOn) {
   for (const ShReduction reduce : {ShReduction::none, ShReduction::uniform_ls, ShReduction::energy})
-    for (const Switch psi : {Switch::off, Switch::on}) {
+    for (const bool psi : {false, true}) {
       TrainOptions options = curriculum(ShTarget::degree_1, reduce);
       options.iterations = 120;
-      options.switch_iteration = 100;
-      options.psi = psi;
-      options.psi_fit_steps = 50;
+      options.get<ShReductionOptions>().iteration = 100;
+      options.get<NetworkColorOptions>().psi = psi;
+      options.get<NetworkColorOptions>().psi_fit_iterations = 50;
       const Told told = run(options);
-      EXPECT_EQ(told.switched.has_value(), reduce != ShReduction::none);
+      EXPECT_EQ(told.reduced.has_value(), reduce != ShReduction::none);
       EXPECT_EQ(told.cloud.sh_degree, 1);
-      EXPECT_EQ(told.state.networks.has_value(),
-                reduce == ShReduction::energy && psi == Switch::on);
+      EXPECT_EQ(told.state.attached.contains(kLatents), reduce == ShReduction::energy && psi);
       ASSERT_TRUE(told.stored);
       EXPECT_EQ(told.stored->cloud.size(), told.cloud.size());
     }
@@ -121,20 +126,21 @@ TEST(Switch, EveryReductionTrainsOn) {
 
 // Of c·d along an axis, the positive half is c/4 on the mean, and projects onto the axis' own
 // harmonic as half of the whole does.
-TEST(Switch, TheProjectedEnergyIsThatOfThePositivePart) {
+TEST(ShReduction, TheProjectedEnergyIsThatOfThePositivePart) {
   const Dataset& data = small_capture();
   const Threads threads(2);
   TrainOptions options = curriculum(ShTarget::degree_1, ShReduction::energy);
-  options.residual = Residual::from_0;
-  options.psi = Switch::off;
-  options.samples = 4096;
+  options.get<ShReductionOptions>().samples = 4096;
   TrainState state = fresh(data, options);
   for (int r = row::sh_dc; r < state.parameters.rows(); ++r)
     std::fill_n(state.parameters.row(r), state.parameters.size(), 0.0f);
   for (int axis = 0; axis < 3; ++axis)
     state.parameters.row(row::sh_rest + 3 * axis)[axis] = 1;  // red, in the order of the basis
   const ViewWeights views = view_weights(state.parameters, cameras_of(data.train), {}, threads);
-  reduce_appearance(state, options, views, 1e-3, threads);
+  const PlanarFloats energy =
+      energy_moments(state.parameters, Residual::from_0, sphere_rule_of(options), threads);
+  reduce_sh(state, options, views, 1e-3, threads);
+  add_projection(energy, state.parameters);
   ASSERT_EQ(sh_degree_of(state.parameters), 1);
   for (int splat = 0; splat < 3; ++splat) {
     EXPECT_NEAR(state.parameters.row(row::sh_dc)[splat], std::numbers::pi * 0.2820948 * 0.4886025,
@@ -146,12 +152,12 @@ TEST(Switch, TheProjectedEnergyIsThatOfThePositivePart) {
   }
 }
 
-TEST(Networks, AreStoredOnlyWhereTheyPay) {
+TEST(NetworkColors, AreStoredOnlyWhereTheyPay) {
   FLUXGS_NEEDS_ONNXRUNTIME();
   TrainOptions options = curriculum(ShTarget::degree_1, ShReduction::energy);
   options.iterations = 120;
-  options.switch_iteration = 100;
-  options.phi = Switch::on;
+  options.get<ShReductionOptions>().iteration = 100;
+  options.get<NetworkColorOptions>().phi = true;
   const Told told = run(options);
   ASSERT_TRUE(told.stored && told.stored->with_networks && told.stored->without_networks);
   EXPECT_EQ(told.stored->file.size(),
@@ -160,74 +166,77 @@ TEST(Networks, AreStoredOnlyWhereTheyPay) {
 }
 
 // What is stored with networks is near the images that they make, not those without them
-TEST(Networks, AreJudgedByTheColoursThatTheyMake) {
+TEST(NetworkColors, AreJudgedByTheColoursThatTheyMake) {
   FLUXGS_NEEDS_ONNXRUNTIME();
   TrainOptions options = curriculum(ShTarget::degree_1, ShReduction::view_ls);
   options.iterations = 110;
-  options.switch_iteration = 100;
-  options.phi = Switch::on;
+  options.get<ShReductionOptions>().iteration = 100;
+  options.get<NetworkColorOptions>().phi = true;
   TrainState state = run(options).state;
-  ASSERT_TRUE(state.networks && state.networks->model.phi);
-  PlanarFloats& last = state.networks->model.phi->weights.back();
+  std::vector<double>& values = state.phase_values.at("network colours");
+  auto model = model_from_floats(false, true, std::vector<float>(values.begin(), values.end()));
+  ASSERT_TRUE(model);
+  PlanarFloats& last = model->phi->weights.back();
   for (int r = 0; r < last.rows(); ++r)
     for (std::size_t i = 0; i < last.size(); ++i)
       last.row(r)[i] = 0.1f * std::sin(static_cast<float>(r + 3) * static_cast<float>(i + 1));
+  const std::vector<float> floats = to_floats(*model);
+  values.assign(floats.begin(), floats.end());
   const Dataset& data = small_capture();
   const Threads threads(2);
-  StageTimes times;
+  Profiler times;
   const Trainer trainer(data, options, std::move(state), threads, times);
-  const SplatCloud without = to_cloud(trainer.state().parameters, 1), with = trainer.cloud();
+  const SplatCloud without = to_cloud(trainer.state.parameters, 1), with = trainer.cloud();
   const SceneError error(with, cameras_of(data.train), options.render, threads);
   EXPECT_LT(psnr_of_mse(*error.mse(without)), 30);  // or the networks change nothing
   const auto stored = store_scene(trainer, data.train, threads, {});
   ASSERT_TRUE(stored) << stored.error().message();
   ASSERT_FALSE(stored->networks_error) << stored->networks_error->message();
-  EXPECT_GT(psnr_of_mse(*error.mse(stored->cloud)), trainer.stored_psnr() - 0.5);
+  EXPECT_GT(psnr_of_mse(*error.mse(stored->cloud)), trainer.compressed_psnr() - 0.5);
 }
 
-TEST(Rounding, TrainsWithTheNumbersOfTheFile) {
+TEST(QuantizationAware, TrainsTheValuesOfTheFile) {
   TrainOptions options = short_run(300);
-  options.densify_until = 150;
-  options.opacity_reset_interval = 0;
-  options.rounding = Switch::on;
-  options.round_from = 200;
-  options.round_interval = 10;
-  options.store_loss = 0.5;
+  options.get<DensificationOptions>().until = 150;
+  options.get<OpacityResetOptions>().interval = 0;
+  options.get<QuantizationAwareOptions>().mode = QuantizeAware::on;
+  options.get<QuantizationAwareOptions>().from = 200;
+  options.get<QuantizationAwareOptions>().interval = 10;
+  options.get<CompressionOptions>().max_psnr_drop = 0.5;
   const Told told = run(options);
-  ASSERT_TRUE(told.rounded && !told.rounded->error);
-  EXPECT_LT(told.rounded->train_psnr_after, told.rounded->train_psnr_before);
-  ASSERT_TRUE(told.state.rounding && told.stored);
-  // The trained scene is what is stored: the same numbers but for what floats lose on the way
+  ASSERT_TRUE(told.quantized && !told.quantized->error);
+  EXPECT_LT(told.quantized->train_psnr.after, told.quantized->train_psnr.before);
+  ASSERT_TRUE(told.state.attached.contains(kSensitivity) && told.stored);
+  // The trained scene is what is stored: the same values but for what floats lose on the way
   const Threads threads(1);
   const SceneError error(told.cloud, {small_capture().train[0].camera}, options.render, threads);
   EXPECT_GT(psnr_of_mse(*error.mse(told.stored->cloud)), 60);
-  // In as many bytes, a scene that did not know that it would be rounded is worse
+  // In as many bytes, a scene that was not trained for quantization is worse
   TrainOptions unaware = options;
-  unaware.rounding = Switch::off;
+  unaware.get<QuantizationAwareOptions>().mode = QuantizeAware::off;
   const Told plain = run(unaware);
-  ASSERT_FALSE(plain.state.rounding);
+  ASSERT_FALSE(plain.state.attached.contains(kSensitivity));
   const auto& views = small_capture().train;
   const SceneError plain_error(plain.cloud, cameras_of(views), options.render, threads);
   const CompactSearch search(plain.cloud, plain_error,
                              {.steps = default_compact_steps(plain.cloud)});
-  const auto rounded_after = search.within_bytes(told.stored->file.size());
-  ASSERT_TRUE(rounded_after);
+  const auto quantized_after = search.within_bytes(told.stored->file.size());
+  ASSERT_TRUE(quantized_after);
   const auto psnr = [&](const std::vector<std::byte>& file) {
     const SplatCloud cloud = read_glb(file, "file")->cloud;
     return evaluate(views, cpu_view_renderer(cloud, options.render, threads), threads)->psnr;
   };
   RecordProperty("aware", std::to_string(psnr(told.stored->file)));
-  RecordProperty("unaware", std::to_string(psnr(rounded_after->file)));
-  EXPECT_GT(psnr(told.stored->file), psnr(rounded_after->file));
+  RecordProperty("unaware", std::to_string(psnr(quantized_after->file)));
+  EXPECT_GT(psnr(told.stored->file), psnr(quantized_after->file));
 }
 
 // A step with the moments that a rotation has leads to the same scene before and after it is stored
 // as another of the four quaternions that mean the same
-TEST(Rounding, MomentsFollowTheRotations) {
+TEST(QuantizationAware, MomentsFollowTheRotations) {
   TrainOptions options = short_run(30);
   const Dataset& data = small_capture();
   TrainState state = train(data, options, fresh(data, options), 2, 30);
-  state.rounding = RoundingState{{.rotation = 1e-5f}, {}, {}};
   const std::size_t n = state.parameters.size();
   for (std::size_t i = 0; i < n; ++i)
     for (int c = 0; c < 4; ++c) {
@@ -248,7 +257,7 @@ TEST(Rounding, MomentsFollowTheRotations) {
     return r * glm::dmat3(1, 0, 0, 0, 2, 0, 0, 0, 3) * glm::transpose(r);
   };
   const TrainState before = state;
-  ASSERT_TRUE(round_parameters(state));
+  ASSERT_TRUE(quantize_parameters(state, {.rotation = 1e-5f}));
   const auto order = compact_order([&] {
     SplatCloud cloud = to_cloud(before.parameters, sh_degree_of(before.parameters));
     canonicalize_rotations(cloud);

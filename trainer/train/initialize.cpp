@@ -1,4 +1,4 @@
-#include "trainer/model/initialize.h"
+#include "trainer/train/initialize.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,46 @@
+// Compression: how near a compact file is to the scene, and the search for the smallest such file.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "fluxgs/camera.h"
+#include "fluxgs/error.h"
+#include "fluxgs/render_options.h"
+#include "fluxgs/splat_cloud.h"
+#include "trainer/compress/compact_search.h"
+#include "trainer/core/parallel.h"
+#include "trainer/model/options.h"
+
+namespace fluxgs {
+
+/// Precision of the compact file (paper, "Attributes Compression").
+struct CompressionOptions {
+  static constexpr const char* kTitle = "Compression";
+  double max_psnr_drop = 0.3;  ///< dB of the training views' PSNR that quantization costs, at first
+  double psnr = 0;    ///< dB between renders of file and scene that are always enough; 0: no limit
+  bool used = false;  ///< by a phase of the schedule; set when the schedule is made
+
+  OptionFields fields(const TrainOptions& all);
+};
+
+/// dB between renders of a scene that has `psnr` on the training views, and of its file.
+double compressed_psnr(double psnr, const CompressionOptions& options);
+
+/// Error that a file may have.
+struct CompactGoal {
+  std::vector<Camera> cameras;  ///< errors count as in all of these, a dozen measure them
+  RenderOptions render;
+  double decibels = 40;
+};
+
+/// The smallest compact file of `cloud` (finite, some splats) found whose renders are within the
+/// goal of those of `shown`: the same splats with the colours that they are shown with, which
+/// `cloud` need not have where networks make them. `start`: step sizes to begin with, and what is
+/// not searched for.
+Expected<CompactTrial> compact_within(const SplatCloud& cloud, const SplatCloud& shown,
+                                      const CompactGoal& goal, CompactOptions start,
+                                      const Threads& threads,
+                                      const std::function<void(const CompactTrial&)>& on_trial);
+
+}  // namespace fluxgs

@@ -1,0 +1,155 @@
+#include "trainer/densify/densification.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "trainer/core/profiler.h"
+#include "trainer/densify/camera_sampling.h"
+#include "trainer/densify/density_control.h"
+#include "trainer/densify/mcmc.h"
+#include "trainer/densify/opacity_reset.h"
+
+namespace fluxgs {
+namespace {
+
+class Densification final : public Phase {
+ public:
+  explicit Densification(const DensificationOptions& options) : options_(options) {}
+
+  const char* name() const override { return "densification"; }
+  PlanRow plan() const override {
+    return {.from = options_.from,
+            .until = options_.until,
+            .interval = options_.interval,
+            .what = fmt::format(
+                "adds splats by {}{}", kDensifyNames[static_cast<std::size_t>(options_.strategy)],
+                options_.strategy == Densify::mcmc   ? ", moves transparent ones"
+                : options_.prune == Prune::opacity   ? ", prunes transparent ones"
+                : options_.prune == Prune::multiview ? ", prunes by multi-view score"
+                                                     : "")};
+  }
+  void after_backward(Training& t) override {
+    if (options_.strategy != Densify::mcmc && t.state.iteration <= options_.until)
+      gather_statistics(t.state, t.rasterizer);
+  }
+  std::optional<PhaseReport> after_step(Training& t) override {
+    if (!plan().due(t.state.iteration)) return {};
+    TrainOptions options = t.options;
+    options.max_splats = t.max_splats();
+    if (options_.strategy == Densify::mcmc) {
+      relocate_and_grow(t.state, options);
+    } else if (options_.strategy == Densify::multiview || options_.prune == Prune::multiview) {
+      const SplatScores scores = sampled_scores(t);
+      densify_and_prune(t.state, options, t.extent, &scores);
+    } else {
+      densify_and_prune(t.state, options, t.extent, nullptr);
+    }
+    return {};
+  }
+
+ private:
+  DensificationOptions options_;
+};
+
+class PositionNoise final : public Phase {
+ public:
+  explicit PositionNoise(int iterations) : iterations_(iterations) {}
+  const char* name() const override { return "position noise"; }
+  PlanRow plan() const override {
+    return {.from = 1, .until = iterations_, .what = "moves low-opacity splats at random (MCMC)"};
+  }
+  std::optional<PhaseReport> after_step(Training& t) override {
+    add_noise(t.state, t.options.get<DensificationOptions>(), t.position_lr(), t.threads);
+    return {};
+  }
+
+ private:
+  int iterations_;
+};
+
+}  // namespace
+
+OptionFields DensificationOptions::fields(const TrainOptions& all) {
+  const bool mcmc = strategy == Densify::mcmc, multiview = strategy == Densify::multiview;
+  const bool limited =
+      growth > 0 || all.max_splats > 0 || all.target_splats > 0 || all.max_memory > 0;
+  const bool prunes = prune != Prune::none;
+  const char* by_gradients = "--densify gradient or multiview";
+  const char* random_split = "--densify gradient or multiview with --split random";
+  const char* after_resets =
+      "--prune multiview or opacity with an --opacity-reset-interval below --densify-until";
+  OptionFields f;
+  f.push_back(choice("densify", "strategy: multiview (gradients and errors), gradient or mcmc",
+                     strategy, kDensifyNames));
+  f.push_back(
+      whole("densify-from", "first iteration at which splats are added", from, 0, kUnlimited));
+  f.push_back(whole("densify-until",
+                    "last iteration at which splats are added (0: half of the iterations, at most "
+                    "15000)",
+                    until, 0, kUnlimited));
+  f.push_back(whole("densify-interval",
+                    "iterations between densifications (0: a hundredth of them, at least 50)",
+                    interval, 0, kUnlimited));
+  f.push_back(real("densify-gradient",
+                   "screen-space gradient above which a splat is cloned or split", gradient, 0,
+                   kUnlimited)
+                  .only_if(!mcmc && all.target_splats == 0,
+                           "--densify gradient or multiview without --target-splats"));
+  f.push_back(real("densify-size", "size that separates cloning from splitting, x scene extent",
+                   size, 0, kUnlimited)
+                  .only_if(!mcmc && split == Split::random, random_split));
+  f.push_back(choice("split", "way to split a large splat", split, kSplitNames)
+                  .only_if(!mcmc, by_gradients));
+  f.push_back(real("split-shrink", "divisor of the scales of a split splat", split_shrink, 1, 100)
+                  .only_if(!mcmc && split == Split::random, random_split));
+  f.push_back(real("densify-growth",
+                   "maximum number of splats added at once, x the splats there are (0: no maximum)",
+                   growth, 0, kUnlimited)
+                  .only_if(!mcmc, by_gradients));
+  f.push_back(choice("growth-rank",
+                     "order of the splats that may grow, where there is room for some", growth_rank,
+                     kGrowthRankNames)
+                  .only_if(multiview && limited,
+                           "--densify multiview with --densify-growth or another limit"));
+  f.push_back(
+      choice("prune", "choice of the splats that are removed at densifications", prune, kPruneNames)
+          .only_if(!mcmc, by_gradients));
+  f.push_back(real("prune-opacity", "splats of lower opacity are removed (mcmc: moved)",
+                   prune_opacity, 0, 1)
+                  .only_if(mcmc || prunes, "--prune multiview or opacity"));
+  f.push_back(real("prune-screen-radius",
+                   "px; larger splats are removed after the first opacity reset (0: never)",
+                   prune_screen_radius, 0, kUnlimited)
+                  .only_if(resets_opacity(all) && prunes, after_resets));
+  f.push_back(
+      real("prune-world-size",
+           "x scene extent; larger splats are removed after the first opacity reset (0: never)",
+           prune_world_size, 0, kUnlimited)
+          .only_if(resets_opacity(all) && prunes, after_resets));
+  f.push_back(real("opacity-cap", "maximum opacity after a densification", opacity_cap, 0.01, 1)
+                  .only_if(!mcmc, by_gradients));
+  f.push_back(real("mcmc-growth", "splats added at each densification, x the splats there are",
+                   mcmc_growth, 0, 10)
+                  .only_if(mcmc, "--densify mcmc"));
+  f.push_back(real("mcmc-noise", "noise of positions, x their learning rate", mcmc_noise, 0, 1e12)
+                  .only_if(mcmc, "--densify mcmc"));
+  return f;
+}
+
+std::unique_ptr<Phase> make_densification(TrainOptions& options) {
+  auto& own = options.get<DensificationOptions>();
+  resolve(own.until, std::min(options.iterations / 2, 15000));
+  resolve(own.interval, std::max(options.iterations / 100, 50));
+  auto& scores = options.get<ScoreOptions>();
+  scores.uses_plus |= own.strategy == Densify::multiview;
+  scores.uses_minus |= own.strategy != Densify::mcmc && own.prune == Prune::multiview;
+  return std::make_unique<Densification>(own);
+}
+
+std::unique_ptr<Phase> make_position_noise(TrainOptions& options) {
+  if (options.get<DensificationOptions>().strategy != Densify::mcmc) return nullptr;
+  return std::make_unique<PositionNoise>(options.iterations);
+}
+
+}  // namespace fluxgs

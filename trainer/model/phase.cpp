@@ -1,0 +1,26 @@
+#include "trainer/model/phase.h"
+
+#include <algorithm>
+#include <span>
+
+namespace fluxgs {
+
+bool PlanRow::due(int iteration) const {
+  if (interval == 0) return iteration == from;
+  return iteration >= from && iteration <= until && iteration % interval == 0;
+}
+
+int PlanRow::first() const {
+  return interval == 0 ? from : (std::max(from, 1) + interval - 1) / interval * interval;
+}
+
+bool PlanRow::takes_place(int iterations) const {
+  return first() <= (interval == 0 ? iterations : std::min(until, iterations));
+}
+
+void Training::exchange_opacities() {
+  std::ranges::swap_ranges(true_opacities,
+                           std::span(state.parameters.row(row::opacity), true_opacities.size()));
+}
+
+}  // namespace fluxgs
