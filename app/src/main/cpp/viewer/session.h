@@ -15,9 +15,8 @@
 #include <vector>
 
 #include "bench/scene_benchmark.h"
+#include "viewer/presenter.h"
 #include "viewer/scene_loading.h"
-#include "viewer/screen.h"
-#include "viewer/viewer.h"
 
 namespace fluxgs::viewer {
 
@@ -109,29 +108,20 @@ class Session {
   void run_tasks();
   std::optional<double> take_frame();
   void take_scene();
-  Expected<void> make_ready();
-  Expected<void> show_frame();
   void draw_frame(double seconds);
-  void begin_again();
   void give_up(const Error& error);
   bool report_progress(int done, int all);
   Expected<bench::SceneBenchmark> measure(const bench::SceneBenchmarkPlan& plan);
   void run_benchmark(const bench::SceneBenchmarkPlan& plan);
-  bool rests() const;
   void publish();
+  void publish_driver();
 
   // The drawing thread's own
-  std::unique_ptr<Screen> screen_;
-  Viewer viewer_;
-  int width_ = 0, height_ = 0;
+  std::optional<Presenter> presenter_;
   std::optional<double> last_frame_;
   std::shared_ptr<const SplatCloud> cloud_;
   std::uint64_t cloud_number_ = 0;  // of its loading
   std::optional<StartView> start_;
-  bool failed_ = false;  // to draw this scene
-  bool drawn_ = false;   // an image of it
-  bool redraw_ = false;  // whether anything moved or not
-  int losses_ = 0;       // of contexts, since the last image
 
   // Of both
   mutable std::mutex mutex_;

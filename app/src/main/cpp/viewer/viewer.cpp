@@ -56,21 +56,26 @@ void Viewer::show(std::shared_ptr<const SplatCloud> cloud, const std::optional<S
   start_ = start;
   place_ = place;
   navigated_ = false;
-  flipped_ = false;
   stats_ = {};
   anchor_anew(gyroscope_);
+}
+
+void Viewer::show(std::shared_ptr<const SplatCloud> cloud, const camera::Navigation& navigation) {
+  show(std::move(cloud), std::nullopt);
+  navigation_ = navigation;
+  first_up_ = navigation.up;
+  navigated_ = true;
 }
 
 // Needs to know how large the image is.
 void Viewer::begin_navigation() {
   if (navigated_ || !cloud_) return;
   navigation_ = camera::first_view(*cloud_, start_, glm::dvec2(size_));
+  first_up_ = navigation_.up;
   navigated_ = true;
   const auto kept = place_ ? restored(*place_) : std::nullopt;
   if (!kept) return;
-  navigation_.view = kept->first;
-  flipped_ = glm::dot(kept->second, navigation_.up) < 0;
-  if (flipped_) camera::flip_up(navigation_);
+  if (glm::dot(kept->second, first_up_) < 0) camera::flip_up(navigation_);
   navigation_.view = kept->first;
   navigation_.up = kept->second;
 }
@@ -143,10 +148,12 @@ void Viewer::resize(int width, int height, double density) {
   presented_.reset();
 }
 
-void Viewer::touch(const TouchEvent& event) {
+/// Lets an input move the view, and looks at the pixel that it returns, if any.
+template <class Input>
+void Viewer::steer(Input&& input) {
   if (!navigated_) return;
   const camera::ViewState before = navigation_.view;
-  const auto pixel = apply(event, glm::dvec2(size_), gestures_, navigation_);
+  const std::optional<glm::dvec2> pixel = input();
   if (!same(before, navigation_.view)) {
     anchor_anew(gyroscope_);
     stale_ = true;
@@ -156,6 +163,14 @@ void Viewer::touch(const TouchEvent& event) {
   const auto point =
       camera::visible_point(*cloud_, n.view, *pixel, glm::dvec2(size_), n.units.near_plane);
   if (point) camera::go_to(navigation_, camera::focused_on(n.view, *point, n.units.distances));
+}
+
+void Viewer::touch(const TouchEvent& event) {
+  steer([&] { return apply(event, glm::dvec2(size_), gestures_, navigation_); });
+}
+
+void Viewer::handle(const WindowEvent& event, double seconds) {
+  steer([&] { return apply(event, seconds, glm::dvec2(size_), mouse_and_keys_, navigation_); });
 }
 
 void Viewer::turn(const DevicePose& pose) {
@@ -175,10 +190,11 @@ void Viewer::turn(const DevicePose& pose) {
 void Viewer::flip_up() {
   if (!navigated_) return;
   camera::flip_up(navigation_);
-  flipped_ = !flipped_;
   anchor_anew(gyroscope_);
   stale_ = true;
 }
+
+bool Viewer::is_flipped() const { return navigated_ && glm::dot(navigation_.up, first_up_) < 0; }
 
 void Viewer::reset_view() {
   if (!navigated_) return;
@@ -246,6 +262,8 @@ Expected<void> Viewer::draw() {
   RenderOptions options;
   options.sh_degree = settings_.sh_degree;
   options.near_plane = navigation_.units.near_plane;
+  options.background = settings_.background;
+  scene_->renderer().wait_for_sorts(settings_.wait_for_sorts);
   auto drawn = scene_->draw(camera, options);
   if (!drawn) return drawn;
   stale_ = false;
@@ -283,8 +301,9 @@ void Viewer::measure() {
   stats_.drawn = frame ? frame->drawn : 0;
   const bool has_clock = frame && frame->stages;
   const auto& stages = has_clock ? *frame->stages : render::StageTimes{};
+  stats_.draw_ms = stages.project + stages.draw + stages.resolve;
   if (has_clock)
-    stats_.frame_ms = stages.project + stages.sort + stages.draw + stages.resolve;
+    stats_.frame_ms = stats_.draw_ms + stages.sort;
   else if (frame_seconds_ > 0)
     stats_.frame_ms = 1e3 * frame_seconds_;
   const bool on_gpu = scene_->renderer().settings().sorter == render::SorterKind::gpu_radix;

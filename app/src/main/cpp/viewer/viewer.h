@@ -12,6 +12,7 @@
 #include "render/scene_view.h"
 #include "viewer/gestures.h"
 #include "viewer/gyroscope.h"
+#include "viewer/mouse_and_keys.h"
 #include "viewer/scale_control.h"
 
 namespace fluxgs::viewer {
@@ -28,6 +29,8 @@ struct ViewerSettings {
   bool measures = true;                    ///< times and counts for ViewerStats, from the GPU
   double frame_seconds = 1.0 / 60;         ///< of the display
   std::optional<std::size_t> memory = {};  ///< bytes of the GPU, see SceneViewSettings
+  glm::dvec3 background{0.0};
+  bool wait_for_sorts = false;  ///< every image in the order of its own view, however long it takes
   bool operator==(const ViewerSettings&) const = default;
 };
 
@@ -35,6 +38,7 @@ struct ViewerSettings {
 struct ViewerStats {
   double frames_per_second = 0;       ///< while something moves; 0 at rest
   double frame_ms = 0;                ///< the GPU's, or where it has no clock from frame to frame
+  double draw_ms = 0;                 ///< the part of it without the sort; 0 without a clock
   double sort_ms = 0;                 ///< from when the camera moved to an order of that view
   std::uint32_t drawn = 0;            ///< splats that were not culled
   std::size_t shown = 0, splats = 0;  ///< of the scene: for which there is room; all
@@ -59,6 +63,8 @@ class Viewer {
   /// To be followed by open().
   void show(std::shared_ptr<const SplatCloud> cloud, const std::optional<StartView>& start,
             const std::optional<Place>& place = {});
+  /// The same, but from where `navigation` stands.
+  void show(std::shared_ptr<const SplatCloud> cloud, const camera::Navigation& navigation);
   bool has_scene() const { return cloud_ != nullptr; }
 
   /// Makes the GL objects of the scene for images of this size, after another scene, in a new
@@ -76,11 +82,13 @@ class Viewer {
   void resize(int width, int height, double density);
 
   void touch(const TouchEvent& event);
+  /// An event of a window, with its time in seconds since some start.
+  void handle(const WindowEvent& event, double seconds);
   void turn(const DevicePose& pose);
   void flip_up();
   void reset_view();
-  /// Whether the scene was turned upside down by flip_up().
-  bool is_flipped() const { return flipped_; }
+  /// Whether the scene stands upside down, compared with how it was shown first.
+  bool is_flipped() const;
   std::optional<Place> place() const;
 
   /// Lets time pass. Whether a frame is to be drawn: something moved, the last one was not final,
@@ -113,6 +121,8 @@ class Viewer {
   void measure();
   bool needs_remaking(const ViewerSettings& settings) const;
   void begin_navigation();
+  template <class Input>
+  void steer(Input&& input);
 
   ViewerSettings settings_;
   Heat heat_;
@@ -121,8 +131,9 @@ class Viewer {
   std::optional<Place> place_;  // to begin at
   camera::Navigation navigation_;
   bool navigated_ = false;  // there is a navigation of the scene
-  bool flipped_ = false;
+  glm::dvec3 first_up_{0.0};
   Gestures gestures_;
+  MouseAndKeys mouse_and_keys_;
   Gyroscope gyroscope_;
   glm::ivec2 size_{0};
   gl::Api* api_ = nullptr;
