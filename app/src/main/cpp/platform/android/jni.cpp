@@ -21,7 +21,7 @@
 #include "bench/self_test.h"
 #include "platform/android/platform.h"
 #include "platform/android/session_json.h"
-#include "viewer/scene_hold.h"
+#include "viewer/decode_memory_guard.h"
 #include "viewer/session.h"
 
 namespace fluxgs::android {
@@ -373,7 +373,7 @@ FLUXGS_JNI(jstring, benchmark)(JNIEnv* env, jclass, jlong session) {
 
 FLUXGS_JNI(jstring, selfTest)(JNIEnv* env, jclass, jlong session) {
   return guarded(env, [&] {
-    const viewer::SceneHold hold;  // the session may end meanwhile
+    const viewer::DecodeMemoryGuard guard;  // the session may end meanwhile
     const auto scene = sessions().find(session)->scene();
     if (!scene) throw std::logic_error("there is no scene");
     return to_java(env, bench::to_json(bench::self_test(*scene)));
@@ -381,7 +381,7 @@ FLUXGS_JNI(jstring, selfTest)(JNIEnv* env, jclass, jlong session) {
 }
 
 FLUXGS_JNI(void, waitForHeldScenes)(JNIEnv* env, jclass) {
-  guarded(env, [] { viewer::SceneHold::wait_for_none(); });
+  guarded(env, [] { viewer::DecodeMemoryGuard::wait_for_none(); });
 }
 
 FLUXGS_JNI(jstring, about)(JNIEnv* env, jclass) {
