@@ -16,9 +16,9 @@
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/console.h"
 #include "tools/fluxgs/data_options.h"
+#include "tools/fluxgs/initial_view.h"
 #include "tools/fluxgs/renderers.h"
 #include "tools/fluxgs/view_script.h"
-#include "tools/fluxgs/view_start.h"
 #include "tools/fluxgs/views.h"
 #include "trainer/data/image_io.h"
 #include "viewer/presenter.h"
@@ -213,11 +213,11 @@ Expected<Scene> load(const ViewSettings& s) {
   }
   const auto up = parse_up(s.up);
   if (!up) return std::unexpected(up.error());
-  ViewStart start = choose_start(*scene, *data, camera, *up, s.size);
-  const glm::dvec3& axis = start.navigation.up;
+  const InitialNavigation initial = initial_navigation(*scene, *data, camera, *up, s.size);
+  const glm::dvec3& axis = initial.navigation.up;
   spdlog::info("up: {:.2f},{:.2f},{:.2f} ({}; F flips it)", axis.x, axis.y, axis.z,
-               start.up_source);
-  return Scene{std::make_shared<const SplatCloud>(std::move(scene->cloud)), start.navigation};
+               initial.up_source);
+  return Scene{std::make_shared<const SplatCloud>(std::move(scene->cloud)), initial.navigation};
 }
 
 viewer::ViewerSettings viewer_settings(const ViewSettings& s) {

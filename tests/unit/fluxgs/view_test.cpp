@@ -13,9 +13,8 @@
 #include "platform/host/window_screen.h"
 #include "run_command.h"
 #include "support/scenes.h"
-#include "tools/fluxgs/start_view.h"
+#include "tools/fluxgs/initial_view.h"
 #include "tools/fluxgs/view_script.h"
-#include "tools/fluxgs/view_start.h"
 #include "trainer/data/image_io.h"
 #include "viewer/mouse_and_keys.h"
 #include "virtual_display.h"
@@ -312,14 +311,14 @@ TEST(ViewInput, KeysDoWhatTheHelpSays) {
   EXPECT_NEAR(desk.n.view.distance, 5 / 1.15, 1e-9);
 }
 
-TEST(ViewStart, IsTheViewInTheMiddleOfTheOthers) {
+TEST(InitialView, IsTheViewInTheMiddleOfTheOthers) {
   std::vector<View> views;
   for (const double x : {-3.0, -1.0, 0.5, 2.0, 9.0})
     views.emplace_back().camera = test::camera_at({x, 0, -5}, {0, 0, 0}, 64, 48);
-  EXPECT_LT(glm::distance(cli::start_view_of(views).position, glm::dvec3(0.5, 0, -5)), 1e-9);
+  EXPECT_LT(glm::distance(cli::initial_view_of(views).position, glm::dvec3(0.5, 0, -5)), 1e-9);
 }
 
-TEST(ViewStart, UpIsWhatIsGivenOrWhatTheViewsSay) {
+TEST(InitialView, UpIsWhatIsGivenOrWhatTheViewsSay) {
   EXPECT_EQ(**cli::parse_up("0,0,2"), glm::dvec3(0, 0, 1));
   EXPECT_FALSE(*cli::parse_up("auto"));
   SceneFile scene;
@@ -327,16 +326,19 @@ TEST(ViewStart, UpIsWhatIsGivenOrWhatTheViewsSay) {
   Dataset data;
   data.train.emplace_back().camera = test::camera_at({3, 0, 0}, {0, 0, 0}, 64, 48);
   data.train.emplace_back().camera = test::camera_at({0, 0, 3}, {0, 0, 0}, 64, 48);
-  const auto start = cli::choose_start(scene, data, std::nullopt, std::nullopt, {640, 480});
+  const auto start = cli::initial_navigation(scene, data, std::nullopt, std::nullopt, {640, 480});
   EXPECT_LT(glm::distance(start.navigation.up, glm::dvec3(0, -1, 0)), 0.02);
   EXPECT_LT(glm::distance(camera::eye(start.navigation.view), glm::dvec3(3, 0, 0)), 1e-9);
   EXPECT_LT(glm::length(start.navigation.view.target), 0.01);
-  const auto given = cli::choose_start(scene, data, std::nullopt, glm::dvec3(0, 0, 1), {640, 480});
+  const auto given =
+      cli::initial_navigation(scene, data, std::nullopt, glm::dvec3(0, 0, 1), {640, 480});
   EXPECT_EQ(given.navigation.up, glm::dvec3(0, 0, 1));
   scene.start = {.position = {0, 0, -4}, .fov_y = 1, .up = {1, 0, 0}};
-  const auto views_first = cli::choose_start(scene, data, std::nullopt, std::nullopt, {640, 480});
+  const auto views_first =
+      cli::initial_navigation(scene, data, std::nullopt, std::nullopt, {640, 480});
   EXPECT_EQ(views_first.navigation.view.target, start.navigation.view.target);
-  const auto own = cli::choose_start(scene, std::nullopt, std::nullopt, std::nullopt, {640, 480});
+  const auto own =
+      cli::initial_navigation(scene, std::nullopt, std::nullopt, std::nullopt, {640, 480});
   EXPECT_EQ(own.navigation.up, glm::dvec3(1, 0, 0));
   EXPECT_LT(glm::distance(camera::eye(own.navigation.view), glm::dvec3(0, 0, -4)), 1e-9);
   EXPECT_EQ(own.navigation.view.fov, 1);

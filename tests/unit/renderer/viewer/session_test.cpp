@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "camera/first_view.h"
+#include "camera/initial_view.h"
 #include "fluxgs/io/gltf.h"
 #include "platform/host/offscreen_screen.h"
 #include "tests/support/scenes.h"
@@ -118,7 +118,7 @@ double psnr(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b) {
 
 Image<std::uint8_t> reference_image() {
   const SceneFile file = *read_glb(file_with_start(), "scene");
-  const auto n = camera::first_view(file.cloud, file.start, {kWidth, kHeight});
+  const auto n = camera::initial_navigation(file.cloud, file.start, {kWidth, kHeight});
   RenderOptions options;
   options.near_plane = n.units.near_plane;
   const ReferenceImage image =

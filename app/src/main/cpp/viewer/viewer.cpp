@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "camera/first_view.h"
 #include "camera/focus.h"
+#include "camera/initial_view.h"
 
 namespace fluxgs::viewer {
 namespace {
@@ -70,7 +70,7 @@ void Viewer::show(std::shared_ptr<const SplatCloud> cloud, const camera::Navigat
 // Needs to know how large the image is.
 void Viewer::begin_navigation() {
   if (navigated_ || !cloud_) return;
-  navigation_ = camera::first_view(*cloud_, start_, glm::dvec2(size_));
+  navigation_ = camera::initial_navigation(*cloud_, start_, glm::dvec2(size_));
   first_up_ = navigation_.up;
   navigated_ = true;
   const auto kept = place_ ? restored(*place_) : std::nullopt;
