@@ -118,10 +118,10 @@ void Session::surface_destroyed() {
 }
 
 std::uint64_t Session::load(int descriptor, const std::string& name, const LoadLimits& limits,
-                            const std::optional<Place>& place) {
+                            const std::optional<SavedView>& saved) {
   const std::lock_guard lock(mutex_);
   loading_.begin(descriptor, name, limits);
-  place_wanted_ = place;
+  saved_wanted_ = saved;
   load_began_ = Clock::now();
   state_.first_frame_ms = 0;
   resting_ = false;
@@ -188,9 +188,9 @@ SessionState Session::state() const {
   return state;
 }
 
-std::optional<Place> Session::place() const {
+std::optional<SavedView> Session::saved_view() const {
   const std::lock_guard lock(mutex_);
-  return place_;
+  return saved_;
 }
 
 BenchmarkState Session::benchmark() const {
@@ -223,20 +223,20 @@ std::string Session::driver() const {
 /// A scene that has been loaded takes the place of the one before.
 void Session::take_scene() {
   std::optional<SceneFile> loaded;
-  std::optional<Place> place;
+  std::optional<SavedView> saved;
   {
     const std::lock_guard lock(mutex_);
     loaded = loading_.take();
     if (!loaded) return;
     cloud_number_ = loadings_;
-    place = std::exchange(place_wanted_, std::nullopt);
+    saved = std::exchange(saved_wanted_, std::nullopt);
     state_.dropped = loaded->dropped;
     state_.error.clear();
     state_.drawn = false;
   }
   cloud_ = std::make_shared<const SplatCloud>(std::move(loaded->cloud));
-  start_ = loaded->start;
-  presenter_->show(cloud_, start_, place);
+  initial_ = loaded->start;
+  presenter_->show(cloud_, initial_, saved);
 }
 
 void Session::draw_frame(double seconds) {
@@ -272,7 +272,7 @@ void Session::publish_driver() {
 void Session::publish() {
   Viewer& viewer = presenter_->viewer();
   const ViewerStats stats = viewer.stats();
-  const std::optional<Place> place = viewer.place();
+  const std::optional<SavedView> saved = viewer.saved_view();
   const bool rests = presenter_->at_rest();
   if (rests) last_frame_.reset();  // what moves next begins then
   const std::lock_guard lock(mutex_);
@@ -281,7 +281,7 @@ void Session::publish() {
   state_.has_scene = cloud_ != nullptr && !presenter_->has_failed();
   state_.drawn = presenter_->has_drawn();
   state_.flipped = viewer.is_flipped();
-  place_ = place;
+  saved_ = saved;
 }
 
 void Session::start_benchmark(const bench::SceneBenchmarkPlan& plan) {
@@ -316,7 +316,7 @@ Expected<bench::SceneBenchmark> Session::measure(const bench::SceneBenchmarkPlan
   const auto api = presenter_->context();
   if (!api) return std::unexpected(api.error());
   publish_driver();
-  return bench::benchmark_scene(**api, *cloud, start_, plan,
+  return bench::benchmark_scene(**api, *cloud, initial_, plan,
                                 [this](int done, int all) { return report_progress(done, all); });
 }
 

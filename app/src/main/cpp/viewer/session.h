@@ -59,10 +59,10 @@ class Session {
   /// Returns when the window is no longer touched.
   void surface_destroyed();
 
-  /// Opens a scene from a descriptor, see SceneLoading, and looks at it from this place if given.
+  /// Opens a scene from a descriptor, see SceneLoading, and looks at it from `saved` if given.
   /// The scene before stays until then. Returns a number, from 1 on, by which it is known.
   std::uint64_t load(int descriptor, const std::string& name, const LoadLimits& limits,
-                     const std::optional<Place>& place = {});
+                     const std::optional<SavedView>& saved = {});
   void cancel_loading();
 
   /// The display is about to show another frame; `seconds` on any clock that goes on. Returns
@@ -80,7 +80,7 @@ class Session {
   void free_graphics();
 
   SessionState state() const;
-  std::optional<Place> place() const;
+  std::optional<SavedView> saved_view() const;
   /// The image of the present view, RGBA, as large as the window and as sharp as it is at rest.
   /// Or the last one, reduced until its longer side is `longest` pixels. Nothing where there is
   /// none, or where it is not `of` the scene with this number (0: any).
@@ -121,7 +121,7 @@ class Session {
   std::optional<double> last_frame_;
   std::shared_ptr<const SplatCloud> cloud_;
   std::uint64_t cloud_number_ = 0;  // of its loading
-  std::optional<StartView> start_;
+  std::optional<StartView> initial_;
 
   // Of both
   mutable std::mutex mutex_;
@@ -133,10 +133,10 @@ class Session {
   bool stops_ = false;
   SceneLoading loading_;
   std::uint64_t loadings_ = 0;
-  std::optional<Place> place_wanted_;
+  std::optional<SavedView> saved_wanted_;
   std::chrono::steady_clock::time_point load_began_;
   SessionState state_;
-  std::optional<Place> place_;
+  std::optional<SavedView> saved_;
   BenchmarkState benchmark_;
   std::optional<std::string> benchmark_stop_;
 

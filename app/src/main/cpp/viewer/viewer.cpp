@@ -13,7 +13,7 @@ namespace {
 constexpr double kSmoothing = 0.1;
 constexpr double kMeasureEvery = 0.4;  // seconds
 constexpr double kRest = 0.25;         // seconds without movement: less is a finger that hesitates
-constexpr double kLargest = 1e12;      // of a place's coordinates
+constexpr double kMaxCoordinate = 1e12;  // of a saved view
 
 using Seconds = std::chrono::duration<double>;
 
@@ -26,20 +26,18 @@ void smooth(double& mean, double value) {
   mean = mean > 0 ? std::lerp(mean, value, kSmoothing) : value;
 }
 
-/// What was kept of a view, if it is one.
-std::optional<std::pair<camera::ViewState, glm::dvec3>> restored(const Place& p) {
-  for (const double value : p)
-    if (!(std::abs(value) <= kLargest)) return std::nullopt;
-  const glm::dquat turn(p[3], p[4], p[5], p[6]);
-  const glm::dvec3 up(p[9], p[10], p[11]);
-  const bool sound = glm::length(turn) > 0.5 && glm::length(up) > 0.5 && p[7] > 0 && p[8] > 0 &&
-                     p[8] < std::numbers::pi;
+/// A saved view with directions of unit length, if it is a view at all.
+std::optional<SavedView> restored(SavedView saved) {
+  camera::ViewState& view = saved.view;
+  const double turn = glm::length(view.orientation), up = glm::length(saved.up);
+  const bool sound = glm::length(view.target) <= kMaxCoordinate && turn > 0.5 &&
+                     turn <= kMaxCoordinate && up > 0.5 && up <= kMaxCoordinate &&
+                     view.distance > 0 && view.distance <= kMaxCoordinate && view.fov > 0 &&
+                     view.fov < std::numbers::pi;
   if (!sound) return std::nullopt;
-  const camera::ViewState view{.target = {p[0], p[1], p[2]},
-                               .orientation = glm::normalize(turn),
-                               .distance = p[7],
-                               .fov = p[8]};
-  return std::pair(view, glm::normalize(up));
+  view.orientation = glm::normalize(view.orientation);
+  saved.up = glm::normalize(saved.up);
+  return saved;
 }
 
 bool same(const camera::ViewState& a, const camera::ViewState& b) {
@@ -49,12 +47,12 @@ bool same(const camera::ViewState& a, const camera::ViewState& b) {
 
 }  // namespace
 
-void Viewer::show(std::shared_ptr<const SplatCloud> cloud, const std::optional<StartView>& start,
-                  const std::optional<Place>& place) {
+void Viewer::show(std::shared_ptr<const SplatCloud> cloud, const std::optional<StartView>& initial,
+                  const std::optional<SavedView>& saved) {
   close();
   cloud_ = std::move(cloud);
-  start_ = start;
-  place_ = place;
+  initial_ = initial;
+  saved_ = saved;
   navigated_ = false;
   stats_ = {};
   anchor_anew(gyroscope_);
@@ -70,14 +68,14 @@ void Viewer::show(std::shared_ptr<const SplatCloud> cloud, const camera::Navigat
 // Needs to know how large the image is.
 void Viewer::begin_navigation() {
   if (navigated_ || !cloud_) return;
-  navigation_ = camera::initial_navigation(*cloud_, start_, glm::dvec2(size_));
+  navigation_ = camera::initial_navigation(*cloud_, initial_, glm::dvec2(size_));
   first_up_ = navigation_.up;
   navigated_ = true;
-  const auto kept = place_ ? restored(*place_) : std::nullopt;
-  if (!kept) return;
-  if (glm::dot(kept->second, first_up_) < 0) camera::flip_up(navigation_);
-  navigation_.view = kept->first;
-  navigation_.up = kept->second;
+  const auto saved = saved_ ? restored(*saved_) : std::nullopt;
+  if (!saved) return;
+  if (glm::dot(saved->up, first_up_) < 0) camera::flip_up(navigation_);
+  navigation_.view = saved->view;
+  navigation_.up = saved->up;
 }
 
 render::SceneViewSettings Viewer::scene_settings(const gl::Api& api) const {
@@ -202,22 +200,9 @@ void Viewer::reset_view() {
   anchor_anew(gyroscope_);
 }
 
-std::optional<Place> Viewer::place() const {
-  if (!navigated_) return place_;
-  const camera::ViewState& v = navigation_.view;
-  const glm::dvec3& up = navigation_.up;
-  return Place{v.target.x,
-               v.target.y,
-               v.target.z,
-               v.orientation.w,
-               v.orientation.x,
-               v.orientation.y,
-               v.orientation.z,
-               v.distance,
-               v.fov,
-               up.x,
-               up.y,
-               up.z};
+std::optional<SavedView> Viewer::saved_view() const {
+  if (!navigated_) return saved_;
+  return SavedView{navigation_.view, navigation_.up};
 }
 
 bool Viewer::advance(double seconds) {

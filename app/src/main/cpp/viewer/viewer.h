@@ -1,7 +1,6 @@
 // A scene that people look at on a screen: what they do, what is drawn, and how fast.
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -49,9 +48,11 @@ struct ViewerStats {
   double image = 1;                   ///< its width, of the window's: less where memory is short
 };
 
-/// Where a view is, to be kept over the end of the process: target, orientation (w, x, y, z),
-/// distance, field of view, up.
-using Place = std::array<double, 12>;
+/// A view of a scene, to be kept over the end of the process.
+struct SavedView {
+  camera::ViewState view;
+  glm::dvec3 up{0, -1, 0};
+};
 
 /// Not thread-safe. Between open() and close() a context must be current; close() may be called
 /// without one after it was lost.
@@ -59,10 +60,10 @@ class Viewer {
  public:
   explicit Viewer(const ViewerSettings& settings = {}) : settings_(settings) {}
 
-  /// Another scene, from its start; or from a place where it was looked at before, if that is one.
-  /// To be followed by open().
-  void show(std::shared_ptr<const SplatCloud> cloud, const std::optional<StartView>& start,
-            const std::optional<Place>& place = {});
+  /// Another scene, from its initial view; or from a saved one, if its values are sound. To be
+  /// followed by open().
+  void show(std::shared_ptr<const SplatCloud> cloud, const std::optional<StartView>& initial,
+            const std::optional<SavedView>& saved = {});
   /// The same, but from where `navigation` stands.
   void show(std::shared_ptr<const SplatCloud> cloud, const camera::Navigation& navigation);
   bool has_scene() const { return cloud_ != nullptr; }
@@ -89,7 +90,8 @@ class Viewer {
   void reset_view();
   /// Whether the scene stands upside down, compared with how it was shown first.
   bool is_flipped() const;
-  std::optional<Place> place() const;
+  /// The present view, to be saved.
+  std::optional<SavedView> saved_view() const;
 
   /// Lets time pass. Whether a frame is to be drawn: something moved, the last one was not final,
   /// or all is at rest and it was of a lower scale than heat allows.
@@ -127,8 +129,8 @@ class Viewer {
   ViewerSettings settings_;
   Heat heat_;
   std::shared_ptr<const SplatCloud> cloud_;
-  std::optional<StartView> start_;
-  std::optional<Place> place_;  // to begin at
+  std::optional<StartView> initial_;
+  std::optional<SavedView> saved_;  // to begin at
   camera::Navigation navigation_;
   bool navigated_ = false;  // there is a navigation of the scene
   glm::dvec3 first_up_{0.0};
