@@ -16,7 +16,7 @@
 #include "render/scene_view.h"
 #include "unit/renderer/gl_fixture.h"
 #include "unit/renderer/scenes.h"
-#include "viewer/scene_hold.h"
+#include "viewer/decode_memory_guard.h"
 #include "viewer/scene_loading.h"
 
 namespace fluxgs::test {
@@ -68,7 +68,7 @@ TEST(SceneMemoryTest, WhatACancelledSceneHoldsCanBeWaitedFor) {
   bool caught = false;  // a busy machine may look too late
   for (int tries = 0; tries < 20 && !caught; ++tries) {
     caught = cancelled_while_it_decodes();
-    viewer::SceneHold::wait_for_none();
+    viewer::DecodeMemoryGuard::wait_for_none();
     ASSERT_LT(allocations.bytes - before, 100'000);
   }
   EXPECT_TRUE(caught);

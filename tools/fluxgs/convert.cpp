@@ -13,7 +13,7 @@
 #include "tools/fluxgs/data_options.h"
 #include "tools/fluxgs/measuring_views.h"
 #include "tools/fluxgs/progress.h"
-#include "tools/fluxgs/start_view.h"
+#include "tools/fluxgs/write_glb.h"
 #include "trainer/compress/compact_search.h"
 
 namespace fluxgs::cli {

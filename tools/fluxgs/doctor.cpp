@@ -12,7 +12,7 @@
 
 #include "fluxgs/networks/onnx_runtime.h"
 #include "platform/host/host_context.h"
-#include "platform/host/window.h"
+#include "platform/host/window_screen.h"
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/find_program.h"
 #include "tools/fluxgs/flip.h"

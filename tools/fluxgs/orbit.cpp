@@ -87,7 +87,7 @@ Circle circle_around(const SplatCloud& cloud, const ImageSize& size) {
   const double across = std::min(1.0, static_cast<double>(size.width) / size.height);
   const double shorter = 2 * std::atan(across * std::tan(0.5 * c.fov_y));
   const double distance = camera::fitting_distance(bounds.radius, shorter);
-  c.height = camera::kFirstHeight * distance;
+  c.height = camera::kInitialHeight * distance;
   c.radius = std::sqrt(distance * distance - c.height * c.height);
   return c;
 }

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "camera/first_view.h"
+#include "camera/initial_view.h"
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/data_options.h"
 #include "tools/fluxgs/images.h"
@@ -62,7 +62,7 @@ Expected<std::vector<Shot>> shots_of_data(const RenderSettings& s, const Dataset
 Expected<std::vector<Camera>> default_cameras(const SceneFile& scene, const ImageSize& size) {
   if (!scene.start) return orbit_around(scene.cloud, 1, size);
   const glm::dvec2 sides(size.width, size.height);
-  const camera::Navigation first = camera::first_view(scene.cloud, scene.start, sides);
+  const camera::Navigation first = camera::initial_navigation(scene.cloud, scene.start, sides);
   return std::vector{camera::camera_of(first.view, size.width, size.height)};
 }
 

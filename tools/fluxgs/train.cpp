@@ -13,13 +13,14 @@
 #include "fluxgs/printable.h"
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/console.h"
+#include "tools/fluxgs/initial_view.h"
 #include "tools/fluxgs/interrupt.h"
 #include "tools/fluxgs/paths.h"
 #include "tools/fluxgs/peak_memory.h"
 #include "tools/fluxgs/progress.h"
-#include "tools/fluxgs/start_view.h"
 #include "tools/fluxgs/train_log.h"
 #include "tools/fluxgs/train_run.h"
+#include "tools/fluxgs/write_glb.h"
 #include "trainer/compress/sh_reduction.h"
 #include "trainer/core/clock.h"
 #include "trainer/train/checkpoint.h"
@@ -265,7 +266,7 @@ Expected<std::optional<SplatCloud>> TrainCommand::write_out() {
   if (format == "glb") {
     auto stored = store();
     if (!stored) return std::unexpected(stored.error());
-    const auto bytes = write_glb(settings_.out, stored->file, start_view_of(run_.data.train));
+    const auto bytes = write_glb(settings_.out, stored->file, initial_view_of(run_.data.train));
     if (!bytes) return std::unexpected(bytes.error());
     report_["bytes"] = *bytes;
     return std::move(stored->cloud);

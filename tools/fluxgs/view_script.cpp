@@ -14,7 +14,7 @@ namespace fluxgs::cli {
 namespace {
 
 using nlohmann::json;
-using Kind = host::WindowEvent::Kind;
+using Kind = viewer::WindowEvent::Kind;
 
 constexpr double kLargest = 1e5;
 constexpr int kLargestSide = 16384, kLastStep = 1'000'000;
@@ -40,39 +40,39 @@ std::string text_of(const json& entry, const char* key) {
   return it != entry.end() && it->is_string() ? it->get<std::string>() : std::string();
 }
 
-std::optional<host::WindowEvent> button_of(const json& entry) {
+std::optional<viewer::WindowEvent> button_of(const json& entry) {
   constexpr std::array names = {"left", "middle", "right"};
   const auto it = std::ranges::find(names, text_of(entry, "button"));
   const auto at = pair_of(entry, "at");
   const auto down = flag_of(entry, "down");
   if (it == names.end() || !at || !down) return std::nullopt;
-  return host::WindowEvent{.kind = Kind::button,
-                           .position = *at,
-                           .button = static_cast<host::PointerButton>(it - names.begin()),
-                           .down = *down};
+  return viewer::WindowEvent{.kind = Kind::button,
+                             .position = *at,
+                             .button = static_cast<viewer::PointerButton>(it - names.begin()),
+                             .down = *down};
 }
 
-std::optional<host::WindowEvent> key_of(const json& entry) {
+std::optional<viewer::WindowEvent> key_of(const json& entry) {
   const std::string name = text_of(entry, "key");
   const auto down = flag_of(entry, "down");
   if (!down || (name != "Escape" && name.size() != 1)) return std::nullopt;
-  return host::WindowEvent{
-      .kind = Kind::key, .down = *down, .key = name == "Escape" ? host::kEscape : name[0]};
+  return viewer::WindowEvent{
+      .kind = Kind::key, .down = *down, .key = name == "Escape" ? viewer::kEscape : name[0]};
 }
 
-std::optional<host::WindowEvent> event_of(const json& entry) {
+std::optional<viewer::WindowEvent> event_of(const json& entry) {
   if (const auto to = pair_of(entry, "move"))
-    return host::WindowEvent{.kind = Kind::pointer_moved, .position = *to};
+    return viewer::WindowEvent{.kind = Kind::pointer_moved, .position = *to};
   if (entry.contains("button")) return button_of(entry);
   if (entry.contains("key")) return key_of(entry);
   if (const std::string text = text_of(entry, "type"); text.size() == 1)
-    return host::WindowEvent{.kind = Kind::text, .key = text[0]};
+    return viewer::WindowEvent{.kind = Kind::text, .key = text[0]};
   const auto scroll = entry.find("scroll");
   const auto at = pair_of(entry, "at");
   if (scroll == entry.end() || !scroll->is_number() || !at) return std::nullopt;
   const double amount = scroll->get<double>();
   if (!(std::abs(amount) <= 1000)) return std::nullopt;
-  return host::WindowEvent{.kind = Kind::scrolled, .position = *at, .amount = amount};
+  return viewer::WindowEvent{.kind = Kind::scrolled, .position = *at, .amount = amount};
 }
 
 std::optional<ScriptedEvent> scripted_event(const json& entry) {

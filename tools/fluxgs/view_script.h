@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "fluxgs/error.h"
-#include "platform/host/window.h"
+#include "platform/host/window_screen.h"
 
 namespace fluxgs::cli {
 
@@ -13,7 +13,7 @@ namespace fluxgs::cli {
 /// the loss of the graphics context, as when the GPU is reset.
 struct ScriptedEvent {
   int step = 0;  ///< ≥ 0
-  host::WindowEvent event;
+  viewer::WindowEvent event;
   host::WindowSize resize;
   bool lose_context = false;
 };

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string>
 
-#include "camera/first_view.h"
+#include "camera/initial_view.h"
 #include "fluxgs/io/scene.h"
 #include "platform/host/host_context.h"
 #include "render/renderer.h"
@@ -37,7 +37,7 @@ Image<float> draw(const std::string& file, int width, int height) {
   const auto target = expect(
       render::RenderTarget::create(context->api(), width, height, render::TargetFormat::rgba8));
   const camera::Navigation first =
-      camera::first_view(scene.cloud, scene.start, glm::dvec2(width, height));
+      camera::initial_navigation(scene.cloud, scene.start, glm::dvec2(width, height));
   RenderOptions options;
   options.near_plane = first.units.near_plane;
   expect(renderer->draw(camera::camera_of(first.view, width, height), options, target));

@@ -75,7 +75,7 @@ TEST(Fit, TheWholeSphereIsSeenInAnyShapeOfWindow) {
     for (const glm::dvec3 up : {kUp, glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 0)}) {
       const ViewState view = fitting_view(bounds, up, 50 * kDegree);
       EXPECT_NEAR(roll(view, up), 0, 1e-9);
-      EXPECT_NEAR(std::sin(elevation(view, up)), kFirstHeight, 1e-9);
+      EXPECT_NEAR(std::sin(elevation(view, up)), kInitialHeight, 1e-9);
       for (const glm::dvec3 way : {right(view), down(view), -right(view), -down(view)}) {
         const glm::dvec2 pixel = pixel_of(view, bounds.center + 2.0 * way, size);
         EXPECT_GT(std::min(pixel.x, pixel.y), 0);

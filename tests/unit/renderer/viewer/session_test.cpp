@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "camera/first_view.h"
+#include "camera/initial_view.h"
 #include "fluxgs/io/gltf.h"
 #include "platform/host/offscreen_screen.h"
 #include "tests/support/scenes.h"
@@ -73,8 +73,8 @@ class SessionTest : public testing::TestWithParam<host::HostGl> {
     }
     return false;
   }
-  bool load(const std::vector<std::byte>& bytes, const std::optional<Place>& place = {}) {
-    session_->load(file_of(bytes), "scene.glb", {}, place);
+  bool load(const std::vector<std::byte>& bytes, const std::optional<SavedView>& saved = {}) {
+    session_->load(file_of(bytes), "scene.glb", {}, saved);
     return run_until([](const SessionState& s) { return s.drawn || !s.error.empty(); });
   }
   /// The image once everything has come to rest.
@@ -118,7 +118,7 @@ double psnr(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b) {
 
 Image<std::uint8_t> reference_image() {
   const SceneFile file = *read_glb(file_with_start(), "scene");
-  const auto n = camera::first_view(file.cloud, file.start, {kWidth, kHeight});
+  const auto n = camera::initial_navigation(file.cloud, file.start, {kWidth, kHeight});
   RenderOptions options;
   options.near_plane = n.units.near_plane;
   const ReferenceImage image =
@@ -244,24 +244,33 @@ TEST_P(SessionTest, FlippingTurnsItUpsideDown) {
   EXPECT_GT(psnr(flipped, turned), 40);
 }
 
-TEST_P(SessionTest, APlaceIsKeptOverTheEndOfTheProcess) {
+TEST_P(SessionTest, ASavedViewIsKeptOverTheEndOfTheProcess) {
   ASSERT_TRUE(load(file_with_start()));
   session_->touch(TouchPhase::down, 0, {{0, {50, 30}}}, 1);
   session_->touch(TouchPhase::moved, 0, {{0, {80, 40}}}, 1.1);
   session_->touch(TouchPhase::cancelled, 0, {}, 2);
   session_->flip_up();
   const auto before = image();
-  const auto place = session_->place();
-  ASSERT_TRUE(place);
+  const auto saved = session_->saved_view();
+  ASSERT_TRUE(saved);
   begin();
-  ASSERT_TRUE(load(file_with_start(), place));
+  ASSERT_TRUE(load(file_with_start(), saved));
   EXPECT_GT(psnr(image(), before), 50);
   EXPECT_TRUE(session_->state().flipped);
-  begin();
-  Place broken = *place;
-  broken[7] = std::nan("");
-  ASSERT_TRUE(load(file_with_start(), broken));
-  EXPECT_GT(psnr(image(), reference_image()), 50) << "no place, so the start";
+  const auto broken = [&](auto&& change) {
+    SavedView view = *saved;
+    change(view);
+    return view;
+  };
+  for (const SavedView& view : {broken([](SavedView& v) { v.view.distance = std::nan(""); }),
+                                broken([](SavedView& v) { v.view.target.y = std::nan(""); }),
+                                broken([](SavedView& v) { v.view.orientation = {0, 0, 0, 0}; }),
+                                broken([](SavedView& v) { v.up.x = std::nan(""); }),
+                                broken([](SavedView& v) { v.view.fov = 4; })}) {
+    begin();
+    ASSERT_TRUE(load(file_with_start(), view));
+    EXPECT_GT(psnr(image(), reference_image()), 50) << "no view, so the initial one";
+  }
 }
 
 TEST_P(SessionTest, TheWindowComesAndGoes) {

@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
-#include "camera/first_view.h"
+#include "camera/initial_view.h"
 #include "camera/orbit.h"
 #include "gl/steps.h"
 
@@ -85,7 +85,7 @@ Expected<void> measure(gl::Api& api, const SplatCloud& cloud, const std::optiona
                                         ? path_views(cloud, start, row.size, plan.protocol.frames)
                                         : still_views(cloud, start, row.size);
   const RenderOptions options{
-      .near_plane = camera::first_view(cloud, start, as_vector(row.size)).units.near_plane};
+      .near_plane = camera::initial_navigation(cloud, start, as_vector(row.size)).units.near_plane};
   const auto times = benchmark_frames(api, *stage->renderer, stage->target, views, options,
                                       plan.protocol, progress);
   if (!times) return std::unexpected(times.error());
@@ -135,7 +135,7 @@ json json_of(const SceneBenchmarkRow& row) {
 
 std::vector<Camera> still_views(const SplatCloud& cloud, const std::optional<StartView>& start,
                                 const ImageSide& size) {
-  const camera::Navigation first = camera::first_view(cloud, start, as_vector(size));
+  const camera::Navigation first = camera::initial_navigation(cloud, start, as_vector(size));
   std::vector<Camera> views;
   for (int i = 0; i < kStillViews; ++i)
     views.push_back(turned(first, 2 * std::numbers::pi * i / kStillViews, size));
@@ -144,7 +144,7 @@ std::vector<Camera> still_views(const SplatCloud& cloud, const std::optional<Sta
 
 std::vector<Camera> path_views(const SplatCloud& cloud, const std::optional<StartView>& start,
                                const ImageSide& size, int frames) {
-  const camera::Navigation first = camera::first_view(cloud, start, as_vector(size));
+  const camera::Navigation first = camera::initial_navigation(cloud, start, as_vector(size));
   std::vector<Camera> views;
   for (int i = 0; i < frames; ++i) views.push_back(turned(first, i * kPathStep, size));
   return views;

@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
-#include "camera/first_view.h"
+#include "camera/initial_view.h"
 #include "camera/orbit.h"
 #include "fluxgs/io/scene.h"
 #include "fluxgs/math/projection.h"

@@ -80,8 +80,8 @@ double fitting_distance(double radius, double fov) {
 
 ViewState fitting_view(const SceneBounds& bounds, const glm::dvec3& up, double fov) {
   const double distance = fitting_distance(bounds.radius, fov);
-  const double level = std::sqrt(1 - kFirstHeight * kFirstHeight);
-  const glm::dvec3 arm = distance * (level * level_front(up) + kFirstHeight * up);
+  const double level = std::sqrt(1 - kInitialHeight * kInitialHeight);
+  const glm::dvec3 arm = distance * (level * level_front(up) + kInitialHeight * up);
   return view_between(bounds.center + arm, bounds.center, up, fov);
 }
 

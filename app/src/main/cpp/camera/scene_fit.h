@@ -51,8 +51,8 @@ glm::dvec3 level_front(const glm::dvec3& up);
 /// 15 %.
 double fitting_distance(double radius, double fov);
 
-/// What part of the distance the first view stands above the scene's middle.
-inline constexpr double kFirstHeight = 0.3;
+/// The part of the distance that the initial view stands above the scene's middle.
+inline constexpr double kInitialHeight = 0.3;
 
 /// All of the scene, from its front and slightly above.
 ViewState fitting_view(const SceneBounds& bounds, const glm::dvec3& up, double fov);

@@ -16,7 +16,7 @@
 #include <fmt/format.h>
 
 #include "fluxgs/io/scene.h"
-#include "viewer/scene_hold.h"
+#include "viewer/decode_memory_guard.h"
 
 namespace fluxgs::viewer {
 namespace {
@@ -162,12 +162,12 @@ struct SceneLoading::Job {
     return {};
   }
 
-  /// Has a hold from when the file is read.
-  Expected<SceneFile> load(std::optional<SceneHold>& hold) {
+  /// Has a guard from when the file is read.
+  Expected<SceneFile> load(std::optional<DecodeMemoryGuard>& guard) {
     const auto bytes = read_all();
     if (!bytes) return std::unexpected(bytes.error());
     if (cancelled) return SceneFile{};
-    hold.emplace();
+    guard.emplace();
     const auto estimate = estimate_scene(*bytes, name);
     if (!estimate) return std::unexpected(estimate.error());
     update([&](LoadState& s) {
@@ -197,9 +197,9 @@ struct SceneLoading::Job {
     });
   }
 
-  void run(std::optional<SceneHold>& hold) {
+  void run(std::optional<DecodeMemoryGuard>& guard) {
     try {
-      finish(load(hold));
+      finish(load(guard));
     } catch (const std::exception& problem) {  // of memory
       finish(
           fail(name, "memory", fmt::format("not enough to open the scene ({})", problem.what())));
@@ -218,9 +218,9 @@ void SceneLoading::begin(int descriptor, const std::string& name, const LoadLimi
   // Not waited for: reading from a provider that stalls may take as long as it likes
   try {
     std::thread([job = std::move(job)]() mutable {
-      std::optional<SceneHold> hold;
-      job->run(hold);
-      job.reset();  // with it what nobody wants, before the hold
+      std::optional<DecodeMemoryGuard> guard;
+      job->run(guard);
+      job.reset();  // with it what nobody wants, before the guard
     }).detach();
   } catch (const std::system_error& problem) {
     job_->finish(fail(name, "thread", problem.what()));

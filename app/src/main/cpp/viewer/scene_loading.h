@@ -45,7 +45,7 @@ class SceneLoading {
   void begin(int descriptor, const std::string& name, const LoadLimits& limits);
 
   /// What was begun is forgotten: its thread ends by itself, as soon as it notices. It does not
-  /// while it decodes, and has a SceneHold till then.
+  /// while it decodes, and has a DecodeMemoryGuard until then.
   void cancel();
 
   LoadState state() const;

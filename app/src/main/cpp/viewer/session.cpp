@@ -12,15 +12,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kMaxLosses = 3;  // of contexts one after the other, without an image between
-
 double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
 }  // namespace
 
-Session::Session(std::unique_ptr<Screen> screen) : screen_(std::move(screen)) {
+Session::Session(std::unique_ptr<Screen> screen) : presenter_(std::move(screen)) {
   thread_ = std::thread([this] { run(); });
 }
 
@@ -96,39 +94,34 @@ void Session::run() {
     }
     publish();
   }
-  viewer_.close();
-  screen_.reset();
+  presenter_.reset();
 }
 
 void Session::surface_created(void* window) {
   post([this, window] {
-    screen_->attach(window);
-    redraw_ = true;
-    if (!std::exchange(failed_, false)) return;
-    losses_ = 0;  // what the last window had may be over
+    const bool had_failed = presenter_->has_failed();
+    presenter_->attach(window);
     const std::lock_guard lock(mutex_);
-    state_.error.clear();
+    if (had_failed) state_.error.clear();
   });
 }
 
 void Session::surface_changed(int width, int height, double density) {
   post([this, width, height, density] {
-    width_ = width;
-    height_ = height;
-    viewer_.resize(width, height, density);
-    redraw_ = true;
+    presenter_->resize(width, height, density);
+    presenter_->redraw();
   });
 }
 
 void Session::surface_destroyed() {
-  post_and_wait([this] { screen_->detach(); });
+  post_and_wait([this] { presenter_->screen().detach(); });
 }
 
 std::uint64_t Session::load(int descriptor, const std::string& name, const LoadLimits& limits,
-                            const std::optional<Place>& place) {
+                            const std::optional<SavedView>& saved) {
   const std::lock_guard lock(mutex_);
   loading_.begin(descriptor, name, limits);
-  place_wanted_ = place;
+  saved_wanted_ = saved;
   load_began_ = Clock::now();
   state_.first_frame_ms = 0;
   resting_ = false;
@@ -152,28 +145,28 @@ bool Session::frame(double seconds) {
 
 void Session::touch(TouchPhase phase, int changed, std::vector<Finger> fingers, double seconds) {
   post([this, phase, changed, seconds, fingers = std::move(fingers)] {
-    viewer_.touch({phase, changed, fingers, seconds});
+    presenter_->viewer().touch({phase, changed, fingers, seconds});
   });
 }
 
 void Session::turn(const DevicePose& pose) {
-  post([this, pose] { viewer_.turn(pose); });
+  post([this, pose] { presenter_->viewer().turn(pose); });
 }
 
 void Session::set(const ViewerSettings& settings) {
-  post([this, settings] { viewer_.set(settings); });
+  post([this, settings] { presenter_->viewer().set(settings); });
 }
 
 void Session::set_heat(const Heat& heat) {
-  post([this, heat] { viewer_.set_heat(heat); });
+  post([this, heat] { presenter_->viewer().set_heat(heat); });
 }
 
 void Session::flip_up() {
-  post([this] { viewer_.flip_up(); });
+  post([this] { presenter_->viewer().flip_up(); });
 }
 
 void Session::reset_view() {
-  post([this] { viewer_.reset_view(); });
+  post([this] { presenter_->viewer().reset_view(); });
 }
 
 void Session::free_graphics() {
@@ -181,14 +174,11 @@ void Session::free_graphics() {
     const std::lock_guard lock(mutex_);
     frame_wanted_.reset();  // else one that was asked for before would make it all again
   }
-  post([this] { viewer_.close(); });
+  post([this] { presenter_->viewer().close(); });
 }
 
 void Session::lose_context() {
-  post([this] {
-    if (screen_->api() != nullptr) screen_->api()->lost = true;
-    redraw_ = true;
-  });
+  post([this] { presenter_->lose_context(); });
 }
 
 SessionState Session::state() const {
@@ -198,9 +188,9 @@ SessionState Session::state() const {
   return state;
 }
 
-std::optional<Place> Session::place() const {
+std::optional<SavedView> Session::saved_view() const {
   const std::lock_guard lock(mutex_);
-  return place_;
+  return saved_;
 }
 
 BenchmarkState Session::benchmark() const {
@@ -211,13 +201,7 @@ BenchmarkState Session::benchmark() const {
 std::optional<Image<std::uint8_t>> Session::image(int longest, std::uint64_t of) {
   std::optional<Image<std::uint8_t>> result;
   post_and_wait([&] {
-    if (!viewer_.is_open() || !drawn_ || (of != 0 && of != cloud_number_)) return;
-    if (longest == 0) {
-      redraw_ = true;  // on the window, too
-      if (!viewer_.draw_sharp()) return;
-    }
-    auto read = render::read_image(*screen_->api(), viewer_.target(), longest);
-    if (read) result = std::move(*read);
+    if (of == 0 || of == cloud_number_) result = presenter_->image(longest);
   });
   return result;
 }
@@ -239,109 +223,65 @@ std::string Session::driver() const {
 /// A scene that has been loaded takes the place of the one before.
 void Session::take_scene() {
   std::optional<SceneFile> loaded;
-  std::optional<Place> place;
+  std::optional<SavedView> saved;
   {
     const std::lock_guard lock(mutex_);
     loaded = loading_.take();
     if (!loaded) return;
     cloud_number_ = loadings_;
-    place = std::exchange(place_wanted_, std::nullopt);
+    saved = std::exchange(saved_wanted_, std::nullopt);
     state_.dropped = loaded->dropped;
     state_.error.clear();
     state_.drawn = false;
   }
   cloud_ = std::make_shared<const SplatCloud>(std::move(loaded->cloud));
-  start_ = loaded->start;
-  viewer_.show(cloud_, start_, place);
-  failed_ = false;
-  drawn_ = false;
-  losses_ = 0;
-  redraw_ = true;
-}
-
-Expected<void> Session::make_ready() {
-  if (screen_->api() == nullptr) {
-    const auto api = screen_->make_context();
-    if (!api) return std::unexpected(api.error());
-    const std::string driver = bench::driver_json(**api);
-    const std::lock_guard lock(mutex_);
-    driver_ = driver;
-    ++state_.contexts;
-  }
-  if (viewer_.is_open()) return {};
-  redraw_ = true;
-  return viewer_.open(*screen_->api(), width_, height_);
-}
-
-Expected<void> Session::show_frame() {
-  auto done = make_ready();
-  if (done) done = viewer_.draw();
-  if (!done) return done;
-  const auto shown = screen_->present(viewer_.target(), width_, height_);
-  if (!shown) return std::unexpected(shown.error());
-  redraw_ = !*shown;
-  losses_ = 0;
-  if (!*shown) return {};
-  viewer_.presented();
-  if (!std::exchange(drawn_, true)) {
-    const std::lock_guard lock(mutex_);
-    state_.first_frame_ms = milliseconds_since(load_began_);
-    state_.shown = cloud_number_;
-  }
-  return {};
+  initial_ = loaded->start;
+  presenter_->show(cloud_, initial_, saved);
 }
 
 void Session::draw_frame(double seconds) {
   take_scene();
   const double passed = last_frame_ ? std::max(seconds - *last_frame_, 0.0) : 0;
   last_frame_ = seconds;
-  if (!screen_->has_window() || width_ < 1 || height_ < 1 || !cloud_ || failed_) return;
-  const bool moves = viewer_.advance(passed);
-  if (!moves && !redraw_ && viewer_.is_open()) return;
-  const auto shown = show_frame();
-  if (shown) return;
-  gl::Api* api = screen_->api();
-  if (api != nullptr && gl::context_lost(*api) && ++losses_ <= kMaxLosses)
-    begin_again();
-  else
-    give_up(shown.error());
-}
-
-/// The GPU was reset, or taken away: another context, with everything in it made again.
-void Session::begin_again() {
-  viewer_.close();
-  const auto api = screen_->make_context();
-  if (!api) return give_up(api.error());
-  redraw_ = true;
+  const bool was_drawn = presenter_->has_drawn();
+  const auto shown = presenter_->frame(passed);
+  publish_driver();
+  if (!shown) return give_up(shown.error());
+  if (!*shown || was_drawn) return;
   const std::lock_guard lock(mutex_);
-  ++state_.contexts;
+  state_.first_frame_ms = milliseconds_since(load_began_);
+  state_.shown = cloud_number_;
 }
 
 void Session::give_up(const Error& error) {
-  failed_ = true;
-  viewer_.close();
+  presenter_->give_up();
   const std::lock_guard lock(mutex_);
   state_.error = error.message();
 }
 
-/// Whether the next frame of the display would change nothing.
-bool Session::rests() const {
-  if (!cloud_ || failed_ || !screen_->has_window() || width_ < 1 || height_ < 1) return true;
-  return !redraw_ && viewer_.at_rest();
+/// What there is to say of a new context.
+void Session::publish_driver() {
+  const int contexts = presenter_->contexts();
+  gl::Api* const api = presenter_->screen().api();
+  const std::lock_guard lock(mutex_);
+  if (contexts == state_.contexts || api == nullptr) return;
+  state_.contexts = contexts;
+  driver_ = bench::driver_json(*api);
 }
 
 void Session::publish() {
-  const ViewerStats stats = viewer_.stats();
-  const std::optional<Place> place = viewer_.place();
-  const bool rests = this->rests();
+  Viewer& viewer = presenter_->viewer();
+  const ViewerStats stats = viewer.stats();
+  const std::optional<SavedView> saved = viewer.saved_view();
+  const bool rests = presenter_->at_rest();
   if (rests) last_frame_.reset();  // what moves next begins then
   const std::lock_guard lock(mutex_);
   resting_ = rests && tasks_.empty() && !frame_wanted_ && loading_.is_over();
   state_.stats = stats;
-  state_.has_scene = cloud_ != nullptr && !failed_;
-  state_.drawn = drawn_;
-  state_.flipped = viewer_.is_flipped();
-  place_ = place;
+  state_.has_scene = cloud_ != nullptr && !presenter_->has_failed();
+  state_.drawn = presenter_->has_drawn();
+  state_.flipped = viewer.is_flipped();
+  saved_ = saved;
 }
 
 void Session::start_benchmark(const bench::SceneBenchmarkPlan& plan) {
@@ -372,15 +312,11 @@ Expected<bench::SceneBenchmark> Session::measure(const bench::SceneBenchmarkPlan
   take_scene();
   const auto cloud = cloud_;  // progress runs tasks, one of which may take up another
   if (!cloud) return fail("benchmark", "", "there is no scene to measure");
-  viewer_.close();  // its memory is needed
-  if (screen_->api() == nullptr || gl::context_lost(*screen_->api())) {
-    const auto api = screen_->make_context();
-    if (!api) return std::unexpected(api.error());
-    const std::lock_guard lock(mutex_);
-    driver_ = bench::driver_json(**api);
-    ++state_.contexts;
-  }
-  return bench::benchmark_scene(*screen_->api(), *cloud, start_, plan,
+  presenter_->viewer().close();  // its memory is needed
+  const auto api = presenter_->context();
+  if (!api) return std::unexpected(api.error());
+  publish_driver();
+  return bench::benchmark_scene(**api, *cloud, initial_, plan,
                                 [this](int done, int all) { return report_progress(done, all); });
 }
 
@@ -392,7 +328,7 @@ void Session::run_benchmark(const bench::SceneBenchmarkPlan& plan) {
       return fail("benchmark", "memory", problem.what());
     }
   }();
-  redraw_ = true;
+  presenter_->redraw();
   const std::lock_guard lock(mutex_);
   benchmark_.running = false;
   if (!result) {

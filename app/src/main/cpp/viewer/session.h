@@ -15,9 +15,8 @@
 #include <vector>
 
 #include "bench/scene_benchmark.h"
+#include "viewer/presenter.h"
 #include "viewer/scene_loading.h"
-#include "viewer/screen.h"
-#include "viewer/viewer.h"
 
 namespace fluxgs::viewer {
 
@@ -60,10 +59,10 @@ class Session {
   /// Returns when the window is no longer touched.
   void surface_destroyed();
 
-  /// Opens a scene from a descriptor, see SceneLoading, and looks at it from this place if given.
+  /// Opens a scene from a descriptor, see SceneLoading, and looks at it from `saved` if given.
   /// The scene before stays until then. Returns a number, from 1 on, by which it is known.
   std::uint64_t load(int descriptor, const std::string& name, const LoadLimits& limits,
-                     const std::optional<Place>& place = {});
+                     const std::optional<SavedView>& saved = {});
   void cancel_loading();
 
   /// The display is about to show another frame; `seconds` on any clock that goes on. Returns
@@ -81,7 +80,7 @@ class Session {
   void free_graphics();
 
   SessionState state() const;
-  std::optional<Place> place() const;
+  std::optional<SavedView> saved_view() const;
   /// The image of the present view, RGBA, as large as the window and as sharp as it is at rest.
   /// Or the last one, reduced until its longer side is `longest` pixels. Nothing where there is
   /// none, or where it is not `of` the scene with this number (0: any).
@@ -109,29 +108,20 @@ class Session {
   void run_tasks();
   std::optional<double> take_frame();
   void take_scene();
-  Expected<void> make_ready();
-  Expected<void> show_frame();
   void draw_frame(double seconds);
-  void begin_again();
   void give_up(const Error& error);
   bool report_progress(int done, int all);
   Expected<bench::SceneBenchmark> measure(const bench::SceneBenchmarkPlan& plan);
   void run_benchmark(const bench::SceneBenchmarkPlan& plan);
-  bool rests() const;
   void publish();
+  void publish_driver();
 
   // The drawing thread's own
-  std::unique_ptr<Screen> screen_;
-  Viewer viewer_;
-  int width_ = 0, height_ = 0;
+  std::optional<Presenter> presenter_;
   std::optional<double> last_frame_;
   std::shared_ptr<const SplatCloud> cloud_;
   std::uint64_t cloud_number_ = 0;  // of its loading
-  std::optional<StartView> start_;
-  bool failed_ = false;  // to draw this scene
-  bool drawn_ = false;   // an image of it
-  bool redraw_ = false;  // whether anything moved or not
-  int losses_ = 0;       // of contexts, since the last image
+  std::optional<StartView> initial_;
 
   // Of both
   mutable std::mutex mutex_;
@@ -143,10 +133,10 @@ class Session {
   bool stops_ = false;
   SceneLoading loading_;
   std::uint64_t loadings_ = 0;
-  std::optional<Place> place_wanted_;
+  std::optional<SavedView> saved_wanted_;
   std::chrono::steady_clock::time_point load_began_;
   SessionState state_;
-  std::optional<Place> place_;
+  std::optional<SavedView> saved_;
   BenchmarkState benchmark_;
   std::optional<std::string> benchmark_stop_;
 

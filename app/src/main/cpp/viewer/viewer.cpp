@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "camera/first_view.h"
 #include "camera/focus.h"
+#include "camera/initial_view.h"
 
 namespace fluxgs::viewer {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 constexpr double kSmoothing = 0.1;
 constexpr double kMeasureEvery = 0.4;  // seconds
 constexpr double kRest = 0.25;         // seconds without movement: less is a finger that hesitates
-constexpr double kLargest = 1e12;      // of a place's coordinates
+constexpr double kMaxCoordinate = 1e12;  // of a saved view
 
 using Seconds = std::chrono::duration<double>;
 
@@ -26,20 +26,18 @@ void smooth(double& mean, double value) {
   mean = mean > 0 ? std::lerp(mean, value, kSmoothing) : value;
 }
 
-/// What was kept of a view, if it is one.
-std::optional<std::pair<camera::ViewState, glm::dvec3>> restored(const Place& p) {
-  for (const double value : p)
-    if (!(std::abs(value) <= kLargest)) return std::nullopt;
-  const glm::dquat turn(p[3], p[4], p[5], p[6]);
-  const glm::dvec3 up(p[9], p[10], p[11]);
-  const bool sound = glm::length(turn) > 0.5 && glm::length(up) > 0.5 && p[7] > 0 && p[8] > 0 &&
-                     p[8] < std::numbers::pi;
+/// A saved view with directions of unit length, if it is a view at all.
+std::optional<SavedView> restored(SavedView saved) {
+  camera::ViewState& view = saved.view;
+  const double turn = glm::length(view.orientation), up = glm::length(saved.up);
+  const bool sound = glm::length(view.target) <= kMaxCoordinate && turn > 0.5 &&
+                     turn <= kMaxCoordinate && up > 0.5 && up <= kMaxCoordinate &&
+                     view.distance > 0 && view.distance <= kMaxCoordinate && view.fov > 0 &&
+                     view.fov < std::numbers::pi;
   if (!sound) return std::nullopt;
-  const camera::ViewState view{.target = {p[0], p[1], p[2]},
-                               .orientation = glm::normalize(turn),
-                               .distance = p[7],
-                               .fov = p[8]};
-  return std::pair(view, glm::normalize(up));
+  view.orientation = glm::normalize(view.orientation);
+  saved.up = glm::normalize(saved.up);
+  return saved;
 }
 
 bool same(const camera::ViewState& a, const camera::ViewState& b) {
@@ -49,30 +47,35 @@ bool same(const camera::ViewState& a, const camera::ViewState& b) {
 
 }  // namespace
 
-void Viewer::show(std::shared_ptr<const SplatCloud> cloud, const std::optional<StartView>& start,
-                  const std::optional<Place>& place) {
+void Viewer::show(std::shared_ptr<const SplatCloud> cloud, const std::optional<StartView>& initial,
+                  const std::optional<SavedView>& saved) {
   close();
   cloud_ = std::move(cloud);
-  start_ = start;
-  place_ = place;
+  initial_ = initial;
+  saved_ = saved;
   navigated_ = false;
-  flipped_ = false;
   stats_ = {};
   anchor_anew(gyroscope_);
+}
+
+void Viewer::show(std::shared_ptr<const SplatCloud> cloud, const camera::Navigation& navigation) {
+  show(std::move(cloud), std::nullopt);
+  navigation_ = navigation;
+  first_up_ = navigation.up;
+  navigated_ = true;
 }
 
 // Needs to know how large the image is.
 void Viewer::begin_navigation() {
   if (navigated_ || !cloud_) return;
-  navigation_ = camera::first_view(*cloud_, start_, glm::dvec2(size_));
+  navigation_ = camera::initial_navigation(*cloud_, initial_, glm::dvec2(size_));
+  first_up_ = navigation_.up;
   navigated_ = true;
-  const auto kept = place_ ? restored(*place_) : std::nullopt;
-  if (!kept) return;
-  navigation_.view = kept->first;
-  flipped_ = glm::dot(kept->second, navigation_.up) < 0;
-  if (flipped_) camera::flip_up(navigation_);
-  navigation_.view = kept->first;
-  navigation_.up = kept->second;
+  const auto saved = saved_ ? restored(*saved_) : std::nullopt;
+  if (!saved) return;
+  if (glm::dot(saved->up, first_up_) < 0) camera::flip_up(navigation_);
+  navigation_.view = saved->view;
+  navigation_.up = saved->up;
 }
 
 render::SceneViewSettings Viewer::scene_settings(const gl::Api& api) const {
@@ -143,10 +146,12 @@ void Viewer::resize(int width, int height, double density) {
   presented_.reset();
 }
 
-void Viewer::touch(const TouchEvent& event) {
+/// Lets an input move the view, and looks at the pixel that it returns, if any.
+template <class Input>
+void Viewer::steer(Input&& input) {
   if (!navigated_) return;
   const camera::ViewState before = navigation_.view;
-  const auto pixel = apply(event, glm::dvec2(size_), gestures_, navigation_);
+  const std::optional<glm::dvec2> pixel = input();
   if (!same(before, navigation_.view)) {
     anchor_anew(gyroscope_);
     stale_ = true;
@@ -156,6 +161,14 @@ void Viewer::touch(const TouchEvent& event) {
   const auto point =
       camera::visible_point(*cloud_, n.view, *pixel, glm::dvec2(size_), n.units.near_plane);
   if (point) camera::go_to(navigation_, camera::focused_on(n.view, *point, n.units.distances));
+}
+
+void Viewer::touch(const TouchEvent& event) {
+  steer([&] { return apply(event, glm::dvec2(size_), gestures_, navigation_); });
+}
+
+void Viewer::handle(const WindowEvent& event, double seconds) {
+  steer([&] { return apply(event, seconds, glm::dvec2(size_), mouse_and_keys_, navigation_); });
 }
 
 void Viewer::turn(const DevicePose& pose) {
@@ -175,10 +188,11 @@ void Viewer::turn(const DevicePose& pose) {
 void Viewer::flip_up() {
   if (!navigated_) return;
   camera::flip_up(navigation_);
-  flipped_ = !flipped_;
   anchor_anew(gyroscope_);
   stale_ = true;
 }
+
+bool Viewer::is_flipped() const { return navigated_ && glm::dot(navigation_.up, first_up_) < 0; }
 
 void Viewer::reset_view() {
   if (!navigated_) return;
@@ -186,22 +200,9 @@ void Viewer::reset_view() {
   anchor_anew(gyroscope_);
 }
 
-std::optional<Place> Viewer::place() const {
-  if (!navigated_) return place_;
-  const camera::ViewState& v = navigation_.view;
-  const glm::dvec3& up = navigation_.up;
-  return Place{v.target.x,
-               v.target.y,
-               v.target.z,
-               v.orientation.w,
-               v.orientation.x,
-               v.orientation.y,
-               v.orientation.z,
-               v.distance,
-               v.fov,
-               up.x,
-               up.y,
-               up.z};
+std::optional<SavedView> Viewer::saved_view() const {
+  if (!navigated_) return saved_;
+  return SavedView{navigation_.view, navigation_.up};
 }
 
 bool Viewer::advance(double seconds) {
@@ -246,6 +247,8 @@ Expected<void> Viewer::draw() {
   RenderOptions options;
   options.sh_degree = settings_.sh_degree;
   options.near_plane = navigation_.units.near_plane;
+  options.background = settings_.background;
+  scene_->renderer().wait_for_sorts(settings_.wait_for_sorts);
   auto drawn = scene_->draw(camera, options);
   if (!drawn) return drawn;
   stale_ = false;
@@ -283,8 +286,9 @@ void Viewer::measure() {
   stats_.drawn = frame ? frame->drawn : 0;
   const bool has_clock = frame && frame->stages;
   const auto& stages = has_clock ? *frame->stages : render::StageTimes{};
+  stats_.draw_ms = stages.project + stages.draw + stages.resolve;
   if (has_clock)
-    stats_.frame_ms = stages.project + stages.sort + stages.draw + stages.resolve;
+    stats_.frame_ms = stats_.draw_ms + stages.sort;
   else if (frame_seconds_ > 0)
     stats_.frame_ms = 1e3 * frame_seconds_;
   const bool on_gpu = scene_->renderer().settings().sorter == render::SorterKind::gpu_radix;

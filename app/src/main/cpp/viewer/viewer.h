@@ -1,7 +1,6 @@
 // A scene that people look at on a screen: what they do, what is drawn, and how fast.
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -12,6 +11,7 @@
 #include "render/scene_view.h"
 #include "viewer/gestures.h"
 #include "viewer/gyroscope.h"
+#include "viewer/mouse_and_keys.h"
 #include "viewer/scale_control.h"
 
 namespace fluxgs::viewer {
@@ -28,6 +28,8 @@ struct ViewerSettings {
   bool measures = true;                    ///< times and counts for ViewerStats, from the GPU
   double frame_seconds = 1.0 / 60;         ///< of the display
   std::optional<std::size_t> memory = {};  ///< bytes of the GPU, see SceneViewSettings
+  glm::dvec3 background{0.0};
+  bool wait_for_sorts = false;  ///< every image in the order of its own view, however long it takes
   bool operator==(const ViewerSettings&) const = default;
 };
 
@@ -35,6 +37,7 @@ struct ViewerSettings {
 struct ViewerStats {
   double frames_per_second = 0;       ///< while something moves; 0 at rest
   double frame_ms = 0;                ///< the GPU's, or where it has no clock from frame to frame
+  double draw_ms = 0;                 ///< the part of it without the sort; 0 without a clock
   double sort_ms = 0;                 ///< from when the camera moved to an order of that view
   std::uint32_t drawn = 0;            ///< splats that were not culled
   std::size_t shown = 0, splats = 0;  ///< of the scene: for which there is room; all
@@ -45,9 +48,11 @@ struct ViewerStats {
   double image = 1;                   ///< its width, of the window's: less where memory is short
 };
 
-/// Where a view is, to be kept over the end of the process: target, orientation (w, x, y, z),
-/// distance, field of view, up.
-using Place = std::array<double, 12>;
+/// A view of a scene, to be kept over the end of the process.
+struct SavedView {
+  camera::ViewState view;
+  glm::dvec3 up{0, -1, 0};
+};
 
 /// Not thread-safe. Between open() and close() a context must be current; close() may be called
 /// without one after it was lost.
@@ -55,10 +60,12 @@ class Viewer {
  public:
   explicit Viewer(const ViewerSettings& settings = {}) : settings_(settings) {}
 
-  /// Another scene, from its start; or from a place where it was looked at before, if that is one.
-  /// To be followed by open().
-  void show(std::shared_ptr<const SplatCloud> cloud, const std::optional<StartView>& start,
-            const std::optional<Place>& place = {});
+  /// Another scene, from its initial view; or from a saved one, if its values are sound. To be
+  /// followed by open().
+  void show(std::shared_ptr<const SplatCloud> cloud, const std::optional<StartView>& initial,
+            const std::optional<SavedView>& saved = {});
+  /// The same, but from where `navigation` stands.
+  void show(std::shared_ptr<const SplatCloud> cloud, const camera::Navigation& navigation);
   bool has_scene() const { return cloud_ != nullptr; }
 
   /// Makes the GL objects of the scene for images of this size, after another scene, in a new
@@ -76,12 +83,15 @@ class Viewer {
   void resize(int width, int height, double density);
 
   void touch(const TouchEvent& event);
+  /// An event of a window, with its time in seconds since some start.
+  void handle(const WindowEvent& event, double seconds);
   void turn(const DevicePose& pose);
   void flip_up();
   void reset_view();
-  /// Whether the scene was turned upside down by flip_up().
-  bool is_flipped() const { return flipped_; }
-  std::optional<Place> place() const;
+  /// Whether the scene stands upside down, compared with how it was shown first.
+  bool is_flipped() const;
+  /// The present view, to be saved.
+  std::optional<SavedView> saved_view() const;
 
   /// Lets time pass. Whether a frame is to be drawn: something moved, the last one was not final,
   /// or all is at rest and it was of a lower scale than heat allows.
@@ -113,16 +123,19 @@ class Viewer {
   void measure();
   bool needs_remaking(const ViewerSettings& settings) const;
   void begin_navigation();
+  template <class Input>
+  void steer(Input&& input);
 
   ViewerSettings settings_;
   Heat heat_;
   std::shared_ptr<const SplatCloud> cloud_;
-  std::optional<StartView> start_;
-  std::optional<Place> place_;  // to begin at
+  std::optional<StartView> initial_;
+  std::optional<SavedView> saved_;  // to begin at
   camera::Navigation navigation_;
   bool navigated_ = false;  // there is a navigation of the scene
-  bool flipped_ = false;
+  glm::dvec3 first_up_{0.0};
   Gestures gestures_;
+  MouseAndKeys mouse_and_keys_;
   Gyroscope gyroscope_;
   glm::ivec2 size_{0};
   gl::Api* api_ = nullptr;

@@ -21,7 +21,7 @@
 #include "bench/self_test.h"
 #include "platform/android/platform.h"
 #include "platform/android/session_json.h"
-#include "viewer/scene_hold.h"
+#include "viewer/decode_memory_guard.h"
 #include "viewer/session.h"
 
 namespace fluxgs::android {
@@ -160,13 +160,24 @@ void expect(bool holds, const char* what) {
   if (!holds) throw std::invalid_argument(what);
 }
 
-std::optional<viewer::Place> place_from(JNIEnv* env, jdoubleArray array) {
+/// Java keeps a saved view as 12 values: target, orientation (w, x, y, z), distance, field of view,
+/// up.
+std::optional<viewer::SavedView> saved_view_from(JNIEnv* env, jdoubleArray array) {
   if (array == nullptr) return std::nullopt;
-  const std::vector<jdouble> values = numbers(env, array);
-  viewer::Place place;
-  expect(values.size() == place.size(), "a place has 12 numbers");
-  std::ranges::copy(values, place.begin());
-  return place;
+  const std::vector<jdouble> v = numbers(env, array);
+  expect(v.size() == 12, "a saved view has 12 values");
+  return viewer::SavedView{.view = {.target = {v[0], v[1], v[2]},
+                                    .orientation = {v[3], v[4], v[5], v[6]},
+                                    .distance = v[7],
+                                    .fov = v[8]},
+                           .up = {v[9], v[10], v[11]}};
+}
+
+std::array<jdouble, 12> values_of(const viewer::SavedView& saved) {
+  const auto& [target, turn, distance, fov] = saved.view;
+  const glm::dvec3& up = saved.up;
+  return {target.x, target.y, target.z, turn.w, turn.x, turn.y,
+          turn.z,   distance, fov,      up.x,   up.y,   up.z};
 }
 
 constexpr double kMillisecond = 1e-3, kNanosecond = 1e-9;
@@ -212,7 +223,7 @@ FLUXGS_JNI(jlong, load)
       limits.memory = static_cast<std::uint64_t>(std::max<jlong>(memory, 0));
       if (bytes >= 0) limits.announced = static_cast<std::uint64_t>(bytes);
       const auto found = sessions().find(session);
-      const auto from = place_from(env, place);
+      const auto from = saved_view_from(env, place);
       return static_cast<jlong>(found->load(descriptor, from_java(env, name), limits, from));
     } catch (...) {
       ::close(descriptor);  // it was passed on
@@ -306,11 +317,12 @@ FLUXGS_JNI(jstring, state)(JNIEnv* env, jclass, jlong session) {
 
 FLUXGS_JNI(jdoubleArray, place)(JNIEnv* env, jclass, jlong session) {
   return guarded(env, [&]() -> jdoubleArray {
-    const auto place = sessions().find(session)->place();
-    if (!place) return nullptr;
-    const auto count = static_cast<jsize>(place->size());
+    const auto saved = sessions().find(session)->saved_view();
+    if (!saved) return nullptr;
+    const auto values = values_of(*saved);
+    const auto count = static_cast<jsize>(values.size());
     jdoubleArray result = env->NewDoubleArray(count);
-    if (result != nullptr) env->SetDoubleArrayRegion(result, 0, count, place->data());
+    if (result != nullptr) env->SetDoubleArrayRegion(result, 0, count, values.data());
     return result;
   });
 }
@@ -373,7 +385,7 @@ FLUXGS_JNI(jstring, benchmark)(JNIEnv* env, jclass, jlong session) {
 
 FLUXGS_JNI(jstring, selfTest)(JNIEnv* env, jclass, jlong session) {
   return guarded(env, [&] {
-    const viewer::SceneHold hold;  // the session may end meanwhile
+    const viewer::DecodeMemoryGuard guard;  // the session may end meanwhile
     const auto scene = sessions().find(session)->scene();
     if (!scene) throw std::logic_error("there is no scene");
     return to_java(env, bench::to_json(bench::self_test(*scene)));
@@ -381,7 +393,7 @@ FLUXGS_JNI(jstring, selfTest)(JNIEnv* env, jclass, jlong session) {
 }
 
 FLUXGS_JNI(void, waitForHeldScenes)(JNIEnv* env, jclass) {
-  guarded(env, [] { viewer::SceneHold::wait_for_none(); });
+  guarded(env, [] { viewer::DecodeMemoryGuard::wait_for_none(); });
 }
 
 FLUXGS_JNI(jstring, about)(JNIEnv* env, jclass) {

@@ -1,4 +1,4 @@
-#include "tools/fluxgs/view_input.h"
+#include "viewer/mouse_and_keys.h"
 
 #include <algorithm>
 #include <cctype>
@@ -7,34 +7,32 @@
 
 #include <glm/geometric.hpp>
 
-namespace fluxgs::cli {
+namespace fluxgs::viewer {
 namespace {
 
 using camera::DragAction;
 using camera::Navigation;
-using host::PointerButton;
-using host::WindowEvent;
 
 constexpr double kNotch = 1.15;  // of the wheel
 constexpr double kSpeedStep = 1.5, kSlowest = 1e-3, kFastest = 1e3;
 constexpr double kDoubleClick = 0.4, kDoubleClickReach = 6;  // seconds, px
 
-bool is_down(const ViewInput& input, char letter) {
+bool is_down(const MouseAndKeys& input, char letter) {
   return input.letters[static_cast<std::size_t>(letter - 'A')];
 }
 
-bool is_flying(const ViewInput& input) {
+bool is_flying(const MouseAndKeys& input) {
   constexpr std::string_view kFlying = "WASDQE";
   return std::ranges::any_of(kFlying, [&](char letter) { return is_down(input, letter); });
 }
 
-DragAction action_of(PointerButton button, const ViewInput& input) {
+DragAction action_of(PointerButton button, const MouseAndKeys& input) {
   if (button != PointerButton::left) return DragAction::pan;
   return is_flying(input) ? DragAction::look : DragAction::orbit;
 }
 
 /// Whether this press of the left button is the second of two.
-bool completes_double_click(const WindowEvent& event, double time, ViewInput& input) {
+bool completes_double_click(const WindowEvent& event, double time, MouseAndKeys& input) {
   const bool second = time - input.last_press < kDoubleClick &&
                       glm::distance(event.position, input.last_press_at) < kDoubleClickReach;
   input.last_press = second ? -1e9 : time;  // the third is the first again
@@ -42,25 +40,26 @@ bool completes_double_click(const WindowEvent& event, double time, ViewInput& in
   return second;
 }
 
-void press(const WindowEvent& event, double time, ViewInput& input, Navigation& n,
-           ViewRequest& request) {
-  if (input.dragging) return;
+std::optional<glm::dvec2> press(const WindowEvent& event, double time, MouseAndKeys& input,
+                                Navigation& n) {
+  if (input.dragging) return std::nullopt;
   camera::touch(n);
   input.dragging = event.button;
   input.trail = {};
   camera::add(input.trail, time, event.position);
-  if (event.button == PointerButton::left && completes_double_click(event, time, input))
-    request.focus = event.position;
+  if (event.button != PointerButton::left || !completes_double_click(event, time, input))
+    return std::nullopt;
+  return event.position;
 }
 
-void lift(const WindowEvent& event, double time, ViewInput& input, Navigation& n) {
+void lift(const WindowEvent& event, double time, MouseAndKeys& input, Navigation& n) {
   if (input.dragging != event.button) return;
   input.dragging.reset();
   if (!n.transition)
     camera::release(n, action_of(event.button, input), camera::velocity(input.trail, time));
 }
 
-void move(const WindowEvent& event, double time, const glm::dvec2& size, ViewInput& input,
+void move(const WindowEvent& event, double time, const glm::dvec2& size, MouseAndKeys& input,
           Navigation& n) {
   const glm::dvec2 way = event.position - input.pointer;
   input.pointer = event.position;
@@ -70,7 +69,7 @@ void move(const WindowEvent& event, double time, const glm::dvec2& size, ViewInp
   camera::drag(n, action_of(*input.dragging, input), way, size);
 }
 
-void hold(char key, bool down, ViewInput& input, Navigation& n) {
+void hold(char key, bool down, MouseAndKeys& input, Navigation& n) {
   if (!std::isupper(static_cast<unsigned char>(key))) return;
   input.letters[static_cast<std::size_t>(key - 'A')] = down;
   const auto way = [&](char plus, char minus) {
@@ -80,7 +79,7 @@ void hold(char key, bool down, ViewInput& input, Navigation& n) {
   if (down && is_flying(input)) camera::touch(n);
 }
 
-void type(char letter, Navigation& n, ViewRequest& request) {
+void type(char letter, Navigation& n) {
   const auto faster = [&](double factor) {
     n.speed_factor = std::clamp(n.speed_factor * factor, kSlowest, kFastest);
   };
@@ -92,10 +91,6 @@ void type(char letter, Navigation& n, ViewRequest& request) {
     case 'r':
     case 'R':
       camera::reset(n);
-      break;
-    case 'p':
-    case 'P':
-      request.print_camera = true;
       break;
     case '+':
       faster(kSpeedStep);
@@ -110,19 +105,16 @@ void type(char letter, Navigation& n, ViewRequest& request) {
 
 }  // namespace
 
-ViewRequest apply(const WindowEvent& event, double time, const glm::dvec2& size, ViewInput& input,
-                  Navigation& n) {
-  ViewRequest request;
+std::optional<glm::dvec2> apply(const WindowEvent& event, double seconds, const glm::dvec2& size,
+                                MouseAndKeys& input, Navigation& n) {
   switch (event.kind) {
     case WindowEvent::Kind::pointer_moved:
-      move(event, time, size, input, n);
+      move(event, seconds, size, input, n);
       break;
     case WindowEvent::Kind::button:
       input.pointer = event.position;
-      if (event.down)
-        press(event, time, input, n, request);
-      else
-        lift(event, time, input, n);
+      if (event.down) return press(event, seconds, input, n);
+      lift(event, seconds, input, n);
       break;
     case WindowEvent::Kind::scrolled:
       camera::touch(n);
@@ -130,11 +122,10 @@ ViewRequest apply(const WindowEvent& event, double time, const glm::dvec2& size,
                             n.units.distances);
       break;
     case WindowEvent::Kind::key:
-      if (event.key == host::kEscape && event.down) request.quit = true;
       hold(event.key, event.down, input, n);
       break;
     case WindowEvent::Kind::text:
-      type(event.key, n, request);
+      type(event.key, n);
       break;
     case WindowEvent::Kind::focus_lost:
       input.letters = {};
@@ -144,7 +135,7 @@ ViewRequest apply(const WindowEvent& event, double time, const glm::dvec2& size,
     case WindowEvent::Kind::uncovered:
       break;
   }
-  return request;
+  return std::nullopt;
 }
 
-}  // namespace fluxgs::cli
+}  // namespace fluxgs::viewer

@@ -2,10 +2,12 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "platform/host/dynamic_library.h"
-#include "platform/host/window.h"
+#include "platform/host/host_context.h"
+#include "platform/host/window_screen.h"
 
 // clang-format off
 #define FLUXGS_GLFW_FUNCTIONS(X) \
@@ -20,6 +22,9 @@
 
 namespace fluxgs::host {
 namespace {
+
+using viewer::PointerButton;
+using viewer::WindowEvent;
 
 struct Glfw {
   DynamicLibrary library;
@@ -57,40 +62,49 @@ std::string reason(const Glfw& glfw) {
   return text ? text : "no reason given";
 }
 
-class GlfwWindow final : public Window {
+/// What is in the window's framebuffer, whose row 0 is at the bottom. Waits for the GPU.
+Expected<Image<std::uint8_t>> read_window(gl::Api& api, int width, int height) {
+  Image<std::uint8_t> image(width, height, 3);
+  std::vector<std::uint8_t> rgba(4 * image.pixels.size() / 3);
+  api.BindFramebuffer(GL_FRAMEBUFFER, 0);
+  api.PixelStorei(GL_PACK_ALIGNMENT, 4);
+  gl::clear_errors(api);
+  api.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data());
+  if (auto ok = gl::check_errors(api, "glReadPixels"); !ok) return std::unexpected(ok.error());
+  const std::uint8_t* from = rgba.data();
+  for (int y = height - 1; y >= 0; --y)
+    for (int x = 0; x < width; ++x, from += 4) std::copy_n(from, 3, image.at(x, y));
+  return image;
+}
+
+class GlfwScreen final : public WindowScreen, private HostContext {
  public:
-  explicit GlfwWindow(const Glfw& glfw) : glfw_(glfw) {}
+  GlfwScreen(const Glfw& glfw, WindowOptions options) : glfw_(glfw), options_(std::move(options)) {}
+  ~GlfwScreen() override { close(); }
 
-  ~GlfwWindow() override {
-    release();
-    if (window_) glfw_.DestroyWindow(window_);
+  Expected<gl::Api*> make_context() override {
+    if (window_ && size().width > 0) options_.size = size();
+    close();
+    auto opened = open();
+    if (opened) return api();
+    close();
+    return std::unexpected(opened.error());
   }
+  gl::Api* api() override { return window_ ? &HostContext::api() : nullptr; }
 
-  Expected<void> open(const WindowOptions& options) {
-    // Once is enough, and there is no end: glfwTerminate() would unload the driver's libraries and
-    // close the display that other contexts may share
-    if (glfw_.Init() != GLFW_TRUE) {
-      return fail("window", "",
-                  "no display to open it on (" + reason(glfw_) +
-                      "); expected a graphical session (DISPLAY), or use fluxgs render");
+  void attach(void* /*window*/) override {}
+  void detach() override {}
+  bool has_window() const override { return window_ != nullptr; }
+
+  Expected<bool> present(const render::RenderTarget& target, int width, int height) override {
+    render::copy_to_window(*api(), target, width, height);
+    if (std::exchange(captures_, false)) {
+      auto image = read_window(*api(), width, height);  // Nothing is defined there afterwards
+      if (!image) return std::unexpected(image.error());
+      captured_ = std::move(*image);
     }
-    // Not every driver tells when the GPU was reset
-    for (const bool reset_notification : {true, false}) {
-      hint(reset_notification);
-      window_ = glfw_.CreateWindow(options.size.width, options.size.height, options.title.c_str(),
-                                   nullptr, nullptr);
-      if (window_) break;
-    }
-    if (!window_) {
-      return fail("window", "",
-                  "the display offers no OpenGL ES 3.1 through EGL (" + reason(glfw_) +
-                      "); install the packages libegl1 and libegl-mesa0, or use fluxgs render");
-    }
-    listen();
-    auto loaded = load(
-        [this](const char* name) { return reinterpret_cast<void*>(glfw_.GetProcAddress(name)); });
-    if (loaded) glfw_.SwapInterval(options.wait_for_display ? 1 : 0);
-    return loaded;
+    glfw_.SwapBuffers(window_);
+    return true;
   }
 
   WindowSize size() const override {
@@ -102,6 +116,7 @@ class GlfwWindow final : public Window {
     glfw_.SetWindowSize(window_, size.width, size.height);
   }
   void set_title(const std::string& title) override {
+    options_.title = title;
     glfw_.SetWindowTitle(window_, title.c_str());
   }
   bool close_requested() const override { return glfw_.WindowShouldClose(window_) == GLFW_TRUE; }
@@ -114,9 +129,44 @@ class GlfwWindow final : public Window {
     return std::exchange(events_, {});
   }
 
-  void present() override { glfw_.SwapBuffers(window_); }
+  void capture_next() override { captures_ = true; }
+  std::optional<Image<std::uint8_t>> take_captured() override {
+    return std::exchange(captured_, std::nullopt);
+  }
 
  private:
+  void close() {
+    release();
+    if (window_) glfw_.DestroyWindow(std::exchange(window_, nullptr));
+  }
+
+  Expected<void> open() {
+    // Once is enough, and there is no end: glfwTerminate() would unload the driver's libraries and
+    // close the display that other contexts may share
+    if (glfw_.Init() != GLFW_TRUE) {
+      return fail("window", "",
+                  "no display to open it on (" + reason(glfw_) +
+                      "); expected a graphical session (DISPLAY), or use fluxgs render");
+    }
+    // Not every driver tells when the GPU was reset
+    for (const bool reset_notification : {true, false}) {
+      hint(reset_notification);
+      window_ = glfw_.CreateWindow(options_.size.width, options_.size.height,
+                                   options_.title.c_str(), nullptr, nullptr);
+      if (window_) break;
+    }
+    if (!window_) {
+      return fail("window", "",
+                  "the display offers no OpenGL ES 3.1 through EGL (" + reason(glfw_) +
+                      "); install the packages libegl1 and libegl-mesa0, or use fluxgs render");
+    }
+    listen();
+    auto loaded = load(
+        [this](const char* name) { return reinterpret_cast<void*>(glfw_.GetProcAddress(name)); });
+    if (loaded) glfw_.SwapInterval(options_.wait_for_display ? 1 : 0);
+    return loaded;
+  }
+
   bool bind() override {
     glfw_.GetError(nullptr);  // forgets what was before
     glfw_.MakeContextCurrent(window_);
@@ -139,8 +189,8 @@ class GlfwWindow final : public Window {
   }
 
   using Kind = WindowEvent::Kind;
-  static GlfwWindow& self(GLFWwindow* window) {
-    return *static_cast<GlfwWindow*>(glfw_library()->GetWindowUserPointer(window));
+  static GlfwScreen& self(GLFWwindow* window) {
+    return *static_cast<GlfwScreen*>(glfw_library()->GetWindowUserPointer(window));
   }
   static void tell(GLFWwindow* window, const WindowEvent& event) {
     self(window).events_.push_back(event);
@@ -177,7 +227,7 @@ class GlfwWindow final : public Window {
     if (action == GLFW_REPEAT || (!letter_or_digit && key != GLFW_KEY_ESCAPE)) return;
     tell(window, {.kind = Kind::key,
                   .down = action == GLFW_PRESS,
-                  .key = key == GLFW_KEY_ESCAPE ? kEscape : static_cast<char>(key)});
+                  .key = key == GLFW_KEY_ESCAPE ? viewer::kEscape : static_cast<char>(key)});
   }
 
   void listen() {
@@ -203,18 +253,21 @@ class GlfwWindow final : public Window {
   }
 
   const Glfw& glfw_;
+  WindowOptions options_;
   GLFWwindow* window_ = nullptr;
   std::vector<WindowEvent> events_;
+  bool captures_ = false;
+  std::optional<Image<std::uint8_t>> captured_;
 };
 
 }  // namespace
 
-Expected<std::unique_ptr<Window>> open_window(const WindowOptions& options) {
+Expected<std::unique_ptr<WindowScreen>> open_window(const WindowOptions& options) {
   const Expected<Glfw>& glfw = glfw_library();
   if (!glfw) return std::unexpected(glfw.error());
-  auto window = std::make_unique<GlfwWindow>(*glfw);
-  if (auto opened = window->open(options); !opened) return std::unexpected(opened.error());
-  return window;
+  auto screen = std::make_unique<GlfwScreen>(*glfw, options);
+  if (auto opened = screen->make_context(); !opened) return std::unexpected(opened.error());
+  return screen;
 }
 
 Expected<std::string> window_library_version() {

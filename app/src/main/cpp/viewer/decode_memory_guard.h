@@ -1,4 +1,4 @@
-// Who holds a scene that nobody may want any more.
+// Guards of the memory that is taken while scenes are decoded.
 #pragma once
 
 #include <atomic>
@@ -7,12 +7,12 @@ namespace fluxgs::viewer {
 
 /// One for each thread that decodes a scene, or tests with one, and has it until it has finished,
 /// wanted or not. Memory that is free counts for another scene once none is left.
-class SceneHold {
+class DecodeMemoryGuard {
  public:
-  SceneHold() { ++count_; }
-  SceneHold(const SceneHold&) = delete;
-  SceneHold& operator=(const SceneHold&) = delete;
-  ~SceneHold() {
+  DecodeMemoryGuard() { ++count_; }
+  DecodeMemoryGuard(const DecodeMemoryGuard&) = delete;
+  DecodeMemoryGuard& operator=(const DecodeMemoryGuard&) = delete;
+  ~DecodeMemoryGuard() {
     --count_;
     count_.notify_all();
   }

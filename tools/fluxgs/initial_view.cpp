@@ -1,18 +1,37 @@
-#include "tools/fluxgs/view_start.h"
+#include "tools/fluxgs/initial_view.h"
 
 #include <algorithm>
 #include <charconv>
-#include <vector>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 
-#include "camera/first_view.h"
+#include "camera/initial_view.h"
 #include "camera/up_axis.h"
 #include "trainer/data/scene_focus.h"
 
 namespace fluxgs::cli {
 namespace {
+
+/// The view that the others lie around: from the edge of a capture, half of the ways to
+/// turn lead to where nothing was seen.
+const View& middle_of(const std::vector<View>& views) {
+  const auto distances = [&](const View& view) {
+    double sum = 0;
+    for (const View& other : views)
+      sum += glm::distance(view.camera.center(), other.camera.center());
+    return sum;
+  };
+  const View* best = &views.front();
+  double least = distances(*best);
+  for (const View& view : views) {
+    const double sum = distances(view);
+    if (sum < 0.999 * least) best = &view, least = sum;  // around in a circle: the first
+  }
+  return *best;
+}
 
 struct NamedUp {
   glm::dvec3 direction;
@@ -41,6 +60,14 @@ camera::ViewState view_into(const camera::SceneBounds& bounds, const Camera& cam
 
 }  // namespace
 
+StartView initial_view_of(const std::vector<View>& views) {
+  const camera::ViewState view = camera::view_of(middle_of(views).camera, 1);
+  return {.position = camera::eye(view),
+          .orientation = view.orientation,
+          .fov_y = view.fov,
+          .up = camera::up_of_cameras(cameras_of(views)).direction};
+}
+
 Expected<std::optional<glm::dvec3>> parse_up(const std::string& text) {
   if (text == "auto") return std::nullopt;
   glm::dvec3 up(0);
@@ -58,9 +85,9 @@ Expected<std::optional<glm::dvec3>> parse_up(const std::string& text) {
   return up / length;
 }
 
-ViewStart choose_start(const SceneFile& scene, const std::optional<Dataset>& data,
-                       const std::optional<Camera>& camera, const std::optional<glm::dvec3>& up,
-                       const ImageSize& size) {
+InitialNavigation initial_navigation(const SceneFile& scene, const std::optional<Dataset>& data,
+                                     const std::optional<Camera>& camera,
+                                     const std::optional<glm::dvec3>& up, const ImageSize& size) {
   const camera::SceneBounds bounds = camera::robust_bounds(scene.cloud);
   const NamedUp chosen = choose_up(scene, data, up);
   camera::ViewState view;
@@ -69,7 +96,7 @@ ViewStart choose_start(const SceneFile& scene, const std::optional<Dataset>& dat
   } else if (data) {
     view = camera::view_of(data->train[0].camera, focus_distances(data->train)[0]);
   } else if (scene.start) {
-    view = camera::first_view(scene.cloud, scene.start, {size.width, size.height}).view;
+    view = camera::initial_navigation(scene.cloud, scene.start, {size.width, size.height}).view;
   } else {
     view = camera::fitting_view(bounds, chosen.direction, camera::kDefaultFieldOfView);
   }

@@ -1,0 +1,85 @@
+#include "viewer/presenter.h"
+
+namespace fluxgs::viewer {
+
+void Presenter::attach(void* window) {
+  screen_->attach(window);
+  failed_ = false;
+  redraw_ = true;
+}
+
+void Presenter::resize(int width, int height, double density) {
+  width_ = width;
+  height_ = height;
+  viewer_.resize(width, height, density);
+}
+
+bool Presenter::can_draw() const {
+  return viewer_.has_scene() && !failed_ && screen_->has_window() && width_ >= 1 && height_ >= 1;
+}
+
+bool Presenter::at_rest() const { return !can_draw() || (!redraw_ && viewer_.at_rest()); }
+
+Expected<gl::Api*> Presenter::context() {
+  gl::Api* const api = screen_->api();
+  if (api != nullptr && !gl::context_lost(*api)) return api;
+  viewer_.close();
+  auto made = screen_->make_context();
+  if (made) ++contexts_;
+  return made;
+}
+
+Expected<bool> Presenter::draw() {
+  const auto api = context();
+  if (!api) return std::unexpected(api.error());
+  if (!viewer_.is_open())
+    if (auto opened = viewer_.open(**api, width_, height_); !opened)
+      return std::unexpected(opened.error());
+  if (auto drawn = viewer_.draw(); !drawn) return std::unexpected(drawn.error());
+  return screen_->present(viewer_.target(), width_, height_);
+}
+
+Expected<bool> Presenter::frame(double seconds) {
+  if (!can_draw()) return false;
+  const bool moves = viewer_.advance(seconds);
+  if (!moves && !redraw_ && viewer_.is_open()) return false;
+  constexpr int kMaxLosses = 3;  // of contexts one after the other, without an image between
+  Expected<bool> shown = draw();
+  for (int losses = 0; !shown && losses < kMaxLosses; ++losses) {
+    gl::Api* const api = screen_->api();
+    if (api == nullptr || !gl::context_lost(*api)) break;
+    shown = draw();
+  }
+  if (!shown) {
+    give_up();
+    return shown;
+  }
+  redraw_ = !*shown;
+  if (!*shown) return false;
+  viewer_.presented();
+  drawn_ = true;
+  return true;
+}
+
+void Presenter::give_up() {
+  failed_ = true;
+  viewer_.close();
+}
+
+void Presenter::lose_context() {
+  if (gl::Api* const api = screen_->api()) api->lost = true;
+  redraw_ = true;
+}
+
+std::optional<Image<std::uint8_t>> Presenter::image(int longest) {
+  if (!viewer_.is_open() || !drawn_) return std::nullopt;
+  if (longest == 0) {
+    redraw_ = true;  // on the window, too
+    if (!viewer_.draw_sharp()) return std::nullopt;
+  }
+  auto read = render::read_image(*screen_->api(), viewer_.target(), longest);
+  if (!read) return std::nullopt;
+  return std::move(*read);
+}
+
+}  // namespace fluxgs::viewer

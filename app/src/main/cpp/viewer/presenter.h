@@ -1,0 +1,76 @@
+// Frames of a viewer on a screen: drawn when something changed, and again after the graphics
+// context was lost.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "viewer/screen.h"
+#include "viewer/viewer.h"
+
+namespace fluxgs::viewer {
+
+/// All functions but the constructor on the screen's thread.
+class Presenter {
+ public:
+  explicit Presenter(std::unique_ptr<Screen> screen) : screen_(std::move(screen)) {}
+
+  Screen& screen() { return *screen_; }
+  Viewer& viewer() { return viewer_; }
+  const Viewer& viewer() const { return viewer_; }
+
+  /// See Screen::attach(). What failed in the last window is tried again in this one.
+  void attach(void* window);
+  /// Of the window, in pixels; nothing is drawn in one without pixels. `density`: pixels of a dp.
+  void resize(int width, int height, double density = 1);
+
+  /// Another scene: see Viewer::show().
+  template <class... Start>
+  void show(std::shared_ptr<const SplatCloud> cloud, const Start&... start) {
+    viewer_.show(std::move(cloud), start...);
+    failed_ = drawn_ = false;
+    redraw_ = true;
+  }
+
+  /// Draws with the next frame() whether anything moved or not.
+  void redraw() { redraw_ = true; }
+  /// Lets time pass, and draws where that, or anything else, changed the image. Returns whether the
+  /// screen shows a new image. A context that is lost is made again, a few times. After an error
+  /// nothing is drawn until there is another scene or window.
+  Expected<bool> frame(double seconds);
+  /// Ends the drawing of this scene, as after an error.
+  void give_up();
+
+  /// A context that is not lost, and current: the screen's, or a new one.
+  Expected<gl::Api*> context();
+  /// How many contexts were made here: the first, if the screen had none, and those after a loss.
+  int contexts() const { return contexts_; }
+  /// Behaves as if the GPU had been reset (tests, debugging).
+  void lose_context();
+
+  bool has_failed() const { return failed_; }
+  /// Whether an image of this scene was shown.
+  bool has_drawn() const { return drawn_; }
+  /// Whether frame() would change nothing until somebody does something.
+  bool at_rest() const;
+
+  /// The image of the present view, RGBA, as large as the window and as sharp as it is at rest. Or
+  /// the last one, reduced until its longer side is `longest` pixels. Nothing where there is none.
+  std::optional<Image<std::uint8_t>> image(int longest);
+
+ private:
+  bool can_draw() const;
+  Expected<bool> draw();
+
+  std::unique_ptr<Screen> screen_;
+  Viewer viewer_;  // goes before the screen's context
+  int width_ = 0, height_ = 0;
+  bool failed_ = false;
+  bool drawn_ = false;
+  bool redraw_ = false;
+  int contexts_ = 0;
+};
+
+}  // namespace fluxgs::viewer
