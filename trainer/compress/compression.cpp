@@ -12,19 +12,16 @@ namespace fluxgs {
 OptionFields CompressionOptions::fields(const TrainOptions& all) {
   const bool stores = used || all.compact_output;
   const char* needed = "a .glb to write, or --quantize-aware on";
-  OptionFields f;
-  f.push_back(
-      real("max-psnr-drop",
-           "dB of PSNR that a compact file costs before training makes up for it (an estimate: "
-           "quantization errors are taken to be independent of the scene's own errors)",
-           max_psnr_drop, 0.001, 10)
-          .only_if(stores, needed));
-  f.push_back(real("compress-psnr",
-                   "PSNR between renders of file and scene that is enough, whatever "
-                   "--max-psnr-drop (0: no limit)",
-                   psnr, 0, 100)
-                  .only_if(stores, needed));
-  return f;
+  return {real("max-psnr-drop",
+               "dB of PSNR that a compact file costs before training makes up for it (an estimate: "
+               "quantization errors are taken to be independent of the scene's own errors)",
+               max_psnr_drop, 0.001, 10)
+              .only_if(stores, needed),
+          real("compress-psnr",
+               "PSNR between renders of file and scene that is enough, whatever "
+               "--max-psnr-drop (0: no limit)",
+               psnr, 0, 100)
+              .only_if(stores, needed)};
 }
 
 double compressed_psnr(double psnr, const CompressionOptions& options) {

@@ -185,23 +185,21 @@ Expected<void> QuantizationAware::load(const std::vector<double>& values, const 
 
 OptionFields QuantizationAwareOptions::fields(const TrainOptions&) {
   const bool on = mode != QuantizeAware::off;
-  OptionFields f;
-  f.push_back(choice("quantize-aware",
-                     "train on with the values that a compact file holds (auto: where OUT is a "
-                     ".glb)",
-                     mode, kQuantizeAwareNames)
-                  .only_if(!on || !has_networks, "a training without networks (--psi, --phi)"));
-  f.push_back(whole("quantize-from",
-                    "first iteration of quantization-aware training, after densification and the "
-                    "SH reduction (0: 9/10 of the iterations)",
-                    from, 0, kUnlimited)
-                  .only_if(on, "--quantize-aware on"));
-  f.push_back(whole("quantize-interval",
-                    "iterations until values are quantized anew (0: a thousandth of the "
-                    "iterations, at least 20)",
-                    interval, 0, kUnlimited)
-                  .only_if(on, "--quantize-aware on"));
-  return f;
+  return {choice("quantize-aware",
+                 "train on with the values that a compact file holds (auto: where OUT is a "
+                 ".glb)",
+                 mode, kQuantizeAwareNames)
+              .only_if(!on || !has_networks, "a training without networks (--psi, --phi)"),
+          whole("quantize-from",
+                "first iteration of quantization-aware training, after densification and the "
+                "SH reduction (0: 9/10 of the iterations)",
+                from, 0, kUnlimited)
+              .only_if(on, "--quantize-aware on"),
+          whole("quantize-interval",
+                "iterations until values are quantized anew (0: a thousandth of the "
+                "iterations, at least 20)",
+                interval, 0, kUnlimited)
+              .only_if(on, "--quantize-aware on")};
 }
 
 void attach_sensitivity(TrainState& state, const ErrorCosts& costs) {

@@ -89,24 +89,21 @@ OptionFields ShReductionOptions::fields(const TrainOptions& all) {
       reduced && (reduce == ShReduction::energy || reduce == ShReduction::uniform_ls);
   const char* below = "a --sh-target below --sh-degree";
   const char* quadratures = "a reduction by --sh-reduce energy or uniform-ls";
-  OptionFields f;
-  f.push_back(choice("sh-target", "SH degree of the finished scene (adaptive: each splat its own)",
-                     target, kShTargetNames));
-  f.push_back(choice("sh-reduce", "way to reduce SH degrees", reduce, kShReductionNames)
-                  .only_if(reduced || reduce == ShReduction::none, below));
-  f.push_back(whole("sh-reduce-iter",
-                    "iteration of the reduction (0: a tenth of the iterations, at most 3000; "
-                    "adaptive: 7/10)",
-                    iteration, 0, kUnlimited)
-                  .only_if(reduced, below));
-  f.push_back(real("sh-max-psnr-drop", "dB that adaptive degrees may cost", max_psnr_drop, 0, 10)
-                  .only_if(adaptive, "--sh-target adaptive"));
-  f.push_back(
-      choice("quadrature", "rule that integrates over directions", quadrature, kQuadratureNames)
-          .only_if(integrates, quadratures));
-  f.push_back(whole("samples", "directions of the quadrature", samples, 1, kMaxSphereSamples)
-                  .only_if(integrates, quadratures));
-  return f;
+  return {choice("sh-target", "SH degree of the finished scene (adaptive: each splat its own)",
+                 target, kShTargetNames),
+          choice("sh-reduce", "way to reduce SH degrees", reduce, kShReductionNames)
+              .only_if(reduced || reduce == ShReduction::none, below),
+          whole("sh-reduce-iter",
+                "iteration of the reduction (0: a tenth of the iterations, at most 3000; "
+                "adaptive: 7/10)",
+                iteration, 0, kUnlimited)
+              .only_if(reduced, below),
+          real("sh-max-psnr-drop", "dB that adaptive degrees may cost", max_psnr_drop, 0, 10)
+              .only_if(adaptive, "--sh-target adaptive"),
+          choice("quadrature", "rule that integrates over directions", quadrature, kQuadratureNames)
+              .only_if(integrates, quadratures),
+          whole("samples", "directions of the quadrature", samples, 1, kMaxSphereSamples)
+              .only_if(integrates, quadratures)};
 }
 
 Expected<void> ShReductionOptions::validate(const TrainOptions& all) const {

@@ -79,62 +79,57 @@ OptionFields DensificationOptions::fields(const TrainOptions& all) {
   const char* random_split = "--densify gradient or multiview with --split random";
   const char* after_resets =
       "--prune multiview or opacity with an --opacity-reset-interval below --densify-until";
-  OptionFields f;
-  f.push_back(choice("densify", "strategy: multiview (gradients and errors), gradient or mcmc",
-                     strategy, kDensifyNames));
-  f.push_back(
-      whole("densify-from", "first iteration at which splats are added", from, 0, kUnlimited));
-  f.push_back(whole("densify-until",
-                    "last iteration at which splats are added (0: half of the iterations, at most "
-                    "15000)",
-                    until, 0, kUnlimited));
-  f.push_back(whole("densify-interval",
-                    "iterations between densifications (0: a hundredth of them, at least 50)",
-                    interval, 0, kUnlimited));
-  f.push_back(real("densify-gradient",
-                   "screen-space gradient above which a splat is cloned or split", gradient, 0,
-                   kUnlimited)
-                  .only_if(!mcmc && all.target_splats == 0,
-                           "--densify gradient or multiview without --target-splats"));
-  f.push_back(real("densify-size", "size that separates cloning from splitting, x scene extent",
-                   size, 0, kUnlimited)
-                  .only_if(!mcmc && split == Split::random, random_split));
-  f.push_back(choice("split", "way to split a large splat", split, kSplitNames)
-                  .only_if(!mcmc, by_gradients));
-  f.push_back(real("split-shrink", "divisor of the scales of a split splat", split_shrink, 1, 100)
-                  .only_if(!mcmc && split == Split::random, random_split));
-  f.push_back(real("densify-growth",
-                   "maximum number of splats added at once, x the splats there are (0: no maximum)",
-                   growth, 0, kUnlimited)
-                  .only_if(!mcmc, by_gradients));
-  f.push_back(choice("growth-rank",
-                     "order of the splats that may grow, where there is room for some", growth_rank,
-                     kGrowthRankNames)
-                  .only_if(multiview && limited,
-                           "--densify multiview with --densify-growth or another limit"));
-  f.push_back(
+  return {
+      choice("densify", "strategy: multiview (gradients and errors), gradient or mcmc", strategy,
+             kDensifyNames),
+
+      whole("densify-from", "first iteration at which splats are added", from, 0, kUnlimited),
+      whole("densify-until",
+            "last iteration at which splats are added (0: half of the iterations, at most "
+            "15000)",
+            until, 0, kUnlimited),
+      whole("densify-interval",
+            "iterations between densifications (0: a hundredth of them, at least 50)", interval, 0,
+            kUnlimited),
+      real("densify-gradient", "screen-space gradient above which a splat is cloned or split",
+           gradient, 0, kUnlimited)
+          .only_if(!mcmc && all.target_splats == 0,
+                   "--densify gradient or multiview without --target-splats"),
+      real("densify-size", "size that separates cloning from splitting, x scene extent", size, 0,
+           kUnlimited)
+          .only_if(!mcmc && split == Split::random, random_split),
+      choice("split", "way to split a large splat", split, kSplitNames)
+          .only_if(!mcmc, by_gradients),
+      real("split-shrink", "divisor of the scales of a split splat", split_shrink, 1, 100)
+          .only_if(!mcmc && split == Split::random, random_split),
+      real("densify-growth",
+           "maximum number of splats added at once, x the splats there are (0: no maximum)", growth,
+           0, kUnlimited)
+          .only_if(!mcmc, by_gradients),
+      choice("growth-rank", "order of the splats that may grow, where there is room for some",
+             growth_rank, kGrowthRankNames)
+          .only_if(multiview && limited,
+                   "--densify multiview with --densify-growth or another limit"),
       choice("prune", "choice of the splats that are removed at densifications", prune, kPruneNames)
-          .only_if(!mcmc, by_gradients));
-  f.push_back(real("prune-opacity", "splats of lower opacity are removed (mcmc: moved)",
-                   prune_opacity, 0, 1)
-                  .only_if(mcmc || prunes, "--prune multiview or opacity"));
-  f.push_back(real("prune-screen-radius",
-                   "px; larger splats are removed after the first opacity reset (0: never)",
-                   prune_screen_radius, 0, kUnlimited)
-                  .only_if(resets_opacity(all) && prunes, after_resets));
-  f.push_back(
+          .only_if(!mcmc, by_gradients),
+      real("prune-opacity", "splats of lower opacity are removed (mcmc: moved)", prune_opacity, 0,
+           1)
+          .only_if(mcmc || prunes, "--prune multiview or opacity"),
+      real("prune-screen-radius",
+           "px; larger splats are removed after the first opacity reset (0: never)",
+           prune_screen_radius, 0, kUnlimited)
+          .only_if(resets_opacity(all) && prunes, after_resets),
       real("prune-world-size",
            "x scene extent; larger splats are removed after the first opacity reset (0: never)",
            prune_world_size, 0, kUnlimited)
-          .only_if(resets_opacity(all) && prunes, after_resets));
-  f.push_back(real("opacity-cap", "maximum opacity after a densification", opacity_cap, 0.01, 1)
-                  .only_if(!mcmc, by_gradients));
-  f.push_back(real("mcmc-growth", "splats added at each densification, x the splats there are",
-                   mcmc_growth, 0, 10)
-                  .only_if(mcmc, "--densify mcmc"));
-  f.push_back(real("mcmc-noise", "noise of positions, x their learning rate", mcmc_noise, 0, 1e12)
-                  .only_if(mcmc, "--densify mcmc"));
-  return f;
+          .only_if(resets_opacity(all) && prunes, after_resets),
+      real("opacity-cap", "maximum opacity after a densification", opacity_cap, 0.01, 1)
+          .only_if(!mcmc, by_gradients),
+      real("mcmc-growth", "splats added at each densification, x the splats there are", mcmc_growth,
+           0, 10)
+          .only_if(mcmc, "--densify mcmc"),
+      real("mcmc-noise", "noise of positions, x their learning rate", mcmc_noise, 0, 1e12)
+          .only_if(mcmc, "--densify mcmc")};
 }
 
 std::unique_ptr<Phase> make_densification(TrainOptions& options) {

@@ -75,29 +75,27 @@ class LatePruning final : public Phase {
 OptionFields LatePruningOptions::fields(const TrainOptions&) {
   const bool on = mode != LatePrune::off;
   const char* any = "--late-prune opacity or contribution";
-  OptionFields f;
-  f.push_back(choice("late-prune", "choice of the splats that are removed now and then", mode,
-                     kLatePruneNames));
-  f.push_back(whole("late-prune-from",
-                    "first iteration of late pruning (0: a fifth of the iterations; by opacity: an "
-                    "interval after the last densification)",
-                    from, 0, kUnlimited)
-                  .only_if(on, any));
-  f.push_back(whole("late-prune-interval",
-                    "iterations between late prunings (0: a tenth of the iterations)", interval, 0,
-                    kUnlimited)
-                  .only_if(on, any));
-  f.push_back(whole("late-prune-until",
-                    "last iteration of late pruning (0: 2/3 of the iterations; by opacity: 9/10)",
-                    until, 0, kUnlimited)
-                  .only_if(on, any));
-  f.push_back(
+  return {
+      choice("late-prune", "choice of the splats that are removed now and then", mode,
+             kLatePruneNames),
+      whole("late-prune-from",
+            "first iteration of late pruning (0: a fifth of the iterations; by opacity: an "
+            "interval after the last densification)",
+            from, 0, kUnlimited)
+          .only_if(on, any),
+      whole("late-prune-interval",
+            "iterations between late prunings (0: a tenth of the iterations)", interval, 0,
+            kUnlimited)
+          .only_if(on, any),
+      whole("late-prune-until",
+            "last iteration of late pruning (0: 2/3 of the iterations; by opacity: 9/10)", until, 0,
+            kUnlimited)
+          .only_if(on, any),
       real("late-prune-opacity", "late pruning by opacity removes splats below this", opacity, 0, 1)
-          .only_if(mode == LatePrune::opacity, "--late-prune opacity"));
-  f.push_back(real("late-prune-share",
-                   "late pruning by contribution removes this share of all alpha x T", share, 0, 1)
-                  .only_if(mode == LatePrune::contribution, "--late-prune contribution"));
-  return f;
+          .only_if(mode == LatePrune::opacity, "--late-prune opacity"),
+      real("late-prune-share", "late pruning by contribution removes this share of all alpha x T",
+           share, 0, 1)
+          .only_if(mode == LatePrune::contribution, "--late-prune contribution")};
 }
 
 DensifyCounts prune_late(TrainState& state, const TrainOptions& options,

@@ -35,16 +35,14 @@ class OpacityReset final : public Phase {
 
 OptionFields OpacityResetOptions::fields(const TrainOptions& all) {
   const bool by_gradients = all.get<DensificationOptions>().strategy != Densify::mcmc;
-  OptionFields f;
-  f.push_back(whole("opacity-reset-interval",
-                    "iterations between opacity resets, until the last densification (0: never)",
-                    interval, 0, kUnlimited)
-                  .only_if(by_gradients, "--densify gradient or multiview"));
-  f.push_back(real("opacity-reset-to", "maximum opacity after a reset", to, 1e-4, 0.99)
-                  .only_if(resets_opacity(all),
-                           "--densify gradient or multiview with an --opacity-reset-interval below "
-                           "--densify-until"));
-  return f;
+  return {whole("opacity-reset-interval",
+                "iterations between opacity resets, until the last densification (0: never)",
+                interval, 0, kUnlimited)
+              .only_if(by_gradients, "--densify gradient or multiview"),
+          real("opacity-reset-to", "maximum opacity after a reset", to, 1e-4, 0.99)
+              .only_if(resets_opacity(all),
+                       "--densify gradient or multiview with an --opacity-reset-interval below "
+                       "--densify-until")};
 }
 
 bool resets_opacity(const TrainOptions& options) {

@@ -20,39 +20,35 @@ OptionFields ScoreOptions::fields(const TrainOptions&) {
   const char* pruning = "--prune multiview or --late-prune opacity";
   const bool stratified = used && sampling == CameraSampling::stratified;
   const char* bins = "multi-view scores with --camera-sampling stratified";
-  OptionFields f;
-  f.push_back(
-      whole("score-views", "views that scores are taken from", views, 1, 1000).only_if(used, any));
-  f.push_back(choice("camera-sampling", "choice of these views", sampling, kCameraSamplingNames)
-                  .only_if(used, any));
-  f.push_back(whole("azimuth-bins", "bins of stratified cameras around the data set's z axis",
-                    azimuth_bins, 1, 1000)
-                  .only_if(stratified, bins));
-  f.push_back(whole("elevation-bins", "bins of stratified cameras from below to above",
-                    elevation_bins, 1, 1000)
-                  .only_if(stratified, bins));
-  f.push_back(choice("score-weight", "weight of a splat in a pixel", weight, kScoreWeightNames)
-                  .only_if(used, any));
-  f.push_back(
-      choice("score-loss", "loss in the metric maps", loss, kScoreLossNames).only_if(used, any));
-  f.push_back(choice("score-unit", "unit of --tau-plus and --tau-minus", unit, kScoreUnitNames)
-                  .only_if(used, any));
-  f.push_back(choice("score-normalization", "scores per covered pixel, or their sums",
-                     normalization, kScoreNormalizationNames)
-                  .only_if(used, any));
-  f.push_back(
+  return {
+      whole("score-views", "views that scores are taken from", views, 1, 1000).only_if(used, any),
+      choice("camera-sampling", "choice of these views", sampling, kCameraSamplingNames)
+          .only_if(used, any),
+      whole("azimuth-bins", "bins of stratified cameras around the data set's z axis", azimuth_bins,
+            1, 1000)
+          .only_if(stratified, bins),
+      whole("elevation-bins", "bins of stratified cameras from below to above", elevation_bins, 1,
+            1000)
+          .only_if(stratified, bins),
+      choice("score-weight", "weight of a splat in a pixel", weight, kScoreWeightNames)
+          .only_if(used, any),
+      choice("score-loss", "loss in the metric maps", loss, kScoreLossNames).only_if(used, any),
+      choice("score-unit", "unit of --tau-plus and --tau-minus", unit, kScoreUnitNames)
+          .only_if(used, any),
+      choice("score-normalization", "scores per covered pixel, or their sums", normalization,
+             kScoreNormalizationNames)
+          .only_if(used, any),
       real("tau-plus", "pixels with a larger loss are badly reconstructed", tau_plus, 0, kUnlimited)
-          .only_if(uses_plus, "--densify multiview"));
-  f.push_back(real("tau-minus", "pixels with a smaller loss are well reconstructed", tau_minus, 0,
-                   kUnlimited)
-                  .only_if(uses_minus, pruning));
-  f.push_back(real("quantile-plus", "splats above this quantile of S+ may be cloned or split",
-                   quantile_plus, 0, 1)
-                  .only_if(uses_plus, "--densify multiview"));
-  f.push_back(real("quantile-minus", "transparent splats above this quantile of S- are removed",
-                   quantile_minus, 0, 1)
-                  .only_if(uses_minus, pruning));
-  return f;
+          .only_if(uses_plus, "--densify multiview"),
+      real("tau-minus", "pixels with a smaller loss are well reconstructed", tau_minus, 0,
+           kUnlimited)
+          .only_if(uses_minus, pruning),
+      real("quantile-plus", "splats above this quantile of S+ may be cloned or split",
+           quantile_plus, 0, 1)
+          .only_if(uses_plus, "--densify multiview"),
+      real("quantile-minus", "transparent splats above this quantile of S- are removed",
+           quantile_minus, 0, 1)
+          .only_if(uses_minus, pruning)};
 }
 
 SplatScores score_splats(const std::vector<View>& views, const std::vector<std::uint32_t>& sampled,

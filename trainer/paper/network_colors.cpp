@@ -54,19 +54,15 @@ OptionFields NetworkColorOptions::fields(const TrainOptions& all) {
       reduces_sh(all) && all.get<ShReductionOptions>().reduce == ShReduction::energy;
   const char* moments = "--sh-target 1 --sh-reduce energy";
   const char* network = "--sh-target 1 --sh-reduce energy --psi on";
-  OptionFields f;
-  f.push_back(
-      choice("residual", "bands that the energy moments are taken of", residual, kResidualNames)
-          .only_if(energy, moments));
-  f.push_back(
-      flag("psi", "a network turns energy moments into colours", psi).only_if(energy, moments));
-  f.push_back(flag("phi", "a network adds offsets to the colours", phi));
-  f.push_back(whole("psi-fit-iterations", "iterations in which psi first learns known colours",
-                    psi_fit_iterations, 0, 1e6)
-                  .only_if(energy && psi, network));
-  f.push_back(real("psi-lr", "learning rate of psi", psi_lr, 0, 1).only_if(energy && psi, network));
-  f.push_back(real("phi-lr", "learning rate of phi", phi_lr, 0, 1).only_if(phi, "--phi on"));
-  return f;
+  return {choice("residual", "bands that the energy moments are taken of", residual, kResidualNames)
+              .only_if(energy, moments),
+          flag("psi", "a network turns energy moments into colours", psi).only_if(energy, moments),
+          flag("phi", "a network adds offsets to the colours", phi),
+          whole("psi-fit-iterations", "iterations in which psi first learns known colours",
+                psi_fit_iterations, 0, 1e6)
+              .only_if(energy && psi, network),
+          real("psi-lr", "learning rate of psi", psi_lr, 0, 1).only_if(energy && psi, network),
+          real("phi-lr", "learning rate of phi", phi_lr, 0, 1).only_if(phi, "--phi on")};
 }
 
 Expected<void> NetworkColorOptions::validate(const TrainOptions& all) const {

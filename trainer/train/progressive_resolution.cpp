@@ -46,14 +46,12 @@ class ProgressiveResolution final : public Phase {
 }  // namespace
 
 OptionFields ProgressiveResolutionOptions::fields(const TrainOptions&) {
-  OptionFields f;
-  f.push_back(whole("resolution-levels", "number of times training images are halved at the start",
-                    levels, 0, 4));
-  f.push_back(whole("resolution-until",
-                    "iteration of the first full-size images (0: 3/10 of the iterations)", until, 0,
-                    kUnlimited)
-                  .only_if(levels > 0, "--resolution-levels 1 or more"));
-  return f;
+  return {whole("resolution-levels", "number of times training images are halved at the start",
+                levels, 0, 4),
+          whole("resolution-until",
+                "iteration of the first full-size images (0: 3/10 of the iterations)", until, 0,
+                kUnlimited)
+              .only_if(levels > 0, "--resolution-levels 1 or more")};
 }
 
 std::unique_ptr<Phase> make_progressive_resolution(TrainOptions& options,

@@ -32,13 +32,11 @@ class ShCurriculum final : public Phase {
 }  // namespace
 
 OptionFields ShCurriculumOptions::fields(const TrainOptions& all) {
-  OptionFields f;
-  f.push_back(whole("sh-degree-interval",
-                    "iterations until the SH degree in use grows by one (0: an eighth of the "
-                    "iterations, at most 1000 and a quarter of those before the SH reduction)",
-                    interval, 0, kUnlimited)
-                  .only_if(all.sh_degree > 0, "a --sh-degree of more than 0"));
-  return f;
+  return {whole("sh-degree-interval",
+                "iterations until the SH degree in use grows by one (0: an eighth of the "
+                "iterations, at most 1000 and a quarter of those before the SH reduction)",
+                interval, 0, kUnlimited)
+              .only_if(all.sh_degree > 0, "a --sh-degree of more than 0")};
 }
 
 std::unique_ptr<Phase> make_sh_curriculum(TrainOptions& options, int degree, int reduced_at) {
