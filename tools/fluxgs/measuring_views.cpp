@@ -7,8 +7,8 @@
 namespace fluxgs::cli {
 
 std::vector<Camera> measuring_views(const SplatCloud& cloud, const Dataset* data) {
-  if (data == nullptr) return orbit_around(cloud, kMeasuringViews, {640, 480});
-  return spread_cameras(cameras_of(data->train), kMeasuringViews);
+  if (data == nullptr) return orbit_around(cloud, kEvaluationCameras, {640, 480});
+  return spread_cameras(cameras_of(data->train), kEvaluationCameras);
 }
 
 ErrorCosts seen_costs(const std::vector<View>& views, const SplatCloud& cloud,

@@ -13,8 +13,8 @@
 
 namespace fluxgs::cli {
 
-/// At most kMeasuringViews cameras, evenly spread over the training images; without `data`, on an
-/// orbit around the scene, 640x480.
+/// At most kEvaluationCameras cameras, evenly spread over the training images; without `data`, on
+/// an orbit around the scene, 640x480.
 std::vector<Camera> measuring_views(const SplatCloud& cloud, const Dataset* data);
 
 /// trainer/compress/seen_splats.h for all of these images' views, with a bar if it takes long.

@@ -1,4 +1,4 @@
-// The least degree that each splat can do with.
+// Adaptive SH degrees: the lowest degree of each splat that is good enough.
 //
 // A splat's loss at a degree is Σ w_v·|c(d_v) − fit(d_v)|²: its unexplained variance times its
 // contribution. The losses add up to a bound: a pixel's colour is Σ aᵢ·cᵢ with aᵢ = α·T and

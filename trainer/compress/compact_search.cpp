@@ -17,7 +17,7 @@ namespace {
 constexpr const char* kName = "compact .glb";
 constexpr double kFinest = 0x1p-12, kCoarsest = 0x1p12;  // of the steps that the search begins with
 constexpr int kBalances = 2, kMaxTrials = 24;
-constexpr double kStride = std::numbers::ln2;  // of the logarithm of the coarseness
+constexpr double kStride = std::numbers::ln2;  // of the logarithm of the step scale
 constexpr double kCloseEnough = 0.003;         // the same
 constexpr float kExactly = 0x1p-8f;            // of a step, where an error is not to count
 constexpr double kInvisible = 1e-8;            // 80 dB: more bytes are of no use
@@ -107,7 +107,7 @@ Expected<CompactTrial> CompactSearch::trial(const CompactSteps& steps) const {
   return result;
 }
 
-/// With only attribute `part` rounded, of a scene that is `stored` with these steps.
+/// With only attribute `part` quantized, of a scene that is `stored` with these steps.
 Expected<double> CompactSearch::error_of(std::size_t part, const CompactSteps& steps,
                                          const SplatCloud& stored) const {
   const Part& own = kParts[part];
@@ -159,12 +159,12 @@ Expected<CompactSteps> CompactSearch::balanced(const CompactSteps& steps) const 
   return result;
 }
 
-/// The cheapest trial that fits at any coarseness of these steps. Where nothing fits, nothing;
+/// The cheapest trial that fits at any scale of these steps. Where nothing fits, nothing;
 /// `last` is then the finest.
 Expected<std::optional<CompactTrial>> CompactSearch::solve(const CompactSteps& steps,
                                                            const Goal& goal,
                                                            CompactTrial& last) const {
-  // Of the logarithm of the coarseness or, where coarser steps are what fits, of its negative
+  // Of the logarithm of the step scale or, where coarser steps are what fits, of its negative
   const double sign = goal.coarser_fits ? -1 : 1;
   const double ends[] = {sign * std::log(kFinest), sign * std::log(kCoarsest)};
   double low = std::min(ends[0], ends[1]), high = std::max(ends[0], ends[1]), at = 0;

@@ -1,4 +1,4 @@
-// Choosing the steps of a compact .glb for one scene: the smallest file for an error, or the
+// Search for the quantization steps of a compact .glb: the smallest file for an error, or the
 // smallest error for a size.
 #pragma once
 
@@ -23,7 +23,7 @@ struct CompactTrial {
   CompactOptions options;
   std::vector<std::byte> file;
   AttributeBits attribute_bits;
-  double mse = 0;  ///< of its images to those of the exact scene
+  double mse = 0;  ///< of its renders to those of the uncompressed scene
 
   double psnr() const { return psnr_of_mse(mse); }
 };
@@ -53,7 +53,7 @@ class CompactSearch {
   Expected<CompactSteps> balanced(const CompactSteps& steps) const;
 
   /// The smallest file found with psnr() ≥ `decibels`. The error is no smooth function of the
-  /// steps, for rounding may swap which of two splats is in front; the file may therefore be some
+  /// steps, for quantization may swap which of two splats is in front; the file may therefore be some
   /// tenths of a decibel better than asked. An error if even very fine steps do not reach it.
   Expected<CompactTrial> within_loss(double decibels) const;
 

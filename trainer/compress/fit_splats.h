@@ -1,4 +1,4 @@
-// From SH of degree 3 to a lower degree, for all splats at once.
+// Fits of lower SH degrees to SH of degree 3, for all splats at once.
 #pragma once
 
 #include <cstdint>

@@ -22,12 +22,12 @@ double squares(const PlanarImage& a, const PlanarImage& b) {
 
 }  // namespace
 
-SceneError::SceneError(const SplatCloud& exact, std::vector<Camera> cameras,
+SceneError::SceneError(const SplatCloud& uncompressed, std::vector<Camera> cameras,
                        const RenderOptions& options, const Threads& threads)
     : cameras_(std::move(cameras)), options_(options), threads_(threads) {
-  const ViewRenderer render = cpu_view_renderer(exact, options_, threads_);
+  const ViewRenderer render = cpu_view_renderer(uncompressed, options_, threads_);
   // The trainer's own renderer has no way to fail
-  for (const Camera& camera : cameras_) exact_.push_back(*render(camera));
+  for (const Camera& camera : cameras_) expected_.push_back(*render(camera));
 }
 
 Expected<double> SceneError::mse(const SplatCloud& other) const {
@@ -36,7 +36,7 @@ Expected<double> SceneError::mse(const SplatCloud& other) const {
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
     const auto image = render(cameras_[i]);
     if (!image) return std::unexpected(image.error());
-    sum += squares(*image, exact_[i]);
+    sum += squares(*image, expected_[i]);
     values += 3.0 * image->width() * image->height();
   }
   return values > 0 ? sum / values : 0;

@@ -1,4 +1,4 @@
-// What a scene's images lose when the scene is stored less exactly.
+// Mean square error between renders of a scene and of a compressed one.
 #pragma once
 
 #include <vector>
@@ -12,15 +12,15 @@
 
 namespace fluxgs {
 
-/// How many images tell the error of a scene to a few hundredths of a decibel.
-inline constexpr int kMeasuringViews = 12;
+/// Number of images that give the error of a scene to a few hundredths of a decibel.
+inline constexpr int kEvaluationCameras = 12;
 
-/// Compares scenes with an exact one by images of the trainer's renderer, limited to 0…1.
+/// Compares scenes with an uncompressed one by images of the trainer's renderer, limited to 0…1.
 class SceneError {
  public:
-  /// Renders `exact` once for each of `cameras` (one or more). `threads` must outlive this.
-  SceneError(const SplatCloud& exact, std::vector<Camera> cameras, const RenderOptions& options,
-             const Threads& threads);
+  /// Renders `uncompressed` once for each of `cameras` (one or more). `threads` must outlive this.
+  SceneError(const SplatCloud& uncompressed, std::vector<Camera> cameras,
+             const RenderOptions& options, const Threads& threads);
 
   /// The mean square error over all channels of all pixels of all images.
   Expected<double> mse(const SplatCloud& other) const;
@@ -29,7 +29,7 @@ class SceneError {
   std::vector<Camera> cameras_;
   RenderOptions options_;
   const Threads& threads_;
-  std::vector<PlanarImage> exact_;
+  std::vector<PlanarImage> expected_;
 };
 
 }  // namespace fluxgs

@@ -60,9 +60,9 @@ class Squares {
 
 }  // namespace
 
-ErrorCurvature error_curvature(const PlanarFloats& parameters, const std::vector<Camera>& cameras,
-                               const RenderOptions& options, const Threads& threads,
-                               const ProgressReport& progress) {
+ShapeHessian shape_hessian(const PlanarFloats& parameters, const std::vector<Camera>& cameras,
+                           const RenderOptions& options, const Threads& threads,
+                           const ProgressReport& progress) {
   Squares scale(parameters.size()), rotation(parameters.size());
   Profiler profiler;
   const auto rasterizer = make_cpu_rasterizer(threads, profiler);

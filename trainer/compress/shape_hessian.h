@@ -1,4 +1,4 @@
-// How much errors of shapes show in the images of some views: the curvature of the squared error.
+// Gauss–Newton blocks of the images' squared error by the shapes of splats.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@
 namespace fluxgs {
 
 /// Lower triangles of 3×3 for each splat, as in ErrorCosts.
-struct ErrorCurvature {
+struct ShapeHessian {
   std::vector<float> scale, rotation;
 };
 
@@ -20,8 +20,8 @@ struct ErrorCurvature {
 /// rotation change by a little: diagonal blocks JᵀJ of the images' Jacobian J. Estimated as
 /// Hutchinson (1990) does traces: a backward pass from random signs s gives g = Jᵀ·s, and the
 /// mean of g·gᵀ is JᵀJ. Always the same signs: the result is the same for any number of threads.
-ErrorCurvature error_curvature(const PlanarFloats& parameters, const std::vector<Camera>& cameras,
-                               const RenderOptions& options, const Threads& threads,
-                               const ProgressReport& progress = {});
+ShapeHessian shape_hessian(const PlanarFloats& parameters, const std::vector<Camera>& cameras,
+                           const RenderOptions& options, const Threads& threads,
+                           const ProgressReport& progress = {});
 
 }  // namespace fluxgs

@@ -1,8 +1,8 @@
-// How much the whole sphere counts beside the views when SH coefficients are fitted to these
-// (sh_fit.h): as much as helps views that were left out of the fit.
+// Weight of the whole sphere in fits of SH coefficients to views (sh_fit.h): the weight that
+// predicts views best that were left out of the fit.
 //
-// Many images all around say enough themselves, and whatever else counts takes away from them. Of
-// few images alone, colours between them may become anything.
+// Many images all around need no prior, and a prior makes their fit worse. With few images, colours
+// between them are arbitrary without one.
 #pragma once
 
 #include "trainer/compress/fit_splats.h"
@@ -10,10 +10,10 @@
 namespace fluxgs {
 
 /// Of trained captures chesscat takes the second, banana (12 images) the third, fox, snowmiku and a
-/// rendered glossy one the first. At the switch of banana, 0.14 and 0.29 dB of test PSNR that the
-/// first would lose are gained or kept. Larger ones would lose even less there, but splats that are
-/// fitted less well keep more SH coefficients instead: with 0.1 its file is 4% larger in the end,
-/// and no better.
+/// rendered glossy one the first. At the SH reduction of banana, 0.14 and 0.29 dB of test PSNR that
+/// the first would lose are gained or kept. Larger ones would lose even less there, but splats that
+/// are fitted less well keep more SH coefficients instead: with 0.1 its file is 4% larger in the
+/// end, and no better.
 inline constexpr double kSpherePriors[] = {kSpherePrior, 0.01, 0.03};
 
 /// Σ w_v·|c(d_v) − a(d_v)|² over views, colour channels, degrees 0 to 2 and splats (4096 of them at

@@ -57,9 +57,9 @@ ErrorCosts seen_costs(const std::vector<Camera>& cameras, const SplatCloud& clou
   ErrorCosts costs{.weights = total_weights(views)};
   if (has_networks) return costs;
   costs.sh_factors = sh_factors(parameters, views, threads);
-  ErrorCurvature curvature = error_curvature(parameters, cameras, render, threads, progress);
-  costs.scale = std::move(curvature.scale);
-  costs.rotation = std::move(curvature.rotation);
+  ShapeHessian hessian = shape_hessian(parameters, cameras, render, threads, progress);
+  costs.scale = std::move(hessian.scale);
+  costs.rotation = std::move(hessian.rotation);
   return costs;
 }
 

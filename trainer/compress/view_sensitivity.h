@@ -1,4 +1,4 @@
-// How the views of a scene see its splats, as the compact file's encoder wants to know it.
+// Sensitivity of the renders of some views to errors of each splat, for the compact encoder.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// From where, and how much, the training images see each splat.
+// Directions from which the training views see each splat, and its weight in them.
 #pragma once
 
 #include <vector>

@@ -21,12 +21,12 @@ struct AdamState {
   PlanarFloats first, second;
 };
 
-/// One step of Adam, counted from 1, on any numbers.
+/// One step of Adam, counted from 1, on any values.
 class AdamStep {
  public:
   AdamStep(const AdamConstants& constants, int step, const AdamKernels& kernels);
 
-  /// A row of numbers that is padded to a multiple of 16, with its moments and its gradient.
+  /// A row of values that is padded to a multiple of 16, with its moments and its gradient.
   /// Entries where `chosen` (padded, too) is 0 stay as they are.
   struct Row {
     float *values, *first, *second;

@@ -1,4 +1,4 @@
-// Which instruction sets the kernels were compiled for, and which of them this machine runs.
+// Instruction sets that the kernels were compiled for and this machine runs.
 #pragma once
 
 #include <optional>

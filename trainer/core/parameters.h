@@ -1,4 +1,4 @@
-// A scene's trainable numbers, laid out for SIMD: one row for each scalar parameter.
+// Trainable parameters of a scene, laid out for SIMD: one row for each scalar parameter.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// How far a long piece of work has come, told by the library and shown by the command.
+// Progress of long work, counted by the library and shown by the command.
 #pragma once
 
 #include <cstddef>

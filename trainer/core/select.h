@@ -1,5 +1,5 @@
-// How a table of kernels is chosen: each instruction set's namespace has a variable of the same
-// name, defined in that set's objects.
+// Choice of a table of kernels at run time: each instruction set's namespace has a variable of the
+// same name, defined in that set's objects.
 #pragma once
 
 #include "trainer/core/isa.h"

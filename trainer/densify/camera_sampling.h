@@ -1,4 +1,4 @@
-// Which views a scene is judged from.
+// Choice of the views that scores are taken from (paper, "Stratified Camera Sampling").
 #pragma once
 
 #include <cstdint>

@@ -95,8 +95,10 @@ void mark_pruned(const TrainState& state, const TrainOptions& options, double ex
                : 0.0f;
   const bool limit_size = reset_interval > 0 && state.iteration > reset_interval;
   for (std::size_t i = 0; i < p.size(); ++i) {
-    const bool faint = p.row(row::opacity)[i] < least && (!moderate || scores->minus[i] > quantile);
-    if (faint || (limit_size && oversized(state, i, own, extent))) actions[i] = RefineAction::prune;
+    const bool transparent =
+        p.row(row::opacity)[i] < least && (!moderate || scores->minus[i] > quantile);
+    if (transparent || (limit_size && oversized(state, i, own, extent)))
+      actions[i] = RefineAction::prune;
   }
 }
 
@@ -133,8 +135,8 @@ void scatter(PlanarFloats& p, std::size_t i, double shrink, Random& random) {
 }
 
 /// Turns a copy of a splat into one of two that lie side by side along its longest axis: half as
-/// long, a little thinner, and fainter, so that together they look like the one (Deng et al. 2025,
-/// "Improving Densification in 3D Gaussian Splatting", long-axis split).
+/// long, a little thinner, and of lower opacity, so that together they look like the one (Deng et
+/// al. 2025, "Improving Densification in 3D Gaussian Splatting", long-axis split).
 void shift_along_longest(PlanarFloats& p, std::size_t i, double side) {
   constexpr double kShift = 0.75, kLength = 0.5, kThickness = 0.85, kOpacity = 0.6;
   int longest = 0;

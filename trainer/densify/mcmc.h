@@ -1,6 +1,6 @@
 // Densification as sampling (Kheradmand et al. 2024, "3D Gaussian Splatting as Markov Chain Monte
 // Carlo"): splats that became transparent move to where opaque ones are, new ones start there too,
-// noise lets faint splats explore; penalties (penalties.h) set splats free.
+// noise lets low-opacity splats explore; penalties (penalties.h) set splats free.
 #pragma once
 
 #include "trainer/densify/densification.h"
@@ -20,8 +20,8 @@ Shared shared_among(double opacity, int copies);
 /// those added, `pruned` those moved.
 DensifyCounts relocate_and_grow(TrainState& state, const TrainOptions& options);
 
-/// Adds noise to the positions of faint splats, in the shape of each; `rate` is the learning rate
-/// of positions (scene units). Results do not depend on the number of threads.
+/// Adds noise to the positions of low-opacity splats, in the shape of each; `rate` is the learning
+/// rate of positions (scene units). Results do not depend on the number of threads.
 void add_noise(TrainState& state, const DensificationOptions& options, double rate,
                const Threads& threads);
 

@@ -1,4 +1,4 @@
-// Where an image is badly and where it is well reconstructed (paper, "Photometric Loss Guidance").
+// Maps of badly and of well reconstructed pixels (paper, "Photometric Loss Guidance").
 #pragma once
 
 #include "trainer/core/planar_image.h"

@@ -75,7 +75,7 @@ Expected<AppearanceModel> model_from_floats(bool psi, bool phi, std::span<const 
   const std::size_t of_phi = phi ? float_count(kPhiSizes) : 0;
   const std::size_t expected = kNormalisationFloats + of_psi + of_phi;
   if (floats.size() != expected)
-    return fail("", "networks", fmt::format("{} numbers, expected {}", floats.size(), expected));
+    return fail("", "networks", fmt::format("{} values, expected {}", floats.size(), expected));
   const auto constants = floats.first<kNormalisationFloats>();
   if (!std::ranges::all_of(constants, [](float v) { return std::isfinite(v); }))
     return fail("", "networks", "the normalisation is not finite");

@@ -1,6 +1,6 @@
-// Colours of the splats of one view, and the way back from their gradients to the networks' weights
-// and the latents. The networks' other inputs (position, scale, rotation, opacity) are taken as
-// constants: their gradients are those of the rasteriser alone.
+// Forward and backward pass of the networks for the splats of one view. The networks' other inputs
+// (position, scale, rotation, opacity) are taken as constants: their gradients are those of the
+// rasteriser alone.
 #pragma once
 
 #include <atomic>
@@ -14,7 +14,7 @@
 
 namespace fluxgs {
 
-/// Memory and steps of training the networks. `threads` must outlive it. Same bytes for any number
+/// Memory and optimiser of the networks. `threads` must outlive it. Same bytes for any number
 /// of threads. Keeps about 800 bytes for each splat of the largest view so far.
 class AppearancePass {
  public:

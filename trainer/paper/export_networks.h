@@ -1,4 +1,4 @@
-// What a compact file stores of a scene whose colours the networks make.
+// Compact files of scenes whose colours the networks make.
 #pragma once
 
 #include "fluxgs/error.h"

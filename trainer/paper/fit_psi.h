@@ -1,5 +1,5 @@
-// Ψ before its first image. The paper does not say with which weights training goes on after the
-// switch; random ones would throw away what was learned. This teaches Ψ known colours first.
+// Pre-training of Ψ on known colours. The paper does not say with which weights training continues
+// after the SH reduction; random ones would throw away the colours learned so far.
 #pragma once
 
 #include "trainer/core/isa.h"
@@ -10,12 +10,12 @@ namespace fluxgs {
 
 struct PsiFitOptions {
   int steps = 500;
-  std::size_t batch = 8192;  ///< splats of a step, drawn anew for each
+  std::size_t batch = 8192;  ///< splats of an iteration, drawn anew for each
   double rate = 0.01;        ///< of Adam; falls to 0 along a quarter of a cosine
   /// The same for E; 0 keeps it as it is. E knows nothing of the constant coefficient, which Ψ can
   /// then only guess from the position: on two scans of 91 k and 153 k splats, whose coefficients
-  /// deviate by 0.58 and 0.54, an error of 0.47 and 0.53 is left after 500 steps. With E moved too
-  /// it is 0.017 and 0.033, after 2,000 steps 0.0007 and 0.0026.
+  /// deviate by 0.58 and 0.54, an error of 0.47 and 0.53 is left after 500 iterations. With E moved too
+  /// it is 0.017 and 0.033, after 2,000 iterations 0.0007 and 0.0026.
   double latent_rate = 0.02;
   AdamConstants adam = {0.9, 0.999, 1e-15};
   std::uint64_t seed = 1;

@@ -245,12 +245,12 @@ Expected<TrainableMlp> mlp_from_floats(const std::vector<int>& sizes,
                                        std::span<const float> floats) {
   if (floats.size() != float_count(sizes))
     return fail("", "network",
-                fmt::format("{} numbers, expected {}", floats.size(), float_count(sizes)));
+                fmt::format("{} values, expected {}", floats.size(), float_count(sizes)));
   TrainableMlp mlp{.sizes = sizes, .weights = make_matrices(sizes), .first = {}, .second = {}};
   reset_adam(mlp);
   const auto in_range = [](float half) { return half >= 0 && half < kStepBase / 2; };
   if (!in_range(floats[0]) || !(floats[1] >= 0 && floats[1] < kStepBase))
-    return fail("", "network", "its number of steps is out of range");
+    return fail("", "network", "its number of iterations is out of range");
   mlp.steps = static_cast<int>(floats[0]) * kStepBase + static_cast<int>(floats[1]);
   const float* next = floats.data() + kStepFloats;
   for (MlpMatrices* matrices : {&mlp.weights, &mlp.first, &mlp.second})

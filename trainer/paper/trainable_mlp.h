@@ -1,5 +1,5 @@
 // A small multi-layer perceptron in float32 while it is trained: ReLU between the layers, batches
-// of rows, derivatives by back-propagation, Adam. networks::evaluate() is its float64 yardstick.
+// of rows, derivatives by back-propagation, Adam. networks::evaluate() is its float64 reference.
 //
 // Rows are worked on in pieces of kMlpPiece. Sums over rows are taken within a piece in their
 // order, so that results do not depend on who works on which piece.

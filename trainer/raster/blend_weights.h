@@ -1,4 +1,4 @@
-// How much of one image each splat makes up.
+// Shares of the splats in one image.
 #pragma once
 
 #include <memory>

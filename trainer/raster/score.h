@@ -1,4 +1,4 @@
-// What a splat adds to an image, told by maps over its pixels.
+// Scores of splats: sums of maps over the pixels that a splat contributes to.
 #pragma once
 
 namespace fluxgs {

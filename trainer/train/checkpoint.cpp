@@ -178,12 +178,12 @@ std::uint64_t hash_views(const std::vector<View>& views) {
   std::uint64_t h = kFnv1aOffset;
   for (const View& view : views) {
     const Camera& c = view.camera;
-    double numbers[] = {
+    double values[] = {
         c.fx, c.fy, c.cx, c.cy, c.translation.x, c.translation.y, c.translation.z, 0, 0, 0, 0, 0,
         0,    0,    0,    0};
-    for (int i = 0; i < 9; ++i) numbers[7 + i] = c.rotation[i / 3][i % 3];
+    for (int i = 0; i < 9; ++i) values[7 + i] = c.rotation[i / 3][i % 3];
     h = fnv1a(std::as_bytes(std::span(c.name)), h);
-    h = fnv1a(std::as_bytes(std::span(numbers)), h);
+    h = fnv1a(std::as_bytes(std::span(values)), h);
     h = fnv1a(std::as_bytes(std::span(view.rgb.pixels)), h);
   }
   return h;

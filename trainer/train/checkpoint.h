@@ -36,7 +36,7 @@ std::uint64_t hash_views(const std::vector<View>& views);
 /// a 64-bit FNV-1a hash of everything before it. Written whole or not at all.
 Expected<void> write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
 
-/// Errors: not a checkpoint, another version, damaged content, numbers that no training with its
+/// Errors: not a checkpoint, another version, damaged content, values that no training with its
 /// options has, sizes that disagree with the file's.
 Expected<Checkpoint> read_checkpoint(const std::filesystem::path& path);
 

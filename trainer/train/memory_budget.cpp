@@ -34,7 +34,7 @@ double fixed_bytes(const Dataset& data, const TrainOptions& options) {
       pixels = std::max(pixels, static_cast<double>(view.rgb.pixels.size()) / 3);
   const double smaller = options.get<ProgressiveResolutionOptions>().levels > 0 ? 1.0 / 3 : 0;
   // What the scene's file is measured by
-  const double planes = kPlanes + 3.0 * kMeasuringViews;
+  const double planes = kPlanes + 3.0 * kEvaluationCameras;
   return kProgram + (1 + smaller) * view_bytes(data.train) + view_bytes(data.test) +
          planes * sizeof(float) * pixels;
 }

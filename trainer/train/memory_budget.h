@@ -1,4 +1,4 @@
-// How much memory training takes, so that splats are added only while there is room for them.
+// Estimate of the memory that training takes, so that splats are added only while there is room.
 #pragma once
 
 #include <cstddef>
@@ -12,10 +12,10 @@ namespace fluxgs {
 /// Splat–tile pairs of a visible splat, before anything was measured.
 inline constexpr double kDefaultPairs = 12;
 
-/// Bytes at most, the program's own included: images, planes of the largest image, and for each
-/// splat its parameters, moments and gradients, one more copy while splats are rearranged,
-/// `pairs` (mean splat–tile pairs of the visible splats), and what the switch and rounding need to
-/// know of all views.
+/// Upper bound in bytes, the program's own included: images, planes of the largest image, and for
+/// each splat its parameters, moments and gradients, one more copy while splats are rearranged,
+/// `pairs` (mean splat–tile pairs of the visible splats), and the weights of all views that the
+/// SH reduction and quantization need.
 std::size_t training_memory(const Dataset& data, const TrainOptions& options, std::size_t splats,
                             double pairs);
 

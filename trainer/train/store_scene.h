@@ -1,4 +1,4 @@
-// From a trained state to the bytes that are sent.
+// Stores a trained state as a compact file.
 #pragma once
 
 #include <cstddef>

@@ -159,7 +159,7 @@ double form(const float* triangle, const glm::dvec3& u) {
 }
 
 // Each is a mean of few random numbers, whose mean over the splats is near.
-TEST(ErrorCurvature, IsWhatImagesChangeBy) {
+TEST(ShapeHessian, IsWhatImagesChangeBy) {
   constexpr std::size_t kSplats = 40;
   SplatCloud cloud = test::random_cloud(kSplats, 1, 6);
   for (glm::quat& q : cloud.rotations) q = 2.0f * glm::normalize(q);
@@ -169,8 +169,8 @@ TEST(ErrorCurvature, IsWhatImagesChangeBy) {
   }
   const Threads one(1), two(2);
   const PlanarFloats parameters = to_parameters(cloud, 1);
-  const ErrorCurvature found = error_curvature(parameters, some_cameras(), {}, one);
-  const ErrorCurvature again = error_curvature(parameters, some_cameras(), {}, two);
+  const ShapeHessian found = shape_hessian(parameters, some_cameras(), {}, one);
+  const ShapeHessian again = shape_hessian(parameters, some_cameras(), {}, two);
   EXPECT_EQ(found.scale, again.scale);
   EXPECT_EQ(found.rotation, again.rotation);
   for (const glm::vec3 u : {glm::vec3(1, 0, 0), glm::vec3(1, 1, 1), glm::vec3(1, -2, 1)}) {
@@ -189,17 +189,16 @@ TEST(ErrorCurvature, IsWhatImagesChangeBy) {
   }
 }
 
-TEST(ErrorCurvature, OfWhatNoViewSeesIsNone) {
+TEST(ShapeHessian, OfWhatNoViewSeesIsNone) {
   SplatCloud cloud = test::random_cloud(3, 1, 6);
   cloud.positions[1] = {0, 0, -1e4f};
   const Threads threads(1);
-  const ErrorCurvature found =
-      error_curvature(to_parameters(cloud, 1), some_cameras(), {}, threads);
+  const ShapeHessian found = shape_hessian(to_parameters(cloud, 1), some_cameras(), {}, threads);
   for (std::size_t k = 6; k < 12; ++k) {
     EXPECT_EQ(found.scale[k], 0);
     EXPECT_EQ(found.rotation[k], 0);
   }
-  EXPECT_TRUE(error_curvature(to_parameters(cloud, 1), {}, {}, threads).scale.size() == 18);
+  EXPECT_TRUE(shape_hessian(to_parameters(cloud, 1), {}, {}, threads).scale.size() == 18);
 }
 
 TEST(CompactSearch, StaysWithinTheLossAndUsesIt) {

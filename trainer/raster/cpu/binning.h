@@ -1,4 +1,4 @@
-// From projected splats to depth-ordered lists per tile.
+// Depth-ordered lists of projected splats for each tile.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// What the forward and the backward pass share: the pixels of a tile in block order and the one
-// definition of α, so that the backward pass replays the forward pass bit for bit.
+// Pixels of a tile in block order and the definition of α, shared by the forward and the backward
+// pass, so that the backward pass replays the forward pass bit for bit.
 #pragma once
 
 #include "trainer/core/lanes.h"
