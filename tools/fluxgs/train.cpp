@@ -21,7 +21,6 @@
 #include "tools/fluxgs/train_log.h"
 #include "tools/fluxgs/train_run.h"
 #include "tools/fluxgs/write_glb.h"
-#include "trainer/compress/sh_reduction.h"
 #include "trainer/core/clock.h"
 #include "trainer/train/checkpoint.h"
 #include "trainer/train/evaluate.h"
@@ -334,7 +333,7 @@ Expected<void> train(TrainSettings settings) {
   auto run = settings.resume.empty() ? new_run(settings, threads) : resume_run(settings);
   if (!run) return std::unexpected(run.error());
   if (auto ok = check_inputs_stay(settings, run->data); !ok) return ok;
-  warn_of_lost_degrees(settings.out, **format, target_sh_degree(run->options));
+  warn_of_lost_degrees(settings.out, **format, final_sh_degree(run->options));
 
   TrainCommand training(settings, std::move(*run), threads);
   if (auto done = training.to_end(); !done) return done;

@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-/// "late pruning at 9000: 24420 to 22668 splats, 29.54 to 29.45 dB on training views, …"
+/// "PHASE at 9000: 24420 to 22668 splats, 29.54 to 29.45 dB on training views, …"
 std::string line_of(const PhaseReport& r) {
   std::string line = fmt::format("{} at {}: ", r.name, r.iteration);
   if (r.splats.before != r.splats.after)

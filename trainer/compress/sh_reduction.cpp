@@ -41,8 +41,8 @@ std::size_t compact_bytes(const SplatCloud& scene) {
 
 class ShReductionPhase final : public Phase {
  public:
-  ShReductionPhase(const ShReductionOptions& options, int degree)
-      : options_(options), degree_(degree) {}
+  ShReductionPhase(const ShReductionOptions& options, int first_degree, int degree)
+      : options_(options), first_degree_(first_degree), degree_(degree) {}
 
   const char* name() const override { return "SH reduction"; }
   PlanRow plan() const override {
@@ -75,10 +75,18 @@ class ShReductionPhase final : public Phase {
     report.summary = fmt::format("splats of degree 0 to 3: {}", fmt::join(done.degrees, ", "));
     return report;
   }
+  Expected<void> load(const std::vector<double>&, const TrainState& state) override {
+    const bool reduced = state.iteration >= options_.iteration;
+    const bool adaptive = options_.target == ShTarget::adaptive;
+    if (sh_degree_of(state.parameters) == (reduced ? degree_ : first_degree_) &&
+        state.degrees.empty() == !(reduced && adaptive && state.parameters.size() > 0))
+      return {};
+    return fail("", "sh_degree", "the SH degrees are not those of the options");
+  }
 
  private:
   ShReductionOptions options_;
-  int degree_;
+  int first_degree_, degree_;
 };
 
 }  // namespace
@@ -143,7 +151,7 @@ bool reduces_sh(const TrainOptions& options) {
          (own.reduce != ShReduction::none && target_sh_degree(options) < options.sh_degree);
 }
 
-int initial_sh_degree(const TrainOptions& options) {
+int first_sh_degree(const TrainOptions& options) {
   return options.get<ShReductionOptions>().reduce == ShReduction::none ? target_sh_degree(options)
                                                                        : options.sh_degree;
 }
@@ -192,7 +200,7 @@ std::unique_ptr<Phase> make_sh_reduction(TrainOptions& options) {
   if (!reduces_sh(options)) return nullptr;
   sh_reduce_iteration(options);
   return std::make_unique<ShReductionPhase>(options.get<ShReductionOptions>(),
-                                            target_sh_degree(options));
+                                            first_sh_degree(options), target_sh_degree(options));
 }
 
 }  // namespace fluxgs

@@ -47,8 +47,8 @@ int target_sh_degree(const TrainOptions& options);
 /// Whether degrees are reduced at some iteration.
 bool reduces_sh(const TrainOptions& options);
 
-/// The degree that training starts with.
-int initial_sh_degree(const TrainOptions& options);
+/// The degree that every splat starts with.
+int first_sh_degree(const TrainOptions& options);
 
 /// Resolves the iteration of the reduction and returns it, also where nothing is reduced.
 int sh_reduce_iteration(TrainOptions& options);

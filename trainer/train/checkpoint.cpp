@@ -13,7 +13,6 @@
 
 #include "fluxgs/hash.h"
 #include "fluxgs/io/file.h"
-#include "trainer/compress/sh_reduction.h"
 #include "trainer/train/schedule.h"
 #include "trainer/train/state_bytes.h"
 
@@ -118,14 +117,6 @@ StateLayout read_layout(const json& header) {
   return layout;
 }
 
-/// Whether a training with these options, at this iteration, has SH of these degrees.
-bool fits(const StateLayout& layout, TrainOptions options, int iteration) {
-  const bool adaptive = options.get<ShReductionOptions>().target == ShTarget::adaptive;
-  const bool reduced = reduces_sh(options) && iteration >= sh_reduce_iteration(options);
-  return layout.sh_degree == (reduced ? target_sh_degree(options) : initial_sh_degree(options)) &&
-         layout.own_degrees == (reduced && adaptive);
-}
-
 /// The field of a header that cannot be, and what was expected; nothing if all can.
 std::optional<std::pair<const char*, std::string>> impossible(const Checkpoint& c,
                                                               const StateLayout& layout) {
@@ -135,7 +126,8 @@ std::optional<std::pair<const char*, std::string>> impossible(const Checkpoint& 
     return {{"iteration", fmt::format("expected 0 to {}", c.options.iterations)}};
   if (!(s.max_pairs >= 0 && std::isfinite(s.max_pairs)))
     return {{"max_pairs", "expected 0 or more"}};
-  if (!fits(layout, c.options, s.iteration))
+  if (layout.sh_degree != initial_sh_degree(c.options) &&
+      layout.sh_degree != final_sh_degree(c.options))
     return {{"sh_degree", "the SH degrees are not those of the options"}};
   if (s.view_order.size() != c.train_views)
     return {{"view_order", fmt::format("expected {} images", c.train_views)}};

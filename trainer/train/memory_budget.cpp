@@ -7,9 +7,9 @@
 
 #include "fluxgs/io/compact_glb.h"
 #include "trainer/compress/scene_error.h"
-#include "trainer/compress/sh_reduction.h"
 #include "trainer/core/parameters.h"
 #include "trainer/train/progressive_resolution.h"
+#include "trainer/train/schedule.h"
 
 namespace fluxgs {
 namespace {

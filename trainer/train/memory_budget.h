@@ -14,8 +14,8 @@ inline constexpr double kDefaultPairs = 12;
 
 /// Upper bound in bytes, the program's own included: images, planes of the largest image, and for
 /// each splat its parameters, moments and gradients, one more copy while splats are rearranged,
-/// `pairs` (mean splat–tile pairs of the visible splats), and the weights of all views that the
-/// SH reduction and quantization need.
+/// `pairs` (mean splat–tile pairs of the visible splats), and the weights of all views that
+/// some phases need.
 std::size_t training_memory(const Dataset& data, const TrainOptions& options, std::size_t splats,
                             double pairs);
 

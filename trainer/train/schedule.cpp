@@ -35,7 +35,7 @@ Schedule make_schedule(TrainOptions options, const std::vector<View>& views,
   auto reduction = make_sh_reduction(options);
   auto networks = make_network_colors(options, threads);
   const int reduced_at = reduction || networks.colors ? sh_reduce_iteration(options) : 0;
-  auto curriculum = make_sh_curriculum(options, initial_sh_degree(options), reduced_at);
+  auto curriculum = make_sh_curriculum(options, first_sh_degree(options), reduced_at);
   options.get<QuantizationAwareOptions>().has_networks = makes_psi(options) || makes_phi(options);
   auto quantization = make_quantization_aware(options, std::max(densify_until, reduced_at));
 
@@ -53,6 +53,12 @@ Schedule plan_schedule(TrainOptions options) {
   static const std::vector<View> no_views;
   static const Threads one_thread(1);
   return make_schedule(std::move(options), no_views, one_thread);
+}
+
+int initial_sh_degree(const TrainOptions& options) { return first_sh_degree(options); }
+
+int final_sh_degree(const TrainOptions& options) {
+  return reduces_sh(options) ? target_sh_degree(options) : first_sh_degree(options);
 }
 
 TrainOptions default_options() {

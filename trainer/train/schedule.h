@@ -28,6 +28,10 @@ Schedule make_schedule(TrainOptions options, const std::vector<View>& views,
 /// The same without views, for looking at the schedule.
 Schedule plan_schedule(TrainOptions options);
 
+/// SH degree of the parameters before the first and after the last iteration.
+int initial_sh_degree(const TrainOptions& options);
+int final_sh_degree(const TrainOptions& options);
+
 /// The options of vanilla 3DGS with all groups of options, in the order of the help.
 TrainOptions default_options();
 

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "trainer/compress/compression.h"
-#include "trainer/compress/sh_reduction.h"
 #include "trainer/core/indices.h"
 #include "trainer/core/psnr.h"
 #include "trainer/raster/view_renderer.h"

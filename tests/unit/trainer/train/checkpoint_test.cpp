@@ -179,7 +179,7 @@ TEST(Checkpoint, WhatNoTrainingHasIsAnErrorThatNamesTheField) {
       {R"({"sh_degree": 7})", "sh_degree"},
       {R"({"sh_degree": 0})", "sh_degree"},
       {R"({"sh_degree": -1})", "sh_degree"},
-      {R"({"own_degrees": true})", "sh_degree"},
+      {R"({"own_degrees": true})", "splats"},
       {R"({"attached": [["latents", 12, false]]})", "splats"},
       {R"({"attached": [["latents", 0, false]]})", "splats"},
       {R"({"attached": [["latents", 1000000000, false]]})", "splats"},
