@@ -12,7 +12,7 @@
 #include "fluxgs/io/scene.h"
 #include "fluxgs/io/start_view.h"
 #include "fluxgs/networks/appearance.h"
-#include "io/spz_layout.h"
+#include "io/spz/spz_layout.h"
 #include "seeds.h"
 #include "unit/shared-format/compressed_ply_support.h"
 #include "unit/shared-format/glb_support.h"
@@ -227,7 +227,7 @@ void add_glb(Seeds& seeds) {
   for (const int degree : kDegrees) {
     for (const bool with_plain : {false, true}) {
       const SplatCloud cloud = random_cloud(kSplats, degree);
-      const CompactOptions options{default_compact_steps(cloud), with_plain};
+      const CompactOptions options{default_quantization_steps(cloud), with_plain};
       glb[fmt::format("compact_degree{}{}", degree, with_plain ? "_and_plain" : "")] =
           *encode_compact_glb(cloud, options, "x");
     }
@@ -322,7 +322,7 @@ Bytes with_count(std::size_t count, std::initializer_list<int> more, const Bytes
 }
 
 void add_codec(Seeds& seeds) {
-  const CompactSteps fine{}, coarse{.position = 0.1, .log_scale = 1};
+  const QuantizationSteps fine{}, coarse{.position = 0.1, .log_scale = 1};
   for (const std::size_t count : {1u, 3u, 40u}) {
     for (const int degree : kDegrees) {
       for (const auto& steps : {fine, coarse}) {

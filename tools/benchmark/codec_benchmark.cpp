@@ -12,8 +12,8 @@
 #include <opencv2/core.hpp>
 
 #include "codec/channels.h"
+#include "codec/quantization.h"
 #include "codec/rans.h"
-#include "codec/rounding.h"
 #include "codec/scales.h"
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/io/file.h"
@@ -59,7 +59,7 @@ void append(Channels& to, const glm::vec3& v) {
 }
 
 /// Attributes of a scene in the order of a compact file.
-std::vector<Attribute> attributes_of(const SplatCloud& cloud, const CompactSteps& steps) {
+std::vector<Attribute> attributes_of(const SplatCloud& cloud, const QuantizationSteps& steps) {
   codec::Stepped roots = codec::roots_of(cloud.log_scales, steps.log_scale);
   std::vector<Attribute> list{{"scale", {3, std::move(roots.values)}, roots.step},
                               {"rotation", {3, {}}, steps.rotation},
@@ -150,7 +150,7 @@ std::vector<Numbers> numbers_of(const Attribute& a) {
     std::vector<double> plane(a.values.splats());
     for (std::size_t i = 0; i < plane.size(); ++i)
       plane[i] = double{a.values.values[i * a.values.channels + c]} / double{a.step};
-    all.push_back(codec::round_cheaply(plane, true, {}));
+    all.push_back(codec::quantize_cheaply(plane, true, {}));
   }
   return all;
 }
@@ -235,7 +235,7 @@ SplatCloud tiled(const SplatCloud& cloud, std::size_t count) {
 
 Expected<void> time_reading(const Settings& s, const SplatCloud& cloud) {
   const SplatCloud many = tiled(cloud, s.splats);
-  const CompactOptions options{.steps = default_compact_steps(cloud)};
+  const CompactOptions options{.steps = default_quantization_steps(cloud)};
   std::vector<std::byte> file;
   const double encode =
       milliseconds([&] { file = *encode_compact_glb(many, options, "scene"); }, 3);
@@ -257,7 +257,7 @@ Expected<void> run(const Settings& s) {
   if (scene->cloud.size() == 0) return fail(s.scene, "", "has no splats");
   const SplatCloud cloud = in_order(scene->cloud, compact_order(scene->cloud));
   fmt::print("{}: {} splats of degree {}\n", s.scene, cloud.size(), cloud.sh_degree);
-  const auto attributes = attributes_of(cloud, default_compact_steps(cloud));
+  const auto attributes = attributes_of(cloud, default_quantization_steps(cloud));
   if (auto ok = time_reading(s, cloud); !ok) return ok;
   compare_coders(attributes);
   compare_codebooks(attributes);

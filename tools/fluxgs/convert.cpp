@@ -7,7 +7,7 @@
 
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/io/file.h"
-#include "fluxgs/printable.h"
+#include "fluxgs/sanitize.h"
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/console.h"
 #include "tools/fluxgs/data_options.h"
@@ -22,7 +22,7 @@ namespace {
 struct ConvertSettings {
   std::string in, out;
   bool compact = false, plain_attributes = false;
-  double coarseness = 1;
+  double step_scale = 1;
   int sh_degree = 3;
   std::optional<std::size_t> max_bytes;
   std::optional<double> max_loss;
@@ -35,7 +35,7 @@ std::string shown(const std::string& path) { return one_line(path, std::string::
 
 /// A splat far from all others, or splats much smaller than the scene, leave few steps for each.
 void warn_of_outliers(const ConvertSettings& s, const SplatCloud& cloud) {
-  const double step = default_compact_steps(cloud).position;
+  const double step = default_quantization_steps(cloud).position;
   if (cloud.size() > 0 && step <= finest_position_step(cloud))
     spdlog::warn(
         "warning: {}: the scene is so much larger than its splats that positions are rounded to "
@@ -45,7 +45,7 @@ void warn_of_outliers(const ConvertSettings& s, const SplatCloud& cloud) {
 
 Expected<void> write_compact(const ConvertSettings& s, const SceneFile& scene) {
   const SplatCloud& cloud = scene.cloud;
-  const CompactOptions options{default_compact_steps(cloud, s.coarseness), s.plain_attributes};
+  const CompactOptions options{default_quantization_steps(cloud, s.step_scale), s.plain_attributes};
   const auto bytes = encode_compact_glb(cloud, options, s.out);
   if (!bytes) return std::unexpected(bytes.error());
   const auto written = write_glb(s.out, *bytes, scene.start);
@@ -83,8 +83,8 @@ Expected<CompactTrial> search(const ConvertSettings& s, const SceneFile& scene) 
   const SceneError error(cloud, cameras, options, threads);
   Progress progress("trials", CompactSearch::kDefaultTrials, 0);
   int trials = 0;
-  CompactOptions start{default_compact_steps(cloud), s.plain_attributes};
-  if (data != nullptr) start.costs = seen_costs(data->train, cloud, options, threads);
+  CompactOptions start{default_quantization_steps(cloud), s.plain_attributes};
+  if (data != nullptr) start.sensitivity = view_sensitivity(data->train, cloud, options, threads);
   const CompactSearch search(cloud, error, start, [&](const CompactTrial& t) {
     progress.update(++trials, fmt::format("{} bytes  {}", t.file.size(), decibels(t.psnr())));
   });
@@ -147,22 +147,22 @@ void add_compact_options(CLI::App& command, ConvertSettings& s) {
   const std::string group = "Compact .glb";
   CLI::Option* compact =
       command.add_flag("--compact", s.compact, "a fraction of the bytes, with a small error");
-  CLI::Option* coarseness = command.add_option("--coarseness", s.coarseness,
+  CLI::Option* step_scale = command.add_option("--coarseness", s.step_scale,
                                                "with --compact: 0.5 is finer, 2 is smaller");
-  coarseness->check(in_range(0.001, 1000))->capture_default_str()->needs(compact);
+  step_scale->check(in_range(0.001, 1000))->capture_default_str()->needs(compact);
   CLI::Option* bytes = command.add_option("--max-bytes", s.max_bytes,
                                           "search for the least error in a file of this size");
   bytes->check(CLI::Range(std::size_t{1}, std::size_t{1} << 50));
   CLI::Option* loss = command.add_option(
       "--max-loss", s.max_loss, "search for the smallest file whose images are this near, in dB");
-  loss->check(in_range(1, 120))->excludes(bytes)->excludes(coarseness);
-  bytes->excludes(coarseness);
+  loss->check(in_range(1, 120))->excludes(bytes)->excludes(step_scale);
+  bytes->excludes(step_scale);
   CLI::Option* plain = command.add_flag(
       "--plain-attributes", s.plain_attributes,
       "store the compact splats as plain floats too: a large file that other viewers open");
   CLI::Option* data = command.add_option(
       "--data", s.data.folder, "measure by the views of this data set instead of an orbit");
-  for (CLI::Option* option : {compact, coarseness, bytes, loss, plain, data}) option->group(group);
+  for (CLI::Option* option : {compact, step_scale, bytes, loss, plain, data}) option->group(group);
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include "fluxgs/printable.h"
+#include "fluxgs/sanitize.h"
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/console.h"
 

@@ -11,9 +11,9 @@ std::vector<Camera> measuring_views(const SplatCloud& cloud, const Dataset* data
   return spread_cameras(cameras_of(data->train), kEvaluationCameras);
 }
 
-ErrorCosts seen_costs(const std::vector<View>& views, const SplatCloud& cloud,
-                      const RenderOptions& render, const Threads& threads) {
-  return seen_costs(cameras_of(views), cloud, false, render, threads, show_progress("views"));
+SensitivityWeights view_sensitivity(const std::vector<View>& views, const SplatCloud& cloud,
+                                    const RenderOptions& render, const Threads& threads) {
+  return view_sensitivity(cameras_of(views), cloud, false, render, threads, show_progress("views"));
 }
 
 }  // namespace fluxgs::cli

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "fluxgs/camera.h"
-#include "fluxgs/io/error_costs.h"
+#include "fluxgs/io/sensitivity_weights.h"
 #include "fluxgs/render_options.h"
 #include "fluxgs/splat_cloud.h"
 #include "trainer/compress/scene_error.h"
@@ -18,7 +18,7 @@ namespace fluxgs::cli {
 std::vector<Camera> measuring_views(const SplatCloud& cloud, const Dataset* data);
 
 /// trainer/compress/seen_splats.h for all of these images' views, with a bar if it takes long.
-ErrorCosts seen_costs(const std::vector<View>& views, const SplatCloud& cloud,
-                      const RenderOptions& render, const Threads& threads);
+SensitivityWeights view_sensitivity(const std::vector<View>& views, const SplatCloud& cloud,
+                                    const RenderOptions& render, const Threads& threads);
 
 }  // namespace fluxgs::cli

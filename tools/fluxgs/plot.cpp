@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "fluxgs/io/file.h"
-#include "fluxgs/printable.h"
+#include "fluxgs/sanitize.h"
 #include "tools/fluxgs/child_process.h"
 #include "tools/fluxgs/find_program.h"
 #include "tools/fluxgs/work_folder.h"

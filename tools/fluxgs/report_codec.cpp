@@ -32,7 +32,7 @@ struct CodecReport {
   int sh_degree = 3;
 };
 
-/// The coarsenesses of the curve, relative to the usual one.
+/// The step scales of the curve, relative to the usual one.
 constexpr double kCurve[] = {0.25, 0.35, 0.5, 0.71, 1, 1.41, 2, 2.83, 4};
 
 /// Files of plain floats would make the chart of all others flat.
@@ -139,11 +139,11 @@ Expected<std::vector<Row>> compact_rows(const CodecReport& s, const Bench& bench
   if (steps) steps = search.balanced(*steps);
   if (!steps) return std::unexpected(steps.error());
   std::vector<Row> rows;
-  for (const double coarseness : kCurve) {
+  for (const double step_scale : kCurve) {
     CompactOptions own = options;
-    own.steps = scaled(*steps, coarseness);
+    own.steps = scaled(*steps, step_scale);
     own.steps.position = std::max(own.steps.position, finest_position_step(cloud));
-    auto row = encode_and_measure(bench, fmt::format("compact {:g}", coarseness), s.sh_degree,
+    auto row = encode_and_measure(bench, fmt::format("compact {:g}", step_scale), s.sh_degree,
                                   [&] { return encode_compact_glb(cloud, own, "scene"); });
     if (!row) return std::unexpected(row.error());
     row->compact = true;
@@ -264,8 +264,9 @@ Expected<void> report(const CodecReport& s) {
   RenderOptions render;
   render.background = s.data.background_color();
   const Bench bench(cloud, views, render, threads);
-  CompactOptions options{.steps = default_compact_steps(cloud)};
-  if (views != nullptr) options.costs = seen_costs(views->train, cloud, render, threads);
+  CompactOptions options{.steps = default_quantization_steps(cloud)};
+  if (views != nullptr)
+    options.sensitivity = view_sensitivity(views->train, cloud, render, threads);
   const auto rows = all_rows(s, bench, cloud, options);
   if (!rows) return std::unexpected(rows.error());
   auto given = give_report(s.report, to_json(s, cloud, *rows), [&] { print_table(*rows); });

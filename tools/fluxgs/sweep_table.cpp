@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "fluxgs/printable.h"
+#include "fluxgs/sanitize.h"
 #include "tools/fluxgs/report.h"
 
 namespace fluxgs::cli {

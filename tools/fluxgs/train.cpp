@@ -10,7 +10,7 @@
 
 #include "fluxgs/io/file.h"
 #include "fluxgs/io/scene.h"
-#include "fluxgs/printable.h"
+#include "fluxgs/sanitize.h"
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/console.h"
 #include "tools/fluxgs/initial_view.h"

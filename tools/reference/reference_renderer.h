@@ -1,4 +1,4 @@
-// The yardstick: volume splatting in float64, written to be obviously right. Brute force, exact
+// The reference: volume splatting in float64, written to be obviously right. Brute force, exact
 // sort, no tiles, no cut-offs beyond α_min and T_min.
 #pragma once
 

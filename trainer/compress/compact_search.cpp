@@ -28,30 +28,31 @@ constexpr double kExcessThatIsNone = 1e-3;     // 0.1% of the size or of the err
 /// measured while the other is stored `exactly`, and that of SH coefficients with both.
 struct Part {
   const char* name;
-  void (*scale_step)(CompactSteps&, double);
+  void (*scale_step)(QuantizationSteps&, double);
   void (*take)(SplatCloud& to, const SplatCloud& from);
-  float CompactSteps::* exactly = nullptr;
+  float QuantizationSteps::* exactly = nullptr;
 };
 
 constexpr Part kParts[] = {
-    {"position", [](CompactSteps& s, double f) { s.position *= f; },
+    {"position", [](QuantizationSteps& s, double f) { s.position *= f; },
      [](SplatCloud& to, const SplatCloud& from) { to.positions = from.positions; }},
-    {"scale", [](CompactSteps& s, double f) { s.log_scale *= static_cast<float>(f); },
+    {"scale", [](QuantizationSteps& s, double f) { s.log_scale *= static_cast<float>(f); },
      [](SplatCloud& to, const SplatCloud& from) { to.log_scales = from.log_scales; }},
-    {"rotation", [](CompactSteps& s, double f) { s.rotation *= static_cast<float>(f); },
+    {"rotation", [](QuantizationSteps& s, double f) { s.rotation *= static_cast<float>(f); },
      [](SplatCloud& to, const SplatCloud& from) { to.rotations = from.rotations; }},
-    {"opacity", [](CompactSteps& s, double f) { s.opacity *= static_cast<float>(f); },
+    {"opacity", [](QuantizationSteps& s, double f) { s.opacity *= static_cast<float>(f); },
      [](SplatCloud& to, const SplatCloud& from) { to.opacity_logits = from.opacity_logits; }},
-    {"sh_dc", [](CompactSteps& s, double f) { s.sh_dc *= static_cast<float>(f); },
-     [](SplatCloud& to, const SplatCloud& from) { to.sh_dc = from.sh_dc; }, &CompactSteps::sh_rest},
-    {"sh_rest", [](CompactSteps& s, double f) { s.sh_rest *= static_cast<float>(f); },
+    {"sh_dc", [](QuantizationSteps& s, double f) { s.sh_dc *= static_cast<float>(f); },
+     [](SplatCloud& to, const SplatCloud& from) { to.sh_dc = from.sh_dc; },
+     &QuantizationSteps::sh_rest},
+    {"sh_rest", [](QuantizationSteps& s, double f) { s.sh_rest *= static_cast<float>(f); },
      [](SplatCloud& to, const SplatCloud& from) {
        to.sh_degree = from.sh_degree;  // a file does without bands that no splat has
        to.sh_rest = from.sh_rest;
        to.sh_dc = from.sh_dc;
      },
-     &CompactSteps::sh_dc},
-    {"energy", [](CompactSteps& s, double f) { s.energy *= static_cast<float>(f); },
+     &QuantizationSteps::sh_dc},
+    {"energy", [](QuantizationSteps& s, double f) { s.energy *= static_cast<float>(f); },
      [](SplatCloud& to, const SplatCloud& from) {
        to.sh_dc = from.sh_dc, to.sh_rest = from.sh_rest;
      }},
@@ -59,7 +60,7 @@ constexpr Part kParts[] = {
 constexpr std::size_t kPartCount = std::size(kParts);
 
 /// Finer steps say nothing that an image shows, and may be beyond the codec.
-CompactSteps at_least(CompactSteps steps, double position) {
+QuantizationSteps at_least(QuantizationSteps steps, double position) {
   constexpr float kFinestOfAll = 3e-6f;
   steps.position = std::max(steps.position, position);
   for (float* step : {&steps.log_scale, &steps.rotation, &steps.opacity, &steps.sh_dc,
@@ -93,7 +94,7 @@ CompactSearch::CompactSearch(const SplatCloud& cloud, const SplatCloud& shown,
       on_trial_(std::move(on_trial)),
       finest_position_(finest_position_step(cloud)) {}
 
-Expected<CompactTrial> CompactSearch::trial(const CompactSteps& steps) const {
+Expected<CompactTrial> CompactSearch::trial(const QuantizationSteps& steps) const {
   CompactTrial result{.options = options_, .file = {}, .attribute_bits = {}};
   result.options.steps = at_least(steps, finest_position_);
   auto stored = store(cloud_, result.options);
@@ -108,7 +109,7 @@ Expected<CompactTrial> CompactSearch::trial(const CompactSteps& steps) const {
 }
 
 /// With only attribute `part` quantized, of a scene that is `stored` with these steps.
-Expected<double> CompactSearch::error_of(std::size_t part, const CompactSteps& steps,
+Expected<double> CompactSearch::error_of(std::size_t part, const QuantizationSteps& steps,
                                          const SplatCloud& stored) const {
   const Part& own = kParts[part];
   SplatCloud one = ordered_;
@@ -126,7 +127,7 @@ Expected<double> CompactSearch::error_of(std::size_t part, const CompactSteps& s
   return error_.mse(one);
 }
 
-Expected<CompactSteps> CompactSearch::balanced(const CompactSteps& steps) const {
+Expected<QuantizationSteps> CompactSearch::balanced(const QuantizationSteps& steps) const {
   CompactOptions options = options_;
   options.steps = steps;
   const auto stored = store(cloud_, options);
@@ -151,7 +152,7 @@ Expected<CompactSteps> CompactSearch::balanced(const CompactSteps& steps) const 
     sum += bits[p];
     mean += bits[p] * std::log(gain[p]);
   }
-  CompactSteps result = steps;
+  QuantizationSteps result = steps;
   for (std::size_t p = 0; p < kPartCount; ++p)
     if (gain[p] > 0)
       kParts[p].scale_step(result,
@@ -161,7 +162,7 @@ Expected<CompactSteps> CompactSearch::balanced(const CompactSteps& steps) const 
 
 /// The cheapest trial that fits at any scale of these steps. Where nothing fits, nothing;
 /// `last` is then the finest.
-Expected<std::optional<CompactTrial>> CompactSearch::solve(const CompactSteps& steps,
+Expected<std::optional<CompactTrial>> CompactSearch::solve(const QuantizationSteps& steps,
                                                            const Goal& goal,
                                                            CompactTrial& last) const {
   // Of the logarithm of the step scale or, where coarser steps are what fits, of its negative
@@ -196,13 +197,13 @@ Expected<std::optional<CompactTrial>> CompactSearch::solve(const CompactSteps& s
 }
 
 Expected<CompactTrial> CompactSearch::reach(const Goal& goal, CompactTrial& last) const {
-  CompactSteps steps = options_.steps;
+  QuantizationSteps steps = options_.steps;
   std::optional<CompactTrial> best;
   for (int round = 0; round <= kBalances; ++round) {
     auto found = solve(steps, goal, last);
     if (!found) return std::unexpected(found.error());
     if (!*found) break;
-    const CompactSteps from = (*found)->options.steps;
+    const QuantizationSteps from = (*found)->options.steps;
     if (!best || goal.cost(**found) < goal.cost(*best)) best = std::move(**found);
     if (round == kBalances || best->mse <= goal.enough) break;
     const auto balance = balanced(from);

@@ -45,16 +45,16 @@ class CompactSearch {
       : CompactSearch(cloud, cloud, error, std::move(options), std::move(on_trial)) {}
 
   /// Stores and measures.
-  Expected<CompactTrial> trial(const CompactSteps& steps) const;
+  Expected<CompactTrial> trial(const QuantizationSteps& steps) const;
 
   /// Steps whose file is about as large as that of `steps`, moved towards where one more bit for
   /// any attribute buys the same error: the condition of Lagrange for the least error of all files
   /// of that size. Errors of different attributes are taken to add up.
-  Expected<CompactSteps> balanced(const CompactSteps& steps) const;
+  Expected<QuantizationSteps> balanced(const QuantizationSteps& steps) const;
 
   /// The smallest file found with psnr() ≥ `decibels`. The error is no smooth function of the
-  /// steps, for quantization may swap which of two splats is in front; the file may therefore be some
-  /// tenths of a decibel better than asked. An error if even very fine steps do not reach it.
+  /// steps, for quantization may swap which of two splats is in front; the file may therefore be
+  /// some tenths of a decibel better than asked. An error if even very fine steps do not reach it.
   Expected<CompactTrial> within_loss(double decibels) const;
 
   /// The file with the smallest error found that has `bytes` at most. An error if even very coarse
@@ -68,10 +68,10 @@ class CompactSearch {
     std::function<double(const CompactTrial&)> excess;  ///< > 0: too much
     std::function<double(const CompactTrial&)> cost;    ///< to be made small
   };
-  Expected<std::optional<CompactTrial>> solve(const CompactSteps& steps, const Goal& goal,
+  Expected<std::optional<CompactTrial>> solve(const QuantizationSteps& steps, const Goal& goal,
                                               CompactTrial& last) const;
   Expected<CompactTrial> reach(const Goal& goal, CompactTrial& last) const;
-  Expected<double> error_of(std::size_t part, const CompactSteps& steps,
+  Expected<double> error_of(std::size_t part, const QuantizationSteps& steps,
                             const SplatCloud& stored) const;
 
   const SplatCloud& cloud_;

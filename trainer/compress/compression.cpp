@@ -33,7 +33,8 @@ Expected<CompactTrial> compact_within(const SplatCloud& cloud, const SplatCloud&
                                       const CompactGoal& goal, CompactOptions start,
                                       const Threads& threads,
                                       const std::function<void(const CompactTrial&)>& on_trial) {
-  start.costs = seen_costs(goal.cameras, shown, start.networks.has_value(), goal.render, threads);
+  start.sensitivity =
+      view_sensitivity(goal.cameras, shown, start.networks.has_value(), goal.render, threads);
   const SceneError error(shown, spread_cameras(goal.cameras, kEvaluationCameras), goal.render,
                          threads);
   return CompactSearch(cloud, shown, error, std::move(start), on_trial).within_loss(goal.decibels);

@@ -57,26 +57,26 @@ void follow_rotations(const PlanarFloats& before, const std::vector<glm::quat>& 
 
 /// The lists of `costs` with the number of their entries for each splat, in the order in which
 /// attached values hold them.
-template <class Costs, class Visit>
-void visit_lists(Costs& costs, int sh_degree, const Visit& visit) {
-  visit(costs.weights, std::size_t{1});
-  visit(costs.sh_factors, sh_factor_size(sh_degree));
-  visit(costs.scale, kTriangle3);
-  visit(costs.rotation, kTriangle3);
+template <class Sensitivity, class Visit>
+void visit_lists(Sensitivity& sensitivity, int sh_degree, const Visit& visit) {
+  visit(sensitivity.weights, std::size_t{1});
+  visit(sensitivity.sh_factors, sh_factor_size(sh_degree));
+  visit(sensitivity.scale, kSymmetric3);
+  visit(sensitivity.rotation, kSymmetric3);
 }
 
-ErrorCosts attached_sensitivity(const TrainState& state) {
-  ErrorCosts costs;
+SensitivityWeights attached_sensitivity(const TrainState& state) {
+  SensitivityWeights sensitivity;
   const auto found = state.attached.find(kSensitivity);
-  if (found == state.attached.end()) return costs;
+  if (found == state.attached.end()) return sensitivity;
   const PlanarFloats& values = found->second.values;
   int row = 0;
-  visit_lists(costs, sh_degree_of(state.parameters), [&](auto& list, std::size_t each) {
+  visit_lists(sensitivity, sh_degree_of(state.parameters), [&](auto& list, std::size_t each) {
     list.resize(values.size() * each);
     for (std::size_t k = 0; k < each; ++k, ++row)
       for (std::size_t i = 0; i < values.size(); ++i) list[i * each + k] = values.row(row)[i];
   });
-  return costs;
+  return sensitivity;
 }
 
 class QuantizationAware final : public Phase {
@@ -121,7 +121,7 @@ class QuantizationAware final : public Phase {
 
   std::vector<double> save() const override {
     if (!steps_) return {};
-    const CompactSteps& s = *steps_;
+    const QuantizationSteps& s = *steps_;
     return {s.position, s.log_scale, s.rotation, s.opacity, s.sh_dc, s.sh_rest, s.energy};
   }
   Expected<void> load(const std::vector<double>& values, const TrainState& state) override;
@@ -132,11 +132,11 @@ class QuantizationAware final : public Phase {
     const SplatCloud scene = t.cloud();
     const CompactGoal goal{cameras_of(t.data.train), t.options.render,
                            compressed_psnr(t.train_psnr, t.options.get<CompressionOptions>())};
-    auto found =
-        compact_within(scene, scene, goal, {.steps = default_compact_steps(scene)}, t.threads, {});
+    auto found = compact_within(scene, scene, goal, {.steps = default_quantization_steps(scene)},
+                                t.threads, {});
     if (!found) return stop(t.state, found.error());
     steps_ = found->options.steps;
-    attach_sensitivity(t.state, found->options.costs);
+    attach_sensitivity(t.state, found->options.sensitivity);
     const auto file = quantize_parameters(t.state, *steps_);
     if (!file) return stop(t.state, file.error());
     PhaseReport report;
@@ -156,7 +156,7 @@ class QuantizationAware final : public Phase {
 
   QuantizationAwareOptions options_;
   int asked_, iterations_;
-  std::optional<CompactSteps> steps_;  ///< once it has begun
+  std::optional<QuantizationSteps> steps_;  ///< once it has begun
 };
 
 Expected<void> QuantizationAware::load(const std::vector<double>& values, const TrainState& state) {
@@ -173,11 +173,11 @@ Expected<void> QuantizationAware::load(const std::vector<double>& values, const 
   };
   const int degree = sh_degree_of(state.parameters);
   if (values.size() != 7 || !std::ranges::all_of(values, positive) ||
-      !rows_are(kSensitivity, error_costs_size(degree)) ||
+      !rows_are(kSensitivity, sensitivity_size(degree)) ||
       !rows_are(kQuantizationOffsets, static_cast<std::size_t>(state.parameters.rows())))
     return fail("", name(), "expected 7 step sizes, sensitivities and offsets");
   const auto f = [&](std::size_t i) { return static_cast<float>(values[i]); };
-  steps_ = CompactSteps{values[0], f(1), f(2), f(3), f(4), f(5), f(6)};
+  steps_ = QuantizationSteps{values[0], f(1), f(2), f(3), f(4), f(5), f(6)};
   return {};
 }
 
@@ -202,12 +202,12 @@ OptionFields QuantizationAwareOptions::fields(const TrainOptions&) {
               .only_if(on, "--quantize-aware on")};
 }
 
-void attach_sensitivity(TrainState& state, const ErrorCosts& costs) {
+void attach_sensitivity(TrainState& state, const SensitivityWeights& sensitivity) {
   const int degree = sh_degree_of(state.parameters);
   const std::size_t size = state.parameters.size();
-  PlanarFloats values(static_cast<int>(error_costs_size(degree)), size);
+  PlanarFloats values(static_cast<int>(sensitivity_size(degree)), size);
   int row = 0;
-  visit_lists(costs, degree, [&](const auto& list, std::size_t each) {
+  visit_lists(sensitivity, degree, [&](const auto& list, std::size_t each) {
     for (std::size_t k = 0; k < each; ++k, ++row)
       for (std::size_t i = 0; i < size && !list.empty(); ++i)
         values.row(row)[i] = list[i * each + k];
@@ -215,7 +215,8 @@ void attach_sensitivity(TrainState& state, const ErrorCosts& costs) {
   state.attached[kSensitivity] = {std::move(values)};
 }
 
-Expected<std::vector<std::byte>> quantize_parameters(TrainState& state, const CompactSteps& steps) {
+Expected<std::vector<std::byte>> quantize_parameters(TrainState& state,
+                                                     const QuantizationSteps& steps) {
   const int degree = sh_degree_of(state.parameters);
   PlanarFloats exact = state.parameters;
   if (const auto offsets = state.attached.find(kQuantizationOffsets);
@@ -224,7 +225,7 @@ Expected<std::vector<std::byte>> quantize_parameters(TrainState& state, const Co
   SplatCloud cloud = to_cloud(exact, degree);
   // Offsets must be between quaternions that mean the same of four half turns
   canonicalize_rotations(cloud);
-  const CompactOptions options{.steps = steps, .costs = attached_sensitivity(state)};
+  const CompactOptions options{.steps = steps, .sensitivity = attached_sensitivity(state)};
   auto file = encode_compact_glb(cloud, options, kName);
   if (!file) return std::unexpected(file.error());
   const auto stored = read_glb(*file, kName);

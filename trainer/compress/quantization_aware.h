@@ -35,14 +35,15 @@ inline constexpr const char* kQuantizationOffsets = "quantization offsets";
 inline constexpr const char* kSensitivity = "sensitivity";
 
 /// Attaches sensitivities that quantize_parameters() uses.
-void attach_sensitivity(TrainState& state, const ErrorCosts& costs);
+void attach_sensitivity(TrainState& state, const SensitivityWeights& sensitivity);
 
 /// Quantizes the parameters of a state, less their last offsets if there are any, by the attached
 /// sensitivities. The splats then have the order of the file, in which those of equal depth are
 /// drawn; the optimiser's moments of rotations follow these to where a file's quaternions lie.
 /// Returns the file, which holds exactly this scene. On an error, which names the attribute,
 /// nothing has changed.
-Expected<std::vector<std::byte>> quantize_parameters(TrainState& state, const CompactSteps& steps);
+Expected<std::vector<std::byte>> quantize_parameters(TrainState& state,
+                                                     const QuantizationSteps& steps);
 
 /// Resolves the options. Null where training is not quantization-aware. `settled`: the last
 /// iteration at which the number or the SH degrees of splats change.

@@ -35,7 +35,7 @@ void reduce_to_one_degree(TrainState& state, const TrainOptions& options, const 
 /// Bytes of a compact file with default quantization; 0 where the scene cannot be stored.
 std::size_t compact_bytes(const SplatCloud& scene) {
   const auto file =
-      encode_compact_glb(scene, {.steps = default_compact_steps(scene)}, "compact .glb");
+      encode_compact_glb(scene, {.steps = default_quantization_steps(scene)}, "compact .glb");
   return file ? file->size() : 0;
 }
 

@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include "fluxgs/io/error_costs.h"
+#include "fluxgs/io/sensitivity_weights.h"
 #include "trainer/core/random.h"
 #include "trainer/raster/rasterizer.h"
 
@@ -38,10 +38,10 @@ glm::dvec3 by_turn(const std::array<double, 4>& q, const std::array<double, 4>& 
 /// Sums of g·gᵀ, lower triangles.
 class Squares {
  public:
-  explicit Squares(std::size_t splats) : sums_(kTriangle3 * splats) {}
+  explicit Squares(std::size_t splats) : sums_(kSymmetric3 * splats) {}
 
   void add(std::size_t i, const glm::dvec3& g) {
-    double* to = &sums_[kTriangle3 * i];
+    double* to = &sums_[kSymmetric3 * i];
     for (int row = 0; row < 3; ++row)
       for (int column = 0; column <= row; ++column) *to++ += g[row] * g[column];
   }

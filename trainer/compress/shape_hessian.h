@@ -11,7 +11,7 @@
 
 namespace fluxgs {
 
-/// Lower triangles of 3×3 for each splat, as in ErrorCosts.
+/// Lower triangles of 3×3 for each splat, as in SensitivityWeights.
 struct ShapeHessian {
   std::vector<float> scale, rotation;
 };

@@ -49,18 +49,18 @@ std::vector<float> sh_factors(const PlanarFloats& parameters, const ViewWeights&
   return result;
 }
 
-ErrorCosts seen_costs(const std::vector<Camera>& cameras, const SplatCloud& cloud,
-                      bool has_networks, const RenderOptions& render, const Threads& threads,
-                      const ProgressReport& progress) {
+SensitivityWeights view_sensitivity(const std::vector<Camera>& cameras, const SplatCloud& cloud,
+                                    bool has_networks, const RenderOptions& render,
+                                    const Threads& threads, const ProgressReport& progress) {
   const PlanarFloats parameters = to_parameters(cloud, cloud.sh_degree);
   const ViewWeights views = view_weights(parameters, cameras, render, threads, progress);
-  ErrorCosts costs{.weights = total_weights(views)};
-  if (has_networks) return costs;
-  costs.sh_factors = sh_factors(parameters, views, threads);
+  SensitivityWeights sensitivity{.weights = total_weights(views)};
+  if (has_networks) return sensitivity;
+  sensitivity.sh_factors = sh_factors(parameters, views, threads);
   ShapeHessian hessian = shape_hessian(parameters, cameras, render, threads, progress);
-  costs.scale = std::move(hessian.scale);
-  costs.rotation = std::move(hessian.rotation);
-  return costs;
+  sensitivity.scale = std::move(hessian.scale);
+  sensitivity.rotation = std::move(hessian.rotation);
+  return sensitivity;
 }
 
 }  // namespace fluxgs

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "fluxgs/camera.h"
-#include "fluxgs/io/error_costs.h"
+#include "fluxgs/io/sensitivity_weights.h"
 #include "fluxgs/render_options.h"
 #include "fluxgs/splat_cloud.h"
 #include "trainer/compress/view_weights.h"
@@ -24,13 +24,13 @@ std::vector<float> total_weights(const ViewWeights& views);
 /// training views are few (banana: 12); with 0.1 files grow faster than errors fall.
 inline constexpr double kSphereShare = 0.01;
 
-/// ErrorCosts::sh_factors of a cloud with these parameters.
+/// SensitivityWeights::sh_factors of a cloud with these parameters.
 std::vector<float> sh_factors(const PlanarFloats& parameters, const ViewWeights& views,
                               const Threads& threads);
 
 /// What errors cost in the images of the cameras; where networks make the colours, only weights.
-ErrorCosts seen_costs(const std::vector<Camera>& cameras, const SplatCloud& cloud,
-                      bool has_networks, const RenderOptions& render, const Threads& threads,
-                      const ProgressReport& progress = {});
+SensitivityWeights view_sensitivity(const std::vector<Camera>& cameras, const SplatCloud& cloud,
+                                    bool has_networks, const RenderOptions& render,
+                                    const Threads& threads, const ProgressReport& progress = {});
 
 }  // namespace fluxgs

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "fluxgs/printable.h"
+#include "fluxgs/sanitize.h"
 #include "trainer/data/colmap_model.h"
 #include "trainer/data/file_bytes.h"
 #include "trainer/data/source.h"

@@ -13,7 +13,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "fluxgs/printable.h"
+#include "fluxgs/sanitize.h"
 #include "trainer/data/image_io.h"
 #include "trainer/data/rectify.h"
 

@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "fluxgs/printable.h"
+#include "fluxgs/sanitize.h"
 #include "trainer/data/file_bytes.h"
 
 namespace fluxgs {

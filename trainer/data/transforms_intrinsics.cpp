@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "fluxgs/printable.h"
+#include "fluxgs/sanitize.h"
 #include "trainer/data/source.h"
 
 namespace fluxgs {

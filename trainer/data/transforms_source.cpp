@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "fluxgs/printable.h"
+#include "fluxgs/sanitize.h"
 #include "trainer/data/file_bytes.h"
 #include "trainer/data/ply_points.h"
 #include "trainer/data/transforms_intrinsics.h"

@@ -46,7 +46,7 @@ double bytes_per_splat(const Dataset& data, const TrainOptions& options, double 
   // and a copy of that
   const int degree = initial_sh_degree(options);
   const double floats =
-      (5.0 + 8.0) * row::count(degree) + 2.0 * static_cast<double>(error_costs_size(degree));
+      (5.0 + 8.0) * row::count(degree) + 2.0 * static_cast<double>(sensitivity_size(degree));
   double bytes = floats * sizeof(float) + kPerSplat + kPerPair * pairs;
   // Now and then, and when the scene is stored, another rasterizer and the splats' weights in all
   // views (ViewWeights)

@@ -26,7 +26,7 @@ struct Candidate {
 };
 
 Candidate plain(SplatCloud cloud) {
-  const CompactSteps steps = default_compact_steps(cloud);
+  const QuantizationSteps steps = default_quantization_steps(cloud);
   return {std::move(cloud), {.steps = steps}};
 }
 

@@ -48,7 +48,7 @@ Expected<Planes> in_steps(const Channels& input, const Layout& t) {
   Planes planes(n, std::vector<double>(splats));
   std::vector<double> centered(n);
   for (std::size_t i = 0; i < splats; ++i) {
-    const double step = double{t.step} * input.coarseness_of(i);
+    const double step = double{t.step} * input.step_scale_of(i);
     for (std::size_t c = 0; c < n; ++c)
       centered[c] = double{input.values[i * n + c]} - double{t.mean[c]};
     for (std::size_t c = 0; c < n; ++c) {
@@ -82,8 +82,8 @@ void undo_differences(std::span<std::int32_t> values) {
 /// Whether differences from the prediction take fewer bits, and how many the channel takes, rounded
 /// to the nearest, which tells well enough.
 std::pair<bool, double> shorter_code(const std::vector<double>& plane) {
-  const double plain = entropy_bits(round_cheaply(plane, false, {}));
-  const double predicted = entropy_bits(round_cheaply(plane, true, {}));
+  const double plain = entropy_bits(quantize_cheaply(plane, false, {}));
+  const double predicted = entropy_bits(quantize_cheaply(plane, true, {}));
   return {predicted < plain, std::min(predicted, plain)};
 }
 
@@ -190,14 +190,14 @@ void restore_block(const Layout& t, std::span<const float> steps, std::span<floa
                 values.begin() + static_cast<std::ptrdiff_t>(c * splats + first));
 }
 
-void restore(const Layout& t, std::span<const float> coarseness, std::span<float> values,
+void restore(const Layout& t, std::span<const float> step_scale, std::span<float> values,
              std::size_t splats) {
   std::array<float, kBlock> steps;
   std::array<Block, kMaxChannels> x;
   for (std::size_t first = 0; first < splats; first += kBlock) {
     const std::size_t count = std::min(kBlock, splats - first);
     for (std::size_t i = 0; i < count; ++i)
-      steps[i] = t.step * (coarseness.empty() ? 1.0f : coarseness[first + i]);
+      steps[i] = t.step * (step_scale.empty() ? 1.0f : step_scale[first + i]);
     restore_block(t, std::span(steps).first(count), values, splats, first, x);
   }
 }
@@ -225,13 +225,14 @@ Expected<Layout> shortest_layout(const Channels& input, float step) {
   return std::move(choice->layout);
 }
 
-Expected<void> encode_channels(const Channels& input, float step, const Rounding& rounding,
-                               Bytes& out) {
+Expected<void> encode_channels(const Channels& input, float step,
+                               const RateDistortion& rate_distortion, Bytes& out) {
   const auto choice = choose(input, step);
   if (!choice) return std::unexpected(choice.error());
   std::vector<std::vector<std::int32_t>> planes;
   for (std::size_t c = 0; c < input.channels; ++c)
-    planes.push_back(round_cheaply(choice->planes[c], choice->layout.predicted[c] != 0, rounding));
+    planes.push_back(
+        quantize_cheaply(choice->planes[c], choice->layout.predicted[c] != 0, rate_distortion));
   encode_whole(choice->layout, planes, out);
   return {};
 }
@@ -242,7 +243,7 @@ Expected<double> channels_bits(const Channels& input, float step) {
   return choice->bits;
 }
 
-Expected<float> decode_channels(Reader& in, std::size_t channels, std::span<const float> coarseness,
+Expected<float> decode_channels(Reader& in, std::size_t channels, std::span<const float> step_scale,
                                 std::span<float> values) {
   if (channels == 0 || channels > kMaxChannels)
     return fail("", "", fmt::format("{} channels, expected 1 to {}", channels, kMaxChannels));
@@ -260,7 +261,7 @@ Expected<float> decode_channels(Reader& in, std::size_t channels, std::span<cons
     std::ranges::transform(plane, values.begin() + static_cast<std::ptrdiff_t>(c * splats),
                            [](std::int32_t k) { return static_cast<float>(k); });
   }
-  restore(*layout, coarseness, values, splats);
+  restore(*layout, step_scale, values, splats);
   const auto bad = std::ranges::find_if_not(values, [](float x) { return std::isfinite(x); });
   if (bad == values.end()) return layout->step;
   return fail("", "",

@@ -7,19 +7,19 @@
 
 #include <fmt/format.h>
 
+#include "cloud/activation.h"
+#include "cloud/cloud_memory.h"
+#include "cloud/gather.h"
 #include "codec/channels.h"
-#include "codec/importance.h"
 #include "codec/morton.h"
+#include "codec/perceptual_weight.h"
 #include "codec/positions.h"
+#include "codec/quantization.h"
 #include "codec/rotations.h"
-#include "codec/rounding.h"
 #include "codec/scales.h"
 #include "codec/sh.h"
-#include "codec/stored_costs.h"
+#include "codec/stored_sensitivity.h"
 #include "codec/vectors.h"
-#include "io/activation.h"
-#include "io/cloud_memory.h"
-#include "io/gather.h"
 
 namespace fluxgs::codec {
 namespace {
@@ -44,18 +44,17 @@ struct Content {
   SplatCloud cloud;
   bool has_energy = false;
   std::vector<float> energy = {};
-  std::vector<Extent> extents = {};
+  std::vector<LogExtents> extents = {};
 
   /// To be called when `attribute` is there.
   void note(Attribute attribute) {
     if (attribute == kScale) extents = extents_of(cloud.log_scales);
     if (attribute == kOpacity) set_opacities(extents, cloud.opacity_logits);
   }
-  std::vector<float> coarseness_of(Attribute attribute) const {
+  std::vector<float> step_scale_of(Attribute attribute) const {
     if (attribute == kScale) return {};
-    if (attribute == kOpacity) return codec::coarseness_of(kOpacityImportance, extents);
-    return codec::coarseness_of(attribute == kRotation ? kRotationImportance : kColorImportance,
-                                extents);
+    if (attribute == kOpacity) return codec::step_scale_of(kOpacityWeight, extents);
+    return codec::step_scale_of(attribute == kRotation ? kRotationWeight : kColorWeight, extents);
   }
 };
 
@@ -72,7 +71,7 @@ std::size_t channels_of(Attribute attribute, int sh_degree) {
   return attribute == kRest ? 3 * static_cast<std::size_t>(sh_rest_count(sh_degree)) : 3;
 }
 
-float step_of(Attribute attribute, const CompactSteps& steps) {
+float step_of(Attribute attribute, const QuantizationSteps& steps) {
   const float by_attribute[] = {0,           steps.log_scale, steps.opacity, steps.rotation,
                                 steps.sh_dc, steps.sh_rest,   steps.energy};
   return by_attribute[attribute];
@@ -147,13 +146,13 @@ std::unexpected<Error> in_attribute(Attribute attribute, const Error& error) {
 }
 
 /// Of errors in steps: those of a coarse splat are larger. 1 on the average.
-std::vector<float> rounding_weights(std::span<const float> weights,
-                                    std::span<const float> coarseness) {
+std::vector<float> quantization_weights(std::span<const float> weights,
+                                        std::span<const float> step_scale) {
   if (weights.empty()) return {};
   std::vector<float> result(weights.size());
   double sum = 0;
   for (std::size_t k = 0; k < weights.size(); ++k) {
-    const double c = coarseness.empty() ? 1.0 : double{coarseness[k]};
+    const double c = step_scale.empty() ? 1.0 : double{step_scale[k]};
     sum += double{result[k] = static_cast<float>(double{weights[k]} * c * c)};
   }
   if (!(sum > 0)) return {};
@@ -181,7 +180,7 @@ Expected<void> decode_section(Attribute attribute, std::span<const std::byte> se
   const std::size_t channels = channels_of(attribute, content.cloud.sh_degree);
   std::vector<float> values(channels * content.cloud.size());
   Reader in(section);
-  const auto step = decode_channels(in, channels, content.coarseness_of(attribute), values);
+  const auto step = decode_channels(in, channels, content.step_scale_of(attribute), values);
   if (!step) return in_attribute(attribute, step.error());
   if (in.left() > 0) return fail("", kNames[attribute], "has bytes left over");
   if (attribute == kScale) roots_to_logs(values, *step);
@@ -197,7 +196,7 @@ struct Input {
   double rate_weight = 0;
   std::vector<float> weights;
 
-  Rounding rounding() const { return {rate_weight, weights}; }
+  RateDistortion rate_distortion() const { return {rate_weight, weights}; }
 };
 
 /// The section sh_rest of colours that are rounded together (SH coefficients.h); those of degree 0
@@ -207,7 +206,8 @@ Expected<Bytes> encode_rest(const Input& rest, std::span<const float> factors,
   std::vector<float> dc;
   for (const glm::vec3& v : sh_dc) put_vec3(dc, v);
   Bytes section;
-  if (auto ok = encode_sh(rest.channels, factors, rest.step, rest.rounding(), dc, section); !ok)
+  if (auto ok = encode_sh(rest.channels, factors, rest.step, rest.rate_distortion(), dc, section);
+      !ok)
     return in_attribute(kRest, ok.error());
   for (std::size_t i = 0; i < sh_dc.size(); ++i)
     sh_dc[i] = {dc[3 * i], dc[3 * i + 1], dc[3 * i + 2]};
@@ -245,44 +245,47 @@ class Encoder {
         exact_{fluxgs::in_order(cloud, order), !energy.empty(),
                io::gather(energy, order, kEnergyChannels, kEnergyChannels)},
         decoded_(exact_),
-        costs_(costs_of(options.costs, cloud.sh_degree, order, cloud.sh_degree)) {}
+        sensitivity_(sensitivity_of(options.sensitivity, cloud.sh_degree, order, cloud.sh_degree)) {
+  }
 
   Expected<Bytes> section_of(Attribute attribute) {
-    const bool has_factors = exact_.cloud.sh_degree > 0 && !costs_.sh_factors.empty();
+    const bool has_factors = exact_.cloud.sh_degree > 0 && !sensitivity_.sh_factors.empty();
     if (attribute == kDc && has_factors) {
-      auto rest = encode_rest(input_of(kRest), costs_.sh_factors, exact_.cloud.sh_dc);
+      auto rest = encode_rest(input_of(kRest), sensitivity_.sh_factors, exact_.cloud.sh_dc);
       if (!rest) return rest;
       rest_ = std::move(*rest);
     }
     if (attribute == kRest && has_factors) return std::move(rest_);
     const Input input = input_of(attribute);
-    const std::vector<float> costs = stored_costs(attribute);
+    const std::vector<float> sensitivity = stored_sensitivity(attribute);
     Bytes section;
     const auto ok =
-        costs.empty()
-            ? encode_channels(input.channels, input.step, input.rounding(), section)
-            : encode_vectors(input.channels, costs, input.step, input.rate_weight, section);
+        sensitivity.empty()
+            ? encode_channels(input.channels, input.step, input.rate_distortion(), section)
+            : encode_vectors(input.channels, sensitivity, input.step, input.rate_weight, section);
     if (!ok) return in_attribute(attribute, ok.error());
     return section;
   }
 
   Input input_of(Attribute attribute) {
-    std::vector<float> coarseness = decoded_.coarseness_of(attribute);
-    std::vector<float> weights = rounding_weights(costs_.weights, coarseness);
+    std::vector<float> step_scale = decoded_.step_scale_of(attribute);
+    std::vector<float> weights = quantization_weights(sensitivity_.weights, step_scale);
     Stepped numbers =
         attribute == kScale
             ? roots_of(exact_.cloud.log_scales, options_.steps.log_scale)
             : Stepped{values_of(attribute, exact_), step_of(attribute, options_.steps)};
     return {.channels = {channels_of(attribute, exact_.cloud.sh_degree), std::move(numbers.values),
-                         std::move(coarseness)},
+                         std::move(step_scale)},
             .step = numbers.step,
             .rate_weight = options_.rate_weight * factor_of(attribute, rates_),
             .weights = std::move(weights)};
   }
 
-  std::vector<float> stored_costs(Attribute attribute) const {
-    if (attribute == kScale) return costs_of_roots(costs_.scale, exact_.cloud.log_scales);
-    if (attribute == kRotation) return costs_of_rotations(costs_.rotation, exact_.cloud.rotations);
+  std::vector<float> stored_sensitivity(Attribute attribute) const {
+    if (attribute == kScale)
+      return sensitivity_of_roots(sensitivity_.scale, exact_.cloud.log_scales);
+    if (attribute == kRotation)
+      return sensitivity_of_rotations(sensitivity_.rotation, exact_.cloud.rotations);
     return {};
   }
 
@@ -290,7 +293,7 @@ class Encoder {
   const RateFactors& rates_;
   Content exact_;    ///< in the order of the file
   Content decoded_;  ///< what later attributes rest on is as it will be read
-  ErrorCosts costs_;
+  SensitivityWeights sensitivity_;
   Bytes rest_;
 };
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "codec/importance.h"
-#include "codec/same_everywhere.h"
+#include "codec/deterministic_math.h"
+#include "codec/perceptual_weight.h"
 
 namespace fluxgs::codec {
 namespace {
@@ -35,7 +35,7 @@ Stepped roots_of(std::span<const glm::vec3> log_scales, float log_step) {
 
 void roots_to_logs(std::span<float> roots, float step) {
   const float least = std::max(static_cast<float>(kMinRootSteps * double{step}), 1e-30f);
-  for (float& x : roots) x = 2 * same_log(std::max(x, least));
+  for (float& x : roots) x = 2 * portable_log(std::max(x, least));
 }
 
 }  // namespace fluxgs::codec

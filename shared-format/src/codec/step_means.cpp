@@ -4,10 +4,10 @@
 #include <cmath>
 #include <vector>
 
-#include "codec/importance.h"
-#include "codec/rounding.h"
+#include "codec/perceptual_weight.h"
+#include "codec/quantization.h"
 #include "codec/scales.h"
-#include "codec/stored_costs.h"
+#include "codec/stored_sensitivity.h"
 
 namespace fluxgs::codec {
 namespace {
@@ -19,10 +19,10 @@ float times(float step, double logarithm) {
 }
 
 /// weight·step² of each splat.
-std::vector<double> in_steps(std::span<const float> coarseness, std::span<const float> weights) {
+std::vector<double> in_steps(std::span<const float> step_scale, std::span<const float> weights) {
   std::vector<double> result(weights.size());
   for (std::size_t i = 0; i < result.size(); ++i) {
-    const double c = coarseness.empty() ? 1.0 : double{coarseness[i]};
+    const double c = step_scale.empty() ? 1.0 : double{step_scale[i]};
     result[i] = double{weights[i]} * c * c;
   }
   return result;
@@ -44,17 +44,17 @@ double whole_over_part(std::span<const double> weights, std::span<const std::uin
 
 StepMeans step_means(const SplatCloud& cloud) {
   StepMeans means{.log_scale = mean_log_scale(cloud.log_scales)};
-  std::vector<Extent> extents = extents_of(cloud.log_scales);
-  means.opacity = mean_importance(kOpacityImportance, extents);
+  std::vector<LogExtents> extents = extents_of(cloud.log_scales);
+  means.opacity = mean_perceptual_weight(kOpacityWeight, extents);
   set_opacities(extents, cloud.opacity_logits);
-  means.rotation = mean_importance(kRotationImportance, extents);
-  means.color = mean_importance(kColorImportance, extents);
+  means.rotation = mean_perceptual_weight(kRotationWeight, extents);
+  means.color = mean_perceptual_weight(kColorWeight, extents);
   return means;
 }
 
-CompactSteps steps_within(const CompactSteps& steps, const StepMeans& part,
-                          const StepMeans& whole) {
-  CompactSteps result = steps;
+QuantizationSteps steps_within(const QuantizationSteps& steps, const StepMeans& part,
+                               const StepMeans& whole) {
+  QuantizationSteps result = steps;
   // Of roots: half the logarithm
   result.log_scale = times(steps.log_scale, (whole.log_scale - part.log_scale) / 2);
   result.opacity = times(steps.opacity, whole.opacity - part.opacity);
@@ -64,21 +64,24 @@ CompactSteps steps_within(const CompactSteps& steps, const StepMeans& part,
   return result;
 }
 
-RateWeights::RateWeights(const SplatCloud& whole, const ErrorCosts& costs) {
-  std::vector<Extent> extents = extents_of(whole.log_scales);
-  const auto weigh = [&](const Importance& importance, std::span<const float> weights) {
+RateWeights::RateWeights(const SplatCloud& whole, const SensitivityWeights& sensitivity) {
+  std::vector<LogExtents> extents = extents_of(whole.log_scales);
+  const auto weigh = [&](const PerceptualWeight& perceptual_weight,
+                         std::span<const float> weights) {
     return weights.empty() ? std::vector<double>()
-                           : in_steps(coarseness_of(importance, extents), weights);
+                           : in_steps(step_scale_of(perceptual_weight, extents), weights);
   };
   const auto means_or_weights = [&](const std::vector<float>& own) {
-    return own.empty() ? costs.weights : mean_costs(own);
+    return own.empty() ? sensitivity.weights : mean_sensitivity(own);
   };
-  scale_ = weigh(Importance(0), means_or_weights(costs_of_roots(costs.scale, whole.log_scales)));
-  opacity_ = weigh(kOpacityImportance, costs.weights);
+  scale_ = weigh(PerceptualWeight(0),
+                 means_or_weights(sensitivity_of_roots(sensitivity.scale, whole.log_scales)));
+  opacity_ = weigh(kOpacityWeight, sensitivity.weights);
   set_opacities(extents, whole.opacity_logits);
-  rotation_ = weigh(kRotationImportance,
-                    means_or_weights(costs_of_rotations(costs.rotation, whole.rotations)));
-  color_ = weigh(kColorImportance, costs.weights);
+  rotation_ =
+      weigh(kRotationWeight,
+            means_or_weights(sensitivity_of_rotations(sensitivity.rotation, whole.rotations)));
+  color_ = weigh(kColorWeight, sensitivity.weights);
 }
 
 RateFactors RateWeights::of(std::span<const std::uint32_t> part) const {

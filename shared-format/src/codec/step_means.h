@@ -23,7 +23,8 @@ StepMeans step_means(const SplatCloud& cloud);
 
 /// The steps for a part of a scene with which its splats get the same rounding as they would within
 /// the whole with `steps`.
-CompactSteps steps_within(const CompactSteps& steps, const StepMeans& part, const StepMeans& whole);
+QuantizationSteps steps_within(const QuantizationSteps& steps, const StepMeans& part,
+                               const StepMeans& whole);
 
 /// Multiples of CompactOptions::rate_weight for each attribute.
 struct RateFactors {
@@ -34,7 +35,7 @@ struct RateFactors {
 class RateWeights {
  public:
   /// Of a finite cloud and the costs of its splats, if there are any.
-  RateWeights(const SplatCloud& whole, const ErrorCosts& costs);
+  RateWeights(const SplatCloud& whole, const SensitivityWeights& sensitivity);
 
   /// For a part of the scene, whose weights are to count as within the whole although those of each
   /// stream are 1 on the average: how much less than the mean they count.

@@ -8,8 +8,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include "codec/shaped_rounding.h"
-#include "codec/triangles.h"
+#include "codec/noise_shaping.h"
+#include "codec/symmetric3.h"
 
 namespace fluxgs::codec {
 namespace {
@@ -27,26 +27,26 @@ Matrix3d basis_of(const Layout& layout) {
 }
 
 /// The lower triangle L of h = L·Lᵀ, which may have been a little less than definite.
-Triangle factor_of(const Matrix3d& h) {
+Symmetric3 factor_of(const Matrix3d& h) {
   Eigen::LLT<Matrix3d> factor(h);
   if (factor.info() != Eigen::Success) factor.compute(Matrix3d(h.diagonal().asDiagonal()));
   return lower_triangle(factor.matrixL());
 }
 
 /// Of each splat's cost of errors in steps, along the columns of the basis.
-std::vector<Triangle> factors_of(const Channels& input, std::span<const float> costs,
-                                 const Matrix3d& basis) {
+std::vector<Symmetric3> factors_of(const Channels& input, std::span<const float> sensitivity,
+                                   const Matrix3d& basis) {
   const std::size_t splats = input.splats();
   double sum = 0;
   for (std::size_t i = 0; i < splats; ++i)
-    sum +=
-        input.coarseness_of(i) * input.coarseness_of(i) * symmetric(triangle_of(costs, i)).trace();
+    sum += input.step_scale_of(i) * input.step_scale_of(i) *
+           symmetric(symmetric3_of(sensitivity, i)).trace();
   const double mean = sum > 0 ? sum / (3 * static_cast<double>(splats)) : 1;
-  std::vector<Triangle> factors;
+  std::vector<Symmetric3> factors;
   factors.reserve(splats);
   for (std::size_t i = 0; i < splats; ++i) {
-    const double in_steps = input.coarseness_of(i) * input.coarseness_of(i) / mean;
-    Matrix3d h = in_steps * (basis.transpose() * symmetric(triangle_of(costs, i)) * basis);
+    const double in_steps = input.step_scale_of(i) * input.step_scale_of(i) / mean;
+    Matrix3d h = in_steps * (basis.transpose() * symmetric(symmetric3_of(sensitivity, i)) * basis);
     h.diagonal().array() += kMinCost;
     factors.push_back(factor_of(h));
   }
@@ -55,27 +55,27 @@ std::vector<Triangle> factors_of(const Channels& input, std::span<const float> c
 
 }  // namespace
 
-Expected<void> encode_vectors(const Channels& input, std::span<const float> costs, float step,
+Expected<void> encode_vectors(const Channels& input, std::span<const float> sensitivity, float step,
                               double rate_weight, Bytes& out) {
   const auto layout = shortest_layout(input, step);
   if (!layout) return std::unexpected(layout.error());
   const Matrix3d basis = basis_of(*layout);
   const Vector3d mean = Eigen::Map<const Eigen::Vector3f>(layout->mean.data()).cast<double>();
-  const std::vector<Triangle> factors = factors_of(input, costs, basis);
-  ShapedRounding rounding(layout->predicted, input.splats(), rate_weight);
+  const std::vector<Symmetric3> factors = factors_of(input, sensitivity, basis);
+  NoiseShapingQuantizer rate_distortion(layout->predicted, input.splats(), rate_weight);
   const auto pass = [&]() -> Expected<void> {
     for (std::size_t i = 0; i < input.splats(); ++i) {
       const Eigen::Map<const Eigen::Vector3f> value(&input.values[3 * i]);
       const Vector3d x = basis.transpose() * (value.cast<double>() - mean);
       std::array<double, 3> errors{};
-      const Shaped numbers{
-          .x = {x.data(), 3}, .factor = factors[i], .step = double{step} * input.coarseness_of(i)};
-      if (auto ok = rounding.round(i, numbers, 0, 1, errors); !ok) return ok;
+      const CoupledValues numbers{
+          .x = {x.data(), 3}, .factor = factors[i], .step = double{step} * input.step_scale_of(i)};
+      if (auto ok = rate_distortion.round(i, numbers, 0, 1, errors); !ok) return ok;
     }
     return {};
   };
-  if (auto ok = rounding.run(pass); !ok) return ok;
-  encode_whole(*layout, std::move(rounding).planes(), out);
+  if (auto ok = rate_distortion.run(pass); !ok) return ok;
+  encode_whole(*layout, std::move(rate_distortion).planes(), out);
   return {};
 }
 

@@ -1,4 +1,4 @@
-// Rounding of three numbers a splat whose errors are not all seen alike (shaped_rounding.h), such
+// Rounding of three numbers a splat whose errors are not all seen alike (noise_shaping.h), such
 // as the turn of a disc within its plane, which no image shows.
 #pragma once
 
@@ -6,7 +6,7 @@
 
 #include "codec/bytes.h"
 #include "codec/channels.h"
-#include "codec/rounding.h"
+#include "codec/quantization.h"
 #include "fluxgs/error.h"
 
 namespace fluxgs::codec {
@@ -16,7 +16,7 @@ namespace fluxgs::codec {
 /// row by row, finite, on any scale. They take the place of the rounding's weights: 1 is the mean
 /// of H's diagonals in steps, a part of which is added to each. An error if a value over the step
 /// is beyond ±2²⁸.
-Expected<void> encode_vectors(const Channels& input, std::span<const float> costs, float step,
+Expected<void> encode_vectors(const Channels& input, std::span<const float> sensitivity, float step,
                               double rate_weight, Bytes& out);
 
 }  // namespace fluxgs::codec

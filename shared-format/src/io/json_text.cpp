@@ -1,10 +1,10 @@
-#include "json_text.h"
+#include "io/json_text.h"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
-#include "fluxgs/printable.h"
+#include "fluxgs/sanitize.h"
 
 namespace fluxgs::io {
 namespace {
@@ -50,7 +50,7 @@ Expected<json> parse_json_object(std::string_view text, const std::string& name,
   } catch (const json::parse_error& error) {
     return fail(name, field, fmt::format("is not JSON from byte {} on", error.byte));
   } catch (const json::exception& error) {
-    return fail(name, field, printable(error.what(), 200));
+    return fail(name, field, sanitized(error.what(), 200));
   }
 }
 

@@ -13,7 +13,7 @@
 #include "fluxgs/io/sog.h"
 #include "fluxgs/io/splat.h"
 #include "fluxgs/io/spz.h"
-#include "splat_record.h"
+#include "io/splat/splat_record.h"
 
 namespace fluxgs {
 namespace {

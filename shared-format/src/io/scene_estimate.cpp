@@ -4,11 +4,11 @@
 
 #include "fluxgs/io/scene.h"
 #include "fluxgs/io/sog.h"
-#include "glb_container.h"
-#include "gltf_document.h"
-#include "ply_header.h"
-#include "splat_record.h"
-#include "spz_packed.h"
+#include "io/gltf/glb_container.h"
+#include "io/gltf/gltf_document.h"
+#include "io/ply/ply_header.h"
+#include "io/splat/splat_record.h"
+#include "io/spz/spz_packed.h"
 
 namespace fluxgs {
 namespace {

@@ -173,8 +173,8 @@ Expected<void> for_each_field(Bytes message, std::span<const Rule> rules, const 
 /// Short printable names only, so that every message that quotes one is one clear line.
 Expected<void> read_name(const Field& field, std::string& name, const Place& place) {
   const std::string_view text = field.as_text();
-  const bool printable = std::ranges::all_of(text, [](char c) { return c >= 0x20 && c <= 0x7e; });
-  if (text.size() > kMaxNameLength || !printable) {
+  const bool sanitized = std::ranges::all_of(text, [](char c) { return c >= 0x20 && c <= 0x7e; });
+  if (text.size() > kMaxNameLength || !sanitized) {
     return fail(place,
                 fmt::format("expected at most {} characters of printable ASCII", kMaxNameLength));
   }

@@ -1,5 +1,5 @@
 // An attribute of the compact codec: two bytes of count, one of channels, one of flags (do the
-// splats differ in coarseness, are they rounded cheaply), then the stream. What can be decoded must
+// splats differ in step scale, are they rounded cheaply), then the stream. What can be decoded must
 // encode again to within the error that channels.h states, or be refused.
 #include "codec/channels.h"
 
@@ -11,22 +11,22 @@
 namespace fluxgs::fuzz {
 namespace {
 
-std::vector<float> some_coarseness(std::size_t splats) {
-  std::vector<float> coarseness(splats);
+std::vector<float> some_step_scale(std::size_t splats) {
+  std::vector<float> step_scale(splats);
   for (std::size_t i = 0; i < splats; ++i) {
-    coarseness[i] = 0.25f * static_cast<float>(1 + i * 7 % 16);
+    step_scale[i] = 0.25f * static_cast<float>(1 + i * 7 % 16);
   }
-  return coarseness;
+  return step_scale;
 }
 
-void check_round_trip(const codec::Channels& input, const codec::Rounding& how) {
+void check_round_trip(const codec::Channels& input, const codec::RateDistortion& how) {
   constexpr float kStep = 0.125f;
   Bytes bytes;
   const auto encoded = codec::encode_channels(input, kStep, how, bytes);
   if (!encoded) return check_error(encoded.error());
   std::vector<float> back(input.values.size());
   codec::Reader in(bytes);
-  const auto decoded = codec::decode_channels(in, input.channels, input.coarseness, back);
+  const auto decoded = codec::decode_channels(in, input.channels, input.step_scale, back);
   if (!decoded) broken("what was encoded can be decoded: " + decoded.error().message());
   require(in.left() == 0, "nothing is left over");
   const float steps = how.rate_weight > 0 ? 1.5f : 0.5f;  // rounding.h
@@ -35,12 +35,12 @@ void check_round_trip(const codec::Channels& input, const codec::Rounding& how) 
   for (std::size_t i = 0; i < back.size(); ++i) {
     const std::size_t splat = i % input.splats(), channel = i / input.splats();
     const float before = input.values[splat * input.channels + channel];
-    const float coarseness = input.coarseness.empty() ? 1 : input.coarseness[splat];
+    const float step_scale = input.step_scale.empty() ? 1 : input.step_scale[splat];
     const float channels = static_cast<float>(input.channels);
     // Single precision: the mean and the axes are stored in it, sums over channels done in it.
-    const float rounding = 1e-5f * channels * largest;
+    const float rate_distortion = 1e-5f * channels * largest;
     require(std::abs(back[i] - before) <=
-                kStep * coarseness * steps * std::sqrt(channels) * 1.001f + rounding,
+                kStep * step_scale * steps * std::sqrt(channels) * 1.001f + rate_distortion,
             "a value is off by at most as many steps as its rounding says");
   }
 }
@@ -53,10 +53,10 @@ FLUXGS_FUZZ_TARGET(channels) {
   const std::uint8_t flags = parameters.byte();
   const bool coarse = flags % 2 != 0, cheaply = flags / 2 % 2 != 0;
   codec::Channels output{std::max<std::size_t>(channels, 1), std::vector<float>(splats * channels),
-                         coarse ? some_coarseness(splats) : std::vector<float>()};
+                         coarse ? some_step_scale(splats) : std::vector<float>()};
   codec::Reader in(parameters.rest());
   const Meter meter;
-  const auto decoded = codec::decode_channels(in, channels, output.coarseness, output.values);
+  const auto decoded = codec::decode_channels(in, channels, output.step_scale, output.values);
   check_memory(meter.peak(), {256 << 10, 0}, input.size(), 2 * splats);
   if (!decoded) {
     check_error(decoded.error());

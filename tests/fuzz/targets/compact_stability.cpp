@@ -21,8 +21,8 @@ void check_positions(const SplatCloud& before, const SplatCloud& after, double s
   for (std::size_t k = 0; k < order.size(); ++k) {
     const glm::dvec3 from = before.positions[order[k]], to = after.positions[k];
     for (int c = 0; c < 3; ++c) {
-      const double rounding = 1e-7 * std::abs(from[c]);
-      require(std::abs(from[c] - to[c]) <= step / 2 + rounding,
+      const double rate_distortion = 1e-7 * std::abs(from[c]);
+      require(std::abs(from[c] - to[c]) <= step / 2 + rate_distortion,
               "compact: a position is off by at most half a step");
     }
   }
@@ -47,7 +47,7 @@ void try_compact(SplatCloud cloud) {
 void try_files(const SplatCloud& cloud) {
   const std::size_t splats = cloud.size() - count_non_finite(cloud);
   for (const bool plain : {false, true}) {
-    const CompactOptions options{default_compact_steps(cloud), plain};
+    const CompactOptions options{default_quantization_steps(cloud), plain};
     const auto file = encode_compact_glb(cloud, options, "x");
     if (!file) {
       check_error(file.error());

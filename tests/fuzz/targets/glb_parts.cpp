@@ -6,7 +6,7 @@
 #include "fluxgs/io/gltf.h"
 #include "glb_allowance.h"
 #include "harness.h"
-#include "io/glb_container.h"
+#include "io/gltf/glb_container.h"
 
 namespace fluxgs::fuzz {
 namespace {

@@ -8,7 +8,7 @@
 #include "file_bundle.h"
 #include "fluxgs/io/sog.h"
 #include "harness.h"
-#include "io/named_files.h"
+#include "io/sog/named_files.h"
 #include "sog_allowance.h"
 #include "support/temp_folder.h"
 

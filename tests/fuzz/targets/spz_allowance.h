@@ -3,7 +3,7 @@
 
 #include "fluxgs/io/scene_file.h"
 #include "harness.h"
-#include "io/spz_layout.h"
+#include "io/spz/spz_layout.h"
 
 namespace fluxgs::fuzz {
 

@@ -9,7 +9,7 @@
 
 #include "fluxgs/io/spz.h"
 #include "harness.h"
-#include "io/spz_layout.h"
+#include "io/spz/spz_layout.h"
 #include "spz_allowance.h"
 
 namespace fluxgs::fuzz {

@@ -125,7 +125,7 @@ TEST(CompactGlb, ValuesBeyondTheStepsReachAreAnError) {
   ASSERT_FALSE(glb);
   EXPECT_EQ(glb.error().file, "far.glb");
   EXPECT_EQ(glb.error().field, "positions");
-  const auto usual = encode_compact_glb(cloud, {default_compact_steps(cloud)}, "far.glb");
+  const auto usual = encode_compact_glb(cloud, {default_quantization_steps(cloud)}, "far.glb");
   EXPECT_TRUE(usual) << usual.error().message();
 }
 
@@ -133,7 +133,7 @@ TEST(CompactGlb, SplatsOfAbsurdSizesAreWrittenWithUsualSteps) {
   for (const float log_scale : {1e30f, -1e30f, 80.0f, -80.0f}) {
     SplatCloud cloud = random_cloud(20, 1);
     for (glm::vec3& s : cloud.log_scales) s = glm::vec3(log_scale, -log_scale, log_scale);
-    const auto glb = encode_compact_glb(cloud, {default_compact_steps(cloud)}, "x.glb");
+    const auto glb = encode_compact_glb(cloud, {default_quantization_steps(cloud)}, "x.glb");
     ASSERT_TRUE(glb) << log_scale << ": " << glb.error().message();
     EXPECT_EQ(read(*glb)->cloud.size(), 20u);
   }
@@ -141,13 +141,13 @@ TEST(CompactGlb, SplatsOfAbsurdSizesAreWrittenWithUsualSteps) {
 
 TEST(CompactGlb, WeightsMustBeOneForEachSplat) {
   SplatCloud cloud = random_cloud(20, 0);
-  const auto wrong = encode_compact_glb(cloud, {.costs = {.weights = {1, 2}}}, "x.glb");
+  const auto wrong = encode_compact_glb(cloud, {.sensitivity = {.weights = {1, 2}}}, "x.glb");
   ASSERT_FALSE(wrong);
   EXPECT_EQ(wrong.error().message(),
             "x.glb: weights: 2 of them, expected one for each of 20 splats");
   cloud.positions[3].y = std::numeric_limits<float>::infinity();  // left out with its weight
   EXPECT_TRUE(
-      encode_compact_glb(cloud, {.costs = {.weights = std::vector<float>(20, 1)}}, "x.glb"));
+      encode_compact_glb(cloud, {.sensitivity = {.weights = std::vector<float>(20, 1)}}, "x.glb"));
 }
 
 struct Damage {

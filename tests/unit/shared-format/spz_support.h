@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "fluxgs/io/spz.h"
-#include "shared-format/src/io/spz_compression.h"
+#include "shared-format/src/io/spz/spz_compression.h"
 #include "support.h"
 
 namespace fluxgs::test {

@@ -8,7 +8,7 @@
 #include "fluxgs/io/gltf.h"
 #include "fluxgs/io/ply.h"
 #include "fluxgs/math/spherical_harmonics.h"
-#include "shared-format/src/io/spz_layout.h"
+#include "shared-format/src/io/spz/spz_layout.h"
 #include "spz_support.h"
 
 namespace fluxgs {

@@ -36,7 +36,7 @@ struct Fixture {
   SplatCloud cloud = faint_cloud();
   Threads threads{1};
   SceneError error{cloud, some_cameras(), {}, threads};
-  CompactOptions options{.steps = default_compact_steps(cloud)};
+  CompactOptions options{.steps = default_quantization_steps(cloud)};
 };
 
 // The camera is inside of the splat
@@ -68,7 +68,7 @@ TEST(SeenSplats, WeightsAddUpToTheImage) {
   const Threads threads(1);
   SplatCloud cloud = test::random_cloud(400, 2, 3);
   const auto cameras = some_cameras();
-  const auto weights = seen_costs(cameras, cloud, false, {}, threads).weights;
+  const auto weights = view_sensitivity(cameras, cloud, false, {}, threads).weights;
   ASSERT_EQ(weights.size(), cloud.size());
   limit_sh_degree(cloud, 0);
   for (glm::vec3& dc : cloud.sh_dc) dc = glm::vec3(0);  // colour 0.5
@@ -91,7 +91,7 @@ TEST(SeenSplats, HiddenSplatsWeighNextToNothing) {
   cloud.log_scales[1] = behind.log_scales[0];
   cloud.opacity_logits[1] = 20;
   const auto weights =
-      seen_costs({test::camera_in_front(32, 32)}, cloud, false, {}, threads).weights;
+      view_sensitivity({test::camera_in_front(32, 32)}, cloud, false, {}, threads).weights;
   EXPECT_LT(weights[1], 0.02f * weights[0]);
   EXPECT_GT(weights[1], 0);
 }
@@ -252,7 +252,7 @@ TEST(CompactSearch, SplatsOfSeveralDegrees) {
   for (std::size_t i = 0; i < cloud.size(); ++i)
     for (std::size_t k = i % 2 == 0 ? 0 : 3; k < 15; ++k) cloud.sh_rest[15 * i + k] = glm::vec3(0);
   const SceneError error(cloud, some_cameras(), {}, f.threads);
-  const CompactOptions options{.steps = default_compact_steps(cloud)};
+  const CompactOptions options{.steps = default_quantization_steps(cloud)};
   const auto found = CompactSearch(cloud, error, options).within_loss(40);
   ASSERT_TRUE(found) << found.error().message();
   EXPECT_GE(found->psnr(), 40);
@@ -273,7 +273,7 @@ TEST(CompactSearch, ASplatFarAwayIsNoError) {
   Fixture f;
   f.cloud.positions[0].x = 1e20f;
   const SceneError error(f.cloud, some_cameras(), {}, f.threads);
-  const CompactSearch search(f.cloud, error, {.steps = default_compact_steps(f.cloud)});
+  const CompactSearch search(f.cloud, error, {.steps = default_quantization_steps(f.cloud)});
   EXPECT_TRUE(search.within_bytes(50'000));
 }
 

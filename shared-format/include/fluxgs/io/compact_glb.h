@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "fluxgs/error.h"
-#include "fluxgs/io/error_costs.h"
+#include "fluxgs/io/sensitivity_weights.h"
 #include "fluxgs/networks/appearance.h"
 #include "fluxgs/splat_cloud.h"
 
@@ -18,7 +18,7 @@ namespace fluxgs {
 /// How coarsely each attribute is rounded: smaller steps, more bytes, less error. All > 0. Those of
 /// positions are the same everywhere, the others hold for splats of usual size and opacity; large
 /// and opaque ones are rounded less (importance.h).
-struct CompactSteps {
+struct QuantizationSteps {
   double position = 1e-3;  ///< scene units
   float log_scale = 0.2f;  ///< of the natural logarithm
   float rotation = 0.06f;  ///< of the quaternion's x, y, z
@@ -28,16 +28,16 @@ struct CompactSteps {
   float energy = 0.1f;  ///< of the networks' input, which then stands for the two above
 };
 
-/// Steps that suit most scenes, times `coarseness` (> 0): at 1, images of scans and of scenes
+/// Steps that suit most scenes, times `step scale` (> 0): at 1, images of scans and of scenes
 /// trained from images are about 40 dB from those of the exact scene. Positions are rounded
 /// relative to the median size of the splats, or as finely as a file can.
-CompactSteps default_compact_steps(const SplatCloud& cloud, double coarseness = 1);
+QuantizationSteps default_quantization_steps(const SplatCloud& cloud, double step_scale = 1);
 
 /// The finest step of positions that a file can have: it counts fewer than 2²⁴ along an axis.
 double finest_position_step(const SplatCloud& cloud);
 
 /// Every step times `factor`.
-CompactSteps scaled(const CompactSteps& steps, double factor);
+QuantizationSteps scaled(const QuantizationSteps& steps, double factor);
 
 /// Which splat of a cloud of finite splats is where in its compact file: order[k] is the index in
 /// the cloud of splat k of the file. With networks: CompactOptions::networks.
@@ -63,11 +63,11 @@ struct CompactNetworks {
 };
 
 struct CompactOptions {
-  CompactSteps steps = {};
+  QuantizationSteps steps = {};
   bool plain_attributes = false;  ///< also store what is decoded as plain floats, see below
   double rate_weight = kDefaultRateWeight;  ///< ≥ 0; 0 rounds to the nearest
   /// What errors cost when values are rounded. Of networks' scenes, only by weights.
-  ErrorCosts costs = {};
+  SensitivityWeights sensitivity = {};
   /// The cloud is then of degree 1, and its colours are what Φ begins with; with Ψ they are not
   /// stored. Φ gets rotations as the file has them: it must know them as canonicalize_rotations()
   /// makes them. What is written is run once as a check, for which onnxruntime must be here.

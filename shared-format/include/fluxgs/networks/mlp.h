@@ -39,7 +39,7 @@ struct Signature {
 /// An error if there are no layers, sizes disagree or a weight is not finite.
 Expected<void> check_mlp(const Mlp& mlp);
 
-/// The output for one row of input, computed in float64: the yardstick for faster evaluations. The
+/// The output for one row of input, computed in float64: the reference for faster evaluations. The
 /// network must pass check_mlp() and `row` must have as many entries as it has inputs.
 std::vector<double> evaluate(const Mlp& mlp, std::span<const double> row);
 

@@ -98,11 +98,11 @@ TEST(Channels, OneSplatAndEqualSplats) {
 
 TEST(Channels, CoarseSplatsLoseMore) {
   Channels input = smooth(4000, 3, 0.2f);
-  for (std::size_t i = 0; i < input.splats(); ++i) input.coarseness.push_back(i % 2 ? 4.0f : 1.0f);
+  for (std::size_t i = 0; i < input.splats(); ++i) input.step_scale.push_back(i % 2 ? 4.0f : 1.0f);
   const Bytes bytes = encoded(input, 0.05f);
   Reader in(bytes);
   std::vector<float> back(input.values.size());
-  ASSERT_TRUE(decode_channels(in, 3, input.coarseness, back));
+  ASSERT_TRUE(decode_channels(in, 3, input.step_scale, back));
   back = by_splat(back, 3);
   double squares[2] = {0, 0};
   for (std::size_t i = 0; i < back.size(); ++i) {

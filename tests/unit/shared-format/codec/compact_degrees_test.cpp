@@ -18,12 +18,12 @@ using namespace test;
 using nlohmann::json;
 
 constexpr char kExtension[] = "FLUXGS_gaussian_splatting_compact";
-constexpr CompactSteps kFine{.position = 1e-5,
-                             .log_scale = 1e-4f,
-                             .rotation = 1e-4f,
-                             .opacity = 1e-4f,
-                             .sh_dc = 1e-4f,
-                             .sh_rest = 1e-4f};
+constexpr QuantizationSteps kFine{.position = 1e-5,
+                                  .log_scale = 1e-4f,
+                                  .rotation = 1e-4f,
+                                  .opacity = 1e-4f,
+                                  .sh_dc = 1e-4f,
+                                  .sh_rest = 1e-4f};
 
 /// Leaves splat i without the bands above a degree.
 void limit_splat(SplatCloud& cloud, std::size_t i, int degree) {
@@ -108,7 +108,7 @@ TEST(CompactDegrees, AreRoundedAlike) {
   }
   SplatCloud alike = cloud;  // has degree 3 throughout, and so one stream
   for (std::size_t i = 0; i < 1500; ++i) alike.sh_rest[15 * i + 14].x = 1e-6f;
-  const CompactOptions options{.steps = default_compact_steps(cloud, 0.2), .rate_weight = 0};
+  const CompactOptions options{.steps = default_quantization_steps(cloud, 0.2), .rate_weight = 0};
   // Root mean square errors of opacity, colour and size of the first and the last 1500
   const auto errors = [&](const SplatCloud& stored) {
     const auto scene = read_glb(*encode_compact_glb(stored, options, "x"), "x");
@@ -139,26 +139,26 @@ TEST(CompactDegrees, AreRoundedAlike) {
 TEST(CompactDegrees, WeightsCountAsWithinTheWhole) {
   SplatCloud cloud;
   cloud.resize(4);
-  ErrorCosts costs{.weights = {1, 1, 3, 3}};
+  SensitivityWeights sensitivity{.weights = {1, 1, 3, 3}};
   const std::vector<std::uint32_t> light{0, 1}, heavy{2, 3}, all{0, 1, 2, 3};
-  const auto low = codec::RateWeights(cloud, costs).of(light);
-  const auto high = codec::RateWeights(cloud, costs).of(heavy);
+  const auto low = codec::RateWeights(cloud, sensitivity).of(light);
+  const auto high = codec::RateWeights(cloud, sensitivity).of(heavy);
   for (const auto member : {&codec::RateFactors::scale, &codec::RateFactors::opacity,
                             &codec::RateFactors::rotation, &codec::RateFactors::color}) {
     EXPECT_DOUBLE_EQ(low.*member, 2);
     EXPECT_DOUBLE_EQ(high.*member, 2.0 / 3);
-    EXPECT_EQ(codec::RateWeights(cloud, costs).of(all).*member, 1);
+    EXPECT_EQ(codec::RateWeights(cloud, sensitivity).of(all).*member, 1);
     EXPECT_EQ(codec::RateWeights(cloud, {}).of(light).*member, 1);
     EXPECT_EQ(codec::RateWeights(cloud, {.weights = std::vector<float>(4)}).of(light).*member, 1);
   }
   // By the means of their diagonals where there are costs
-  costs.scale = {1, 0, 0, 0, 0, 2, 1, 0, 0, 0, 0, 2, 1, 0, 3, 0, 0, 1, 1, 0, 4, 0, 0, 0};
-  EXPECT_NEAR(codec::RateWeights(cloud, costs).of(light).scale, 4.0 / 3, 1e-6);
-  EXPECT_EQ(codec::RateWeights(cloud, costs).of(light).rotation, 2);
-  costs.scale = {};
+  sensitivity.scale = {1, 0, 0, 0, 0, 2, 1, 0, 0, 0, 0, 2, 1, 0, 3, 0, 0, 1, 1, 0, 4, 0, 0, 0};
+  EXPECT_NEAR(codec::RateWeights(cloud, sensitivity).of(light).scale, 4.0 / 3, 1e-6);
+  EXPECT_EQ(codec::RateWeights(cloud, sensitivity).of(light).rotation, 2);
+  sensitivity.scale = {};
   // Twice the size, and so 2^0.7 times finer steps of colours: in such steps errors weigh less
   for (const std::uint32_t i : heavy) cloud.log_scales[i] = glm::vec3(std::log(2.0f));
-  const auto large = codec::RateWeights(cloud, costs).of(heavy);
+  const auto large = codec::RateWeights(cloud, sensitivity).of(heavy);
   const double in_steps = 3 / std::exp2(1.4);
   EXPECT_DOUBLE_EQ(large.scale, 2.0 / 3);
   EXPECT_NEAR(large.color, (1 + in_steps) / 2 / in_steps, 1e-5);
@@ -220,8 +220,8 @@ TEST(CompactDegrees, BitsAreAddedAndWeightsFollowTheirSplats) {
   const SplatCloud cloud = mixed_cloud(8000);
   std::vector<float> weights(cloud.size(), 1);
   weights[4001] = 1e4f;
-  const CompactOptions options{.steps = default_compact_steps(cloud),
-                               .costs = {.weights = weights}};
+  const CompactOptions options{.steps = default_quantization_steps(cloud),
+                               .sensitivity = {.weights = weights}};
   const Bytes glb = *encode_compact_glb(cloud, options, "x");
   const auto scene = read(glb);
   ASSERT_TRUE(scene);

@@ -14,8 +14,8 @@
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
 
-#include "codec/importance.h"
 #include "codec/morton.h"
+#include "codec/perceptual_weight.h"
 #include "fluxgs/math/projection.h"
 #include "support/scenes.h"
 
@@ -31,10 +31,10 @@ glm::dmat3 shape_of(const SplatCloud& cloud, std::size_t i) {
   return sum;
 }
 
-std::vector<float> color_coarseness(const SplatCloud& cloud) {
+std::vector<float> color_step_scale(const SplatCloud& cloud) {
   auto extents = extents_of(cloud.log_scales);
   set_opacities(extents, cloud.opacity_logits);
-  return coarseness_of(kColorImportance, extents);
+  return step_scale_of(kColorWeight, extents);
 }
 
 double difference(const glm::dmat3& a, const glm::dmat3& b) {
@@ -67,12 +67,13 @@ struct Worst {
   }
 };
 
-Worst worst_errors(const SplatCloud& before, const SplatCloud& after, const CompactSteps& steps) {
+Worst worst_errors(const SplatCloud& before, const SplatCloud& after,
+                   const QuantizationSteps& steps) {
   auto extents = extents_of(after.log_scales);
-  const auto opacity = coarseness_of(kOpacityImportance, extents);
+  const auto opacity = step_scale_of(kOpacityWeight, extents);
   set_opacities(extents, after.opacity_logits);
-  const auto rotation = coarseness_of(kRotationImportance, extents);
-  const auto color = coarseness_of(kColorImportance, extents);
+  const auto rotation = step_scale_of(kRotationWeight, extents);
+  const auto color = step_scale_of(kColorWeight, extents);
   const double root_step = 0.5 * double{steps.log_scale} * std::exp(mean_log_scale(before) / 2);
   const auto order = morton_order(before.positions);
   const auto rest = static_cast<std::size_t>(sh_rest_count(before.sh_degree));
@@ -114,12 +115,12 @@ TEST(Compact, ErrorsFollowTheSteps) {
   for (const double rate_weight : {0.0, kDefaultRateWeight})
     for (int degree = 0; degree <= 3; ++degree) {
       const SplatCloud cloud = test::random_cloud(2000, degree, 5);
-      const CompactSteps steps{.position = 1e-3,
-                               .log_scale = 0.01f,
-                               .rotation = 0.002f,
-                               .opacity = 0.01f,
-                               .sh_dc = 0.02f,
-                               .sh_rest = 0.03f};
+      const QuantizationSteps steps{.position = 1e-3,
+                                    .log_scale = 0.01f,
+                                    .rotation = 0.002f,
+                                    .opacity = 0.01f,
+                                    .sh_dc = 0.02f,
+                                    .sh_rest = 0.03f};
       const auto bytes = encode_compact(cloud, {.steps = steps, .rate_weight = rate_weight});
       ASSERT_TRUE(bytes) << bytes.error().message();
       const auto back = decode_compact(*bytes, cloud.size(), degree);
@@ -140,7 +141,7 @@ TEST(Compact, ErrorsFollowTheSteps) {
 
 TEST(Compact, HalfTurnsAboutTheOwnAxesCostNothing) {
   SplatCloud cloud = test::random_cloud(300, 0, 6);
-  const CompactSteps fine{.rotation = 1e-4f};
+  const QuantizationSteps fine{.rotation = 1e-4f};
   const auto before = decode_compact(*encode_compact(cloud, {.steps = fine}), cloud.size(), 0);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const glm::quat turns[] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, -3}};
@@ -157,7 +158,7 @@ TEST(Compact, SplatsThatCountMoreAreMoreExact) {
   std::vector<float> weights(cloud.size());
   for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = i % 2 == 0 ? 5.0f : 0.1f;
   const auto bytes =
-      encode_compact(cloud, {.steps = {.sh_rest = 0.4f}, .costs = {.weights = weights}});
+      encode_compact(cloud, {.steps = {.sh_rest = 0.4f}, .sensitivity = {.weights = weights}});
   const auto back = decode_compact(*bytes, cloud.size(), 1);
   ASSERT_TRUE(back);
   const auto order = morton_order(cloud.positions);
@@ -172,7 +173,7 @@ TEST(Compact, SplatsThatCountMoreAreMoreExact) {
 
 TEST(Compact, EncodingAgainIsStable) {
   const SplatCloud cloud = test::random_cloud(1000, 1, 7);
-  const CompactSteps steps;
+  const QuantizationSteps steps;
   const auto once =
       decode_compact(*encode_compact(cloud, {.steps = steps, .rate_weight = 0}), cloud.size(), 1);
   ASSERT_TRUE(once);
@@ -238,11 +239,11 @@ TEST(Compact, EnergyStandsForColours) {
   ASSERT_TRUE(decoded) << decoded.error().message();
   ASSERT_EQ(back.size(), energy.size());
   const auto order = morton_order(cloud.positions);
-  const auto coarseness = color_coarseness(*decoded);
+  const auto step_scale = color_step_scale(*decoded);
   for (std::size_t i = 0; i < back.size(); ++i) {
     const std::size_t splat = i / kEnergyChannels;
     const float before = energy[order[splat] * kEnergyChannels + i % kEnergyChannels];
-    ASSERT_NEAR(back[i], before, 0.01 * std::sqrt(12.0) * double{coarseness[splat]});
+    ASSERT_NEAR(back[i], before, 0.01 * std::sqrt(12.0) * double{step_scale[splat]});
   }
   EXPECT_EQ(decoded->sh_dc, std::vector<glm::vec3>(cloud.size(), glm::vec3(0)));
   EXPECT_FALSE(decode_compact(*bytes, cloud.size(), 1));  // another number of channels

@@ -91,25 +91,25 @@ std::vector<float> rows(const Splats& splats, int from, int until) {
   return values;
 }
 
-struct Rounded {
+struct Quantized {
   std::vector<Colors> colors;
   std::size_t bytes = 0;
 };
 
-Rounded rounded(const Splats& splats, const std::vector<float>& factors, float step,
-                double rate_weight, std::vector<float> coarseness = {}) {
+Quantized rounded(const Splats& splats, const std::vector<float>& factors, float step,
+                  double rate_weight, std::vector<float> step_scale = {}) {
   const std::size_t n = splats.colors.size();
-  const Channels rest{45, rows(splats, 1, 16), std::move(coarseness)};
+  const Channels rest{45, rows(splats, 1, 16), std::move(step_scale)};
   std::vector<float> dc = rows(splats, 0, 1);
   Bytes bytes;
   const auto done = encode_sh(rest, factors, step, {.rate_weight = rate_weight}, dc, bytes);
   EXPECT_TRUE(done) << done.error().message();
   std::vector<float> planes(rest.values.size());
   Reader in(bytes);
-  const auto decoded = decode_channels(in, 45, rest.coarseness, planes);
+  const auto decoded = decode_channels(in, 45, rest.step_scale, planes);
   EXPECT_TRUE(decoded) << decoded.error().message();
   EXPECT_EQ(in.left(), 0u);
-  Rounded result{std::vector<Colors>(n), bytes.size()};
+  Quantized result{std::vector<Colors>(n), bytes.size()};
   for (std::size_t i = 0; i < n; ++i)
     for (int channel = 0; channel < 3; ++channel) {
       const auto c = static_cast<std::size_t>(channel);
@@ -137,14 +137,14 @@ double mean_seen_error(const Splats& splats, const std::vector<Colors>& to) {
 // constant coefficient, which is not rounded here.
 TEST(Sh, ErrorsThatViewsSeeAreWithinTheBound) {
   const Splats splats = some_splats(300);
-  std::vector<float> coarseness(300);
-  for (std::size_t i = 0; i < coarseness.size(); ++i)
-    coarseness[i] = 0.5f + 0.01f * static_cast<float>(i);
+  std::vector<float> step_scale(300);
+  for (std::size_t i = 0; i < step_scale.size(); ++i)
+    step_scale[i] = 0.5f + 0.01f * static_cast<float>(i);
   const float step = 0.2f;
-  const Rounded r = rounded(splats, factors_of(splats), step, 0, coarseness);
+  const Quantized r = rounded(splats, factors_of(splats), step, 0, step_scale);
   for (std::size_t i = 0; i < 300; ++i) {
     const Matrix factor = (4 * std::numbers::pi * splats.grams[i]).llt().matrixL();
-    const double half = 0.5 * double{step} * double{coarseness[i]};
+    const double half = 0.5 * double{step} * double{step_scale[i]};
     const double bound =
         3 * half * half * (factor.diagonal().squaredNorm() - factor(0, 0) * factor(0, 0));
     EXPECT_LE(seen_error(splats.grams[i], splats.colors[i], r.colors[i]), 1.001 * bound) << i;
@@ -154,7 +154,7 @@ TEST(Sh, ErrorsThatViewsSeeAreWithinTheBound) {
 TEST(Sh, SeenFromAllSidesTheyAreRoundedToTheNearest) {
   const Splats splats = some_splats(200);
   const float step = 0.1f;
-  const Rounded r = rounded(splats, identity_factors(200), step, 0);
+  const Quantized r = rounded(splats, identity_factors(200), step, 0);
   for (std::size_t i = 0; i < 200; ++i) {
     EXPECT_LT((r.colors[i].row(0) - splats.colors[i].row(0)).norm(), 1e-6);
     // Along the axes of the colours, by half a step each
@@ -166,8 +166,8 @@ TEST(Sh, SeenFromAllSidesTheyAreRoundedToTheNearest) {
 
 TEST(Sh, FewerBytesLoseLess) {
   const Splats splats = some_splats(4000);
-  const Rounded shaped = rounded(splats, factors_of(splats), 0.15f, kDefaultRateWeight);
-  const Rounded blind = rounded(splats, identity_factors(4000), 0.2f, kDefaultRateWeight);
+  const Quantized shaped = rounded(splats, factors_of(splats), 0.15f, kDefaultRateWeight);
+  const Quantized blind = rounded(splats, identity_factors(4000), 0.2f, kDefaultRateWeight);
   EXPECT_LT(shaped.bytes, blind.bytes);  // 17,600, 21,000
   EXPECT_LT(mean_seen_error(splats, shaped.colors), mean_seen_error(splats, blind.colors) / 4);
 }
@@ -175,9 +175,9 @@ TEST(Sh, FewerBytesLoseLess) {
 TEST(Sh, BitsThatAreNotWorthTheirErrorAreSaved) {
   const Splats splats = some_splats(2000);
   const auto factors = factors_of(splats);
-  const Rounded nearest = rounded(splats, factors, 0.1f, 0);
-  const Rounded cheap = rounded(splats, factors, 0.1f, 0.115);
-  const Rounded cheaper = rounded(splats, factors, 0.1f, 1);
+  const Quantized nearest = rounded(splats, factors, 0.1f, 0);
+  const Quantized cheap = rounded(splats, factors, 0.1f, 0.115);
+  const Quantized cheaper = rounded(splats, factors, 0.1f, 1);
   EXPECT_LT(static_cast<double>(cheap.bytes), 0.9 * static_cast<double>(nearest.bytes));
   EXPECT_LT(static_cast<double>(cheaper.bytes), 0.8 * static_cast<double>(cheap.bytes));
   EXPECT_LT(mean_seen_error(splats, nearest.colors), mean_seen_error(splats, cheap.colors));
@@ -267,31 +267,31 @@ TEST(Sh, FilesKeepWhatViewsSee) {
   const SplatCloud cloud = cloud_of(splats);
   CompactOptions options{.steps = {.sh_dc = 0.01f, .sh_rest = 0.2f}};
   const double blind = error_of_file(splats, cloud, options);
-  options.costs.sh_factors = factors_of(splats);
+  options.sensitivity.sh_factors = factors_of(splats);
   EXPECT_LT(error_of_file(splats, cloud, options), blind / 3);
 }
 
 TEST(Sh, FactorsThatDoNotFitAreNamed) {
   const SplatCloud cloud = cloud_of(some_splats(20));
-  CompactOptions options{.costs = {.sh_factors = {1, 2}}};
+  CompactOptions options{.sensitivity = {.sh_factors = {1, 2}}};
   const auto error = [&] {
     const auto file = encode_compact_glb(cloud, options, "x.glb");
     return file ? "" : file.error().message();
   };
   EXPECT_EQ(error(),
             "x.glb: factors of SH coefficients: 2 numbers, expected 136 for each of 20 splats");
-  options.costs.sh_factors = identity_factors(20);
+  options.sensitivity.sh_factors = identity_factors(20);
   EXPECT_EQ(error(), "");
-  options.costs.sh_factors[3 * 136 + 5] = 0;
+  options.sensitivity.sh_factors[3 * 136 + 5] = 0;
   EXPECT_EQ(
       error(),
       "x.glb: factors of SH coefficients: splat 3 has 0 on its diagonal, expected more than 0");
-  options.costs.sh_factors = identity_factors(20);
-  options.costs.sh_factors[4] = NAN;
+  options.sensitivity.sh_factors = identity_factors(20);
+  options.sensitivity.sh_factors[4] = NAN;
   EXPECT_EQ(error(), "x.glb: factors of SH coefficients: have a number that is not finite");
   SplatCloud hole = cloud;
   hole.positions[7].x = NAN;  // left out with its factors
-  options.costs.sh_factors = identity_factors(20);
+  options.sensitivity.sh_factors = identity_factors(20);
   EXPECT_TRUE(encode_compact_glb(hole, options, "x.glb"));
 }
 

@@ -11,7 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "codec/rotations.h"
-#include "codec/stored_costs.h"
+#include "codec/stored_sensitivity.h"
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/io/gltf.h"
 
@@ -31,10 +31,10 @@ Vector3d random_vector(std::mt19937& random) {
 
 struct Splats {
   Channels input{3, {}};
-  std::vector<Matrix3d> costs;
+  std::vector<Matrix3d> sensitivity;
 };
 
-/// A walk whose steps are about the coarseness, and costs that hardly count along one direction.
+/// A walk whose steps are about the step scale, and costs that hardly count along one direction.
 Splats some_splats(std::size_t count, bool walk, unsigned seed = 1) {
   std::mt19937 random(seed);
   Splats splats;
@@ -42,15 +42,15 @@ Splats some_splats(std::size_t count, bool walk, unsigned seed = 1) {
   for (std::size_t i = 0; i < count; ++i) {
     x = (walk ? x : Vector3d::Zero()) + random_vector(random);
     for (int c = 0; c < 3; ++c) splats.input.values.push_back(static_cast<float>(x[c]));
-    splats.input.coarseness.push_back(0.5f + static_cast<float>(i % 7) / 6);
+    splats.input.step_scale.push_back(0.5f + static_cast<float>(i % 7) / 6);
     const Vector3d free = random_vector(random).normalized();
     const double size = std::exp(random_vector(random).x());
-    splats.costs.push_back(size * (1.01 * Matrix3d::Identity() - free * free.transpose()));
+    splats.sensitivity.push_back(size * (1.01 * Matrix3d::Identity() - free * free.transpose()));
   }
   return splats;
 }
 
-std::vector<float> triangles(const std::vector<Matrix3d>& matrices) {
+std::vector<float> matrices(const std::vector<Matrix3d>& matrices) {
   std::vector<float> result;
   for (const Matrix3d& m : matrices)
     for (int row = 0; row < 3; ++row)
@@ -66,23 +66,23 @@ Matrix3d matrix_of(const float* t) {
   return h;
 }
 
-struct Rounded {
+struct Quantized {
   std::vector<Vector3d> errors;
   std::size_t bytes = 0;
 };
 
-Rounded rounded(const Splats& splats, const std::vector<Matrix3d>& costs, float step,
-                double rate_weight) {
+Quantized rounded(const Splats& splats, const std::vector<Matrix3d>& sensitivity, float step,
+                  double rate_weight) {
   Bytes bytes;
-  const auto done = encode_vectors(splats.input, triangles(costs), step, rate_weight, bytes);
+  const auto done = encode_vectors(splats.input, matrices(sensitivity), step, rate_weight, bytes);
   EXPECT_TRUE(done) << done.error().message();
   const std::size_t n = splats.input.splats();
   std::vector<float> planes(3 * n);
   Reader in(bytes);
-  const auto decoded = decode_channels(in, 3, splats.input.coarseness, planes);
+  const auto decoded = decode_channels(in, 3, splats.input.step_scale, planes);
   EXPECT_TRUE(decoded) << decoded.error().message();
   EXPECT_EQ(in.left(), 0u);
-  Rounded result{.errors = {}, .bytes = bytes.size()};
+  Quantized result{.errors = {}, .bytes = bytes.size()};
   for (std::size_t i = 0; i < n; ++i) {
     Vector3d e;
     for (std::size_t c = 0; c < 3; ++c)
@@ -92,10 +92,10 @@ Rounded rounded(const Splats& splats, const std::vector<Matrix3d>& costs, float 
   return result;
 }
 
-double mean_cost(const Splats& splats, const Rounded& r) {
+double mean_cost(const Splats& splats, const Quantized& r) {
   double sum = 0;
   for (std::size_t i = 0; i < r.errors.size(); ++i)
-    sum += r.errors[i].dot(splats.costs[i] * r.errors[i]);
+    sum += r.errors[i].dot(splats.sensitivity[i] * r.errors[i]);
   return sum / static_cast<double>(r.errors.size());
 }
 
@@ -106,11 +106,11 @@ TEST(Vectors, CostsAreWithinTheBound) {
     const double step = 0.25;
     double mean = 0;
     for (std::size_t i = 0; i < 500; ++i)
-      mean += std::pow(splats.input.coarseness[i], 2) * splats.costs[i].trace() / 1500;
-    const Rounded r = rounded(splats, splats.costs, static_cast<float>(step), 0);
+      mean += std::pow(splats.input.step_scale[i], 2) * splats.sensitivity[i].trace() / 1500;
+    const Quantized r = rounded(splats, splats.sensitivity, static_cast<float>(step), 0);
     for (std::size_t i = 0; i < 500; ++i) {
-      const double own = double{splats.input.coarseness[i]};
-      const Matrix3d h = own * own / mean * splats.costs[i] + kAdded * Matrix3d::Identity();
+      const double own = double{splats.input.step_scale[i]};
+      const Matrix3d h = own * own / mean * splats.sensitivity[i] + kAdded * Matrix3d::Identity();
       const Vector3d e = r.errors[i] / (step * own);
       EXPECT_LE(e.dot(h * e), 0.25 * h.trace() * 1.001) << i;
     }
@@ -119,17 +119,17 @@ TEST(Vectors, CostsAreWithinTheBound) {
 
 TEST(Vectors, WithEqualCostsTheyAreRoundedToTheNearest) {
   const Splats splats = some_splats(300, true);
-  const Rounded r = rounded(splats, std::vector<Matrix3d>(300, Matrix3d::Identity()), 0.2f, 0);
+  const Quantized r = rounded(splats, std::vector<Matrix3d>(300, Matrix3d::Identity()), 0.2f, 0);
   for (std::size_t i = 0; i < 300; ++i)
     EXPECT_LE(r.errors[i].norm(),
-              0.1 * double{splats.input.coarseness[i]} * std::sqrt(3) * 1.001 + 1e-5);
+              0.1 * double{splats.input.step_scale[i]} * std::sqrt(3) * 1.001 + 1e-5);
 }
 
 TEST(Vectors, FewerBytesCostLess) {
   const Splats splats = some_splats(4000, false);
   const std::vector<Matrix3d> blind(4000, Matrix3d::Identity());
-  const Rounded a = rounded(splats, splats.costs, 0.32f, kDefaultRateWeight);
-  const Rounded b = rounded(splats, blind, 0.3f, kDefaultRateWeight);
+  const Quantized a = rounded(splats, splats.sensitivity, 0.32f, kDefaultRateWeight);
+  const Quantized b = rounded(splats, blind, 0.3f, kDefaultRateWeight);
   EXPECT_LT(a.bytes, b.bytes);
   EXPECT_LT(mean_cost(splats, a), 0.95 * mean_cost(splats, b));
 }
@@ -143,8 +143,8 @@ TEST(Vectors, NeighboursThatAreAlikeTakeFewerBytes) {
     for (std::size_t c = 0; c < 3; ++c)
       std::swap(shuffled.input.values[3 * (i - 1) + c], shuffled.input.values[3 * j + c]);
   }
-  EXPECT_LT(rounded(walk, walk.costs, 0.3f, kDefaultRateWeight).bytes,
-            rounded(shuffled, walk.costs, 0.3f, kDefaultRateWeight).bytes * 9 / 10);
+  EXPECT_LT(rounded(walk, walk.sensitivity, 0.3f, kDefaultRateWeight).bytes,
+            rounded(shuffled, walk.sensitivity, 0.3f, kDefaultRateWeight).bytes * 9 / 10);
 }
 
 TEST(Vectors, CostsThatCannotBeAreNoError) {
@@ -152,7 +152,7 @@ TEST(Vectors, CostsThatCannotBeAreNoError) {
   EXPECT_GT(rounded(splats, std::vector<Matrix3d>(50, Matrix3d::Zero()), 0.1f, 0.1).bytes, 0u);
   Matrix3d indefinite = Matrix3d::Identity();
   indefinite(0, 1) = indefinite(1, 0) = -50;
-  const Rounded r = rounded(splats, std::vector<Matrix3d>(50, indefinite), 0.1f, 0);
+  const Quantized r = rounded(splats, std::vector<Matrix3d>(50, indefinite), 0.1f, 0);
   for (const Vector3d& e : r.errors) EXPECT_LT(e.norm(), 0.2);
 }
 
@@ -160,17 +160,17 @@ TEST(Vectors, NumbersBeyondTheirReachAreRefused) {
   Splats splats = some_splats(5, false);
   splats.input.values[4] = 1e12f;
   Bytes bytes;
-  const auto done = encode_vectors(splats.input, triangles(splats.costs), 1e-3f, 0, bytes);
+  const auto done = encode_vectors(splats.input, matrices(splats.sensitivity), 1e-3f, 0, bytes);
   ASSERT_FALSE(done);
   EXPECT_NE(done.error().message().find("its value over the step of 0.001 is"), std::string::npos)
       << done.error().message();
 }
 
-TEST(StoredCosts, OfRootsAreThoseOfTheLogarithms) {
-  const std::vector<Matrix3d> costs = some_splats(20, false).costs;
+TEST(StoredSensitivity, OfRootsAreThoseOfTheLogarithms) {
+  const std::vector<Matrix3d> sensitivity = some_splats(20, false).sensitivity;
   std::vector<glm::vec3> logs;
   for (int i = 0; i < 20; ++i) logs.emplace_back(-0.1f * float(i), 0.05f * float(i), -1);
-  const auto stored = costs_of_roots(triangles(costs), logs);
+  const auto stored = sensitivity_of_roots(matrices(sensitivity), logs);
   for (std::size_t i = 0; i < 20; ++i) {
     const Vector3d moved(3e-4, -2e-4, 1e-4);
     Vector3d error;
@@ -178,14 +178,14 @@ TEST(StoredCosts, OfRootsAreThoseOfTheLogarithms) {
       const double root = std::exp(double{logs[i][c]} / 2);
       error[c] = 2 * std::log1p(moved[c] / root);
     }
-    EXPECT_NEAR(moved.dot(matrix_of(&stored[6 * i]) * moved) / error.dot(costs[i] * error), 1,
+    EXPECT_NEAR(moved.dot(matrix_of(&stored[6 * i]) * moved) / error.dot(sensitivity[i] * error), 1,
                 0.01);
   }
 }
 
-TEST(StoredCosts, OfRootsOfNothingAreNumbers) {
+TEST(StoredSensitivity, OfRootsOfNothingAreNumbers) {
   const std::vector<glm::vec3> logs(4, glm::vec3(-300, 0, 300));
-  for (const float x : costs_of_roots(triangles(some_splats(4, false).costs), logs))
+  for (const float x : sensitivity_of_roots(matrices(some_splats(4, false).sensitivity), logs))
     EXPECT_TRUE(std::isfinite(x));
 }
 
@@ -210,15 +210,16 @@ std::vector<glm::quat> random_rotations(std::size_t count) {
   return rotations;
 }
 
-TEST(StoredCosts, OfRotationsAreThoseOfTheTurn) {
-  const std::vector<Matrix3d> costs = some_splats(60, false).costs;
+TEST(StoredSensitivity, OfRotationsAreThoseOfTheTurn) {
+  const std::vector<Matrix3d> sensitivity = some_splats(60, false).sensitivity;
   const std::vector<glm::quat> rotations = random_rotations(60);
-  const auto stored = costs_of_rotations(triangles(costs), rotations);
+  const auto stored = sensitivity_of_rotations(matrices(sensitivity), rotations);
   for (std::size_t i = 0; i < 60; ++i) {
     const glm::vec3 xyz = reduced_rotation(rotations[i]), by(2e-3f, -1e-3f, 1.5e-3f);
     const Vector3d error = turn_between(eigen(full_rotation(xyz)), eigen(full_rotation(xyz + by)));
     const Vector3d moved(double{by.x}, double{by.y}, double{by.z});
-    EXPECT_NEAR(moved.dot(matrix_of(&stored[6 * i]) * moved) / error.dot(costs[i] * error), 1, 0.03)
+    EXPECT_NEAR(moved.dot(matrix_of(&stored[6 * i]) * moved) / error.dot(sensitivity[i] * error), 1,
+                0.03)
         << i;
   }
 }
@@ -241,12 +242,12 @@ SplatCloud some_cloud(std::size_t count) {
 }
 
 // The file's frame is another, of which turns about an axis know.
-TEST(ErrorCosts, FilesKeepTheTurnsThatCost) {
+TEST(SensitivityWeights, FilesKeepTheTurnsThatCost) {
   const SplatCloud cloud = some_cloud(2000);
   const Vector3d costly = Vector3d(1, 1, 1).normalized(), other = Vector3d(-1, -1, 1).normalized();
   CompactOptions options{.steps = {.rotation = 0.1f}};
-  options.costs.rotation =
-      triangles(std::vector<Matrix3d>(cloud.size(), costly * costly.transpose()));
+  options.sensitivity.rotation =
+      matrices(std::vector<Matrix3d>(cloud.size(), costly * costly.transpose()));
   const auto file = encode_compact_glb(cloud, options, "x.glb");
   ASSERT_TRUE(file) << file.error().message();
   const auto scene = read_glb(*file, "x.glb");
@@ -265,26 +266,26 @@ TEST(ErrorCosts, FilesKeepTheTurnsThatCost) {
   EXPECT_LT(along, 0.5 * across);
 }
 
-TEST(ErrorCosts, WhatDoesNotFitIsNamed) {
+TEST(SensitivityWeights, WhatDoesNotFitIsNamed) {
   const SplatCloud cloud = some_cloud(20);
   CompactOptions options;
   const auto error = [&] {
     const auto file = encode_compact_glb(cloud, options, "x.glb");
     return file ? "" : file.error().message();
   };
-  options.costs.scale = {1, 2, 3};
+  options.sensitivity.scale = {1, 2, 3};
   EXPECT_EQ(error(), "x.glb: costs of scales: 3 numbers, expected 6 for each of 20 splats");
-  options.costs.scale = triangles(std::vector<Matrix3d>(20, Matrix3d::Identity()));
+  options.sensitivity.scale = matrices(std::vector<Matrix3d>(20, Matrix3d::Identity()));
   EXPECT_EQ(error(), "");
-  options.costs.scale[6 * 4 + 2] = -1;
+  options.sensitivity.scale[6 * 4 + 2] = -1;
   EXPECT_EQ(error(), "x.glb: costs of scales: splat 4 has -1 on its diagonal, expected 0 or more");
-  options.costs.scale[6 * 4 + 2] = INFINITY;
+  options.sensitivity.scale[6 * 4 + 2] = INFINITY;
   EXPECT_EQ(error(), "x.glb: costs of scales: have a number that is not finite");
-  options.costs.scale = {};
-  options.costs.rotation.assign(6 * 20, NAN);
+  options.sensitivity.scale = {};
+  options.sensitivity.rotation.assign(6 * 20, NAN);
   EXPECT_EQ(error(),
             "x.glb: costs of rotations: splat 0 has nan on its diagonal, expected 0 or more");
-  options.costs.rotation.assign(6 * 20, 0);
+  options.sensitivity.rotation.assign(6 * 20, 0);
   SplatCloud hole = cloud;
   hole.positions[7].x = NAN;  // left out with its costs
   EXPECT_TRUE(encode_compact_glb(hole, options, "x.glb"));

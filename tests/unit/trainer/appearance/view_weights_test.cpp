@@ -51,7 +51,7 @@ TEST(ViewWeights, AddUpToTheContributions) {
   const Threads threads(1);
   const SplatCloud cloud = test::random_cloud(500, 2, 3);
   const ViewWeights views = view_weights(to_parameters(cloud, 3), some_cameras(), {}, threads);
-  const auto contributions = seen_costs(some_cameras(), cloud, false, {}, threads).weights;
+  const auto contributions = view_sensitivity(some_cameras(), cloud, false, {}, threads).weights;
   for (std::size_t i = 0; i < cloud.size(); ++i)
     EXPECT_FLOAT_EQ(views.weights.row(0)[i] + views.weights.row(1)[i], contributions[i]);
 }

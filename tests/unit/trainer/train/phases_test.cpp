@@ -219,7 +219,7 @@ TEST(QuantizationAware, TrainsTheValuesOfTheFile) {
   const auto& views = small_capture().train;
   const SceneError plain_error(plain.cloud, cameras_of(views), options.render, threads);
   const CompactSearch search(plain.cloud, plain_error,
-                             {.steps = default_compact_steps(plain.cloud)});
+                             {.steps = default_quantization_steps(plain.cloud)});
   const auto quantized_after = search.within_bytes(told.stored->file.size());
   ASSERT_TRUE(quantized_after);
   const auto psnr = [&](const std::vector<std::byte>& file) {

@@ -1,0 +1,56 @@
+#include "codec/perceptual_weight.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "cloud/activation.h"
+#include "codec/deterministic_math.h"
+
+namespace fluxgs::codec {
+namespace {
+
+constexpr float kFlattest = 6.5f;            // thinner ones look the same
+constexpr float kMinOpacity = 1e-3f;         // fainter ones are not drawn
+constexpr float kFinest = 6, kCoarsest = 2;  // logarithms of the step over the mean one
+
+}  // namespace
+
+std::vector<LogExtents> extents_of(std::span<const glm::vec3> log_scales) {
+  std::vector<LogExtents> extents;
+  extents.reserve(log_scales.size());
+  for (const glm::vec3& scales : log_scales) {
+    const glm::vec3 s = glm::clamp(scales, -kLongest, kLongest);
+    const float longest = std::max({s.x, s.y, s.z}), shortest = std::min({s.x, s.y, s.z});
+    const float middle = std::max(std::min(s.x, s.y), std::min(std::max(s.x, s.y), s.z));
+    const float least = longest - kFlattest;
+    extents.emplace_back(longest, std::max(middle, least), std::max(shortest, least), 0.0f);
+  }
+  return extents;
+}
+
+void set_opacities(std::span<LogExtents> extents, std::span<const float> opacity_logits) {
+  for (std::size_t i = 0; i < extents.size(); ++i)
+    extents[i].w = portable_log(std::max(io::sigmoid(opacity_logits[i]), kMinOpacity));
+}
+
+double mean_perceptual_weight(const PerceptualWeight& perceptual_weight,
+                              std::span<const LogExtents> extents) {
+  double sum = 0;
+  for (const LogExtents& extent : extents) sum += double{glm::dot(perceptual_weight, extent)};
+  return sum / static_cast<double>(extents.size());
+}
+
+std::vector<float> step_scale_of(const PerceptualWeight& perceptual_weight,
+                                 std::span<const LogExtents> extents) {
+  std::vector<float> result;
+  result.reserve(extents.size());
+  for (const LogExtents& extent : extents) result.push_back(glm::dot(perceptual_weight, extent));
+  const auto mean = static_cast<float>(mean_perceptual_weight(perceptual_weight, extents));
+  for (float& x : result) x = portable_exp(std::clamp(mean - x, -kFinest, kCoarsest));
+  return result;
+}
+
+}  // namespace fluxgs::codec

@@ -1,0 +1,350 @@
+#include "fluxgs/io/compact_glb.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <iterator>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+#include <glm/common.hpp>
+
+#include "cloud/cloud_memory.h"
+#include "cloud/degree_buckets.h"
+#include "cloud/gather.h"
+#include "codec/compact.h"
+#include "codec/morton.h"
+#include "codec/step_means.h"
+#include "fluxgs/io/gltf_frame.h"
+#include "io/gltf/gltf_builder.h"
+#include "io/gltf/gltf_compact.h"
+#include "io/gltf/gltf_json.h"
+#include "io/gltf/gltf_plain.h"
+
+namespace fluxgs {
+namespace {
+
+using nlohmann::json;
+
+// Measured on scans and on scenes trained from images: at these ratios a bit more for any attribute
+// buys about the same error.
+constexpr double kPositionPerSize = 0.36;
+constexpr QuantizationSteps kDefault{.position = 0,
+                                     .log_scale = 0.4f,
+                                     .rotation = 0.085f,
+                                     .opacity = 0.045f,
+                                     .sh_dc = 0.26f,
+                                     .sh_rest = 0.18f};
+
+/// The median over the splats of the geometric mean of their standard deviations.
+double median_size(const SplatCloud& cloud) {
+  std::vector<float> sizes;
+  sizes.reserve(cloud.size());
+  for (const glm::vec3& s : cloud.log_scales)
+    if (const float mean = (s.x + s.y + s.z) / 3; std::isfinite(mean)) sizes.push_back(mean);
+  if (sizes.empty()) return 1;
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::ranges::nth_element(sizes, middle);
+  return std::exp(std::clamp(double{*middle}, -60.0, 60.0));  // sizes beyond are no lengths
+}
+
+/// Accessors without data, which share what is alike.
+json add_described_attributes(const SplatCloud& cloud, io::GltfBuilder& builder) {
+  json named = json::object(), by_type = json::object();
+  for (const auto& [semantic, type] : io::splat_semantics(cloud.sh_degree)) {
+    json accessor = {{"componentType", io::kGltfFloat}, {"count", cloud.size()}, {"type", type}};
+    if (named.empty()) {
+      auto [low, high] = io::gltf_bounds(cloud);
+      accessor["min"] = std::move(low);
+      accessor["max"] = std::move(high);
+      named[semantic] = builder.add_accessor(std::move(accessor));
+      continue;
+    }
+    if (!by_type.contains(type)) by_type[type] = builder.add_accessor(std::move(accessor));
+    named[semantic] = by_type[type];
+  }
+  return named;
+}
+
+/// Z-order in glTF's frame.
+std::vector<std::uint32_t> order_within(const io::DegreeBucket& bucket, const SplatCloud& cloud) {
+  std::vector<glm::vec3> turned;
+  turned.reserve(bucket.splats.size());
+  for (const std::uint32_t i : bucket.splats)
+    turned.push_back(io::turn_position(cloud.positions[i]));
+  std::vector<std::uint32_t> order = codec::morton_order(turned);
+  for (std::uint32_t& k : order) k = bucket.splats[k];
+  return order;
+}
+
+/// Basis functions of odd orders change their signs between the frames, as x and y do, and with
+/// them their rows and columns of lower triangles.
+template <class Sign>
+void turn_matrices(std::vector<float>& matrices, int rows, const Sign& sign) {
+  for (std::size_t at = 0; at < matrices.size();)
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column <= row; ++column) matrices[at++] *= sign(row) * sign(column);
+}
+
+void turn_sensitivity(SensitivityWeights& sensitivity, int sh_degree) {
+  turn_matrices(sensitivity.sh_factors, sh_rest_count(sh_degree) + 1, [](int function) {
+    return function == 0 ? 1.0f : io::turn_sign(static_cast<std::size_t>(function - 1));
+  });
+  const glm::vec3 axes = io::turn_position(glm::vec3(1));
+  turn_matrices(sensitivity.rotation, 3, [&](int axis) { return axes[axis]; });
+}
+
+std::vector<std::uint32_t> finite_splats(const SplatCloud& cloud) {
+  std::vector<std::uint32_t> splats;
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if (is_finite(cloud, i)) splats.push_back(static_cast<std::uint32_t>(i));
+  return splats;
+}
+
+Expected<void> check_networks(const CompactNetworks& networks, const SplatCloud& cloud,
+                              const std::string& name) {
+  const bool has_psi = !networks.models.psi.empty();
+  if (!has_psi && networks.models.phi.empty())
+    return fail(name, "networks", "there are none, expected one at least");
+  if (cloud.sh_degree != 1)
+    return fail(name, "networks",
+                fmt::format("the scene has degree {}, expected 1", cloud.sh_degree));
+  static_assert(codec::kEnergyChannels == networks::kEnergyColumns);
+  const std::size_t expected = has_psi ? codec::kEnergyChannels * cloud.size() : 0;
+  if (networks.energy.size() != expected)
+    return fail(name, "energy",
+                fmt::format("{} numbers, expected {}", networks.energy.size(), expected));
+  if (!std::ranges::all_of(networks.energy, [](float v) { return std::isfinite(v); }))
+    return fail(name, "energy", "has a number that is not finite");
+  return {};
+}
+
+Expected<void> check_options(const CompactOptions& options, const SplatCloud& cloud,
+                             const std::string& name) {
+  const SensitivityWeights& sensitivity = options.sensitivity;
+  if (auto ok = check_sensitivity(sensitivity, cloud, name); !ok || !options.networks) return ok;
+  if (!sensitivity.sh_factors.empty() || !sensitivity.scale.empty() ||
+      !sensitivity.rotation.empty())
+    return fail(name, "costs", "of scenes with networks are weights, expected nothing else");
+  return check_networks(*options.networks, cloud, name);
+}
+
+/// What a primitive holds, beside the description of it.
+struct Payload {
+  std::vector<std::byte> stream;
+  const CompactNetworks* networks = nullptr;
+  std::size_t splats = 0;
+  int sh_degree = 0;
+};
+
+/// What comes out of it.
+Expected<SplatCloud> decode(const Payload& payload, const std::string& name) {
+  io::GltfSplats splats;
+  splats.count = payload.splats;
+  splats.sh_degree = payload.sh_degree;
+  splats.compression = io::GltfCompression::compact;
+  splats.compressed = payload.stream;
+  splats.compressed_field = io::kCompactExtension;
+  if (const CompactNetworks* n = payload.networks; n != nullptr)
+    splats.networks = io::GltfNetworks{n->models.psi, n->models.phi, n->normalisation};
+  auto cloud = io::decode_compact_splats(splats, name);
+  if (cloud) io::turn_cloud(*cloud);
+  return cloud;
+}
+
+json networks_json(const CompactNetworks& networks, io::GltfBuilder& builder) {
+  const networks::Normalisation& n = networks.normalisation;
+  json result = {{"normalisation",
+                  {{"center", {n.center.x, n.center.y, n.center.z}},
+                   {"extent", n.extent},
+                   {"logScaleMean", n.log_scale_mean},
+                   {"logScaleDeviation", n.log_scale_deviation},
+                   {"shMean", n.sh_mean},
+                   {"shDeviation", n.sh_deviation}}}};
+  for (const auto& [key, model] :
+       {std::pair("psi", &networks.models.psi), std::pair("phi", &networks.models.phi)})
+    if (!model->empty()) result[key] = {{"bufferView", builder.add_view(model->size(), false)}};
+  return result;
+}
+
+/// The parts of the BIN chunk in the order in which they were announced.
+class BinWriter {
+ public:
+  explicit BinWriter(std::byte* at) : at_(at) {}
+
+  void put(const std::vector<std::byte>& bytes) {
+    if (!bytes.empty()) std::memcpy(at_, bytes.data(), bytes.size());
+    at_ += (bytes.size() + 3) / 4 * 4;
+  }
+  void put_plain_attributes(const SplatCloud& splats) {
+    at_ = io::put_plain_attributes(splats, at_);
+  }
+
+ private:
+  std::byte* at_;
+};
+
+/// A primitive as it is stored and as it is read.
+struct Part {
+  Payload payload;
+  SplatCloud decoded;
+};
+
+Expected<Part> make_part(const SplatCloud& splats, const CompactOptions& options,
+                         const codec::RateFactors& rates, const std::string& name) {
+  const CompactNetworks* networks = options.networks ? &*options.networks : nullptr;
+  const std::span<const float> energy =
+      networks != nullptr ? std::span<const float>(networks->energy) : std::span<const float>();
+  auto stream = codec::encode_compact(splats, options, energy, rates);
+  if (!stream) return fail(name, stream.error().field, stream.error().what);
+  Part part{.payload = {std::move(*stream), networks, splats.size(), splats.sh_degree},
+            .decoded = {}};
+  auto decoded = decode(part.payload, name);
+  if (!decoded) return std::unexpected(decoded.error());
+  part.decoded = std::move(*decoded);
+  return part;
+}
+
+/// Networks know scenes of degree 1 and make what is in their bands.
+Expected<std::vector<Part>> whole_scene(const SplatCloud& splats, const CompactOptions& options,
+                                        const std::string& name) {
+  auto part = make_part(splats, options, {}, name);
+  if (!part) return std::unexpected(part.error());
+  std::vector<Part> parts;
+  parts.push_back(std::move(*part));
+  return parts;
+}
+
+/// A part for each degree that there is, all with the same rounding.
+Expected<std::vector<Part>> parts_by_degree(const SplatCloud& splats, const CompactOptions& options,
+                                            const std::string& name) {
+  const codec::StepMeans means = codec::step_means(splats);
+  const codec::RateWeights weights(splats, options.sensitivity);
+  std::vector<Part> parts;
+  for (const io::DegreeBucket& bucket : io::degree_buckets(splats)) {
+    const SplatCloud own_splats = io::cloud_of(bucket, splats);
+    CompactOptions own = options;
+    own.steps = codec::steps_within(options.steps, codec::step_means(own_splats), means);
+    own.sensitivity =
+        sensitivity_of(options.sensitivity, splats.sh_degree, bucket.splats, bucket.sh_degree);
+    auto part = make_part(own_splats, own, weights.of(bucket.splats), name);
+    if (!part) return std::unexpected(part.error());
+    parts.push_back(std::move(*part));
+  }
+  return parts;
+}
+
+io::GltfPrimitive describe(const Part& part, bool plain_attributes, io::GltfBuilder& builder) {
+  const Payload& payload = part.payload;
+  json extension = {{"version", io::kCompactVersion},
+                    {"bufferView", builder.add_view(payload.stream.size(), false)}};
+  if (payload.networks != nullptr)
+    extension["networks"] = networks_json(*payload.networks, builder);
+  json attributes = plain_attributes ? io::add_plain_attributes(part.decoded, builder)
+                                     : add_described_attributes(part.decoded, builder);
+  return {std::move(attributes), {{io::kCompactExtension, std::move(extension)}}};
+}
+
+void put_part(const Part& part, bool plain_attributes, BinWriter& bin) {
+  bin.put(part.payload.stream);
+  if (part.payload.networks != nullptr) {
+    bin.put(part.payload.networks->models.psi);
+    bin.put(part.payload.networks->models.phi);
+  }
+  if (plain_attributes) bin.put_plain_attributes(part.decoded);
+}
+
+Expected<std::vector<std::byte>> make_file(const std::vector<Part>& parts, bool plain_attributes,
+                                           const std::string& name) {
+  io::GltfBuilder builder;
+  std::vector<io::GltfPrimitive> primitives;
+  for (const Part& part : parts) primitives.push_back(describe(part, plain_attributes, builder));
+  auto file =
+      io::allocate_glb(builder.document(primitives, !plain_attributes), builder.bin_bytes(), name);
+  if (!file) return std::unexpected(file.error());
+  BinWriter bin(file->bytes.data() + file->bin);
+  for (const Part& part : parts) put_part(part, plain_attributes, bin);
+  return std::move(file->bytes);
+}
+
+}  // namespace
+
+double finest_position_step(const SplatCloud& cloud) {
+  glm::dvec3 low(std::numeric_limits<double>::max()), high(-low);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!is_finite(cloud, i)) continue;  // is not written
+    low = glm::min(low, glm::dvec3(cloud.positions[i]));
+    high = glm::max(high, glm::dvec3(cloud.positions[i]));
+  }
+  const glm::dvec3 extent = high - low;
+  return std::max(std::max({extent.x, extent.y, extent.z}) * 0x1p-23, 1e-30);
+}
+
+QuantizationSteps default_quantization_steps(const SplatCloud& cloud, double step_scale) {
+  QuantizationSteps steps = kDefault;
+  steps.position = kPositionPerSize * median_size(cloud);
+  steps = scaled(steps, step_scale);
+  steps.position = std::max(steps.position, finest_position_step(cloud));
+  return steps;
+}
+
+QuantizationSteps scaled(const QuantizationSteps& steps, double factor) {
+  QuantizationSteps result = steps;
+  result.position *= factor;
+  for (float* step : {&result.log_scale, &result.rotation, &result.opacity, &result.sh_dc,
+                      &result.sh_rest, &result.energy})
+    *step = static_cast<float>(double{*step} * factor);
+  return result;
+}
+
+glm::quat canonical_rotation(const glm::quat& rotation) {
+  return io::turn_from_gltf(codec::canonical_rotation(io::turn_to_gltf(rotation)));
+}
+
+void canonicalize_rotations(SplatCloud& cloud) {
+  for (glm::quat& q : cloud.rotations) q = canonical_rotation(q);
+}
+
+std::vector<std::uint32_t> compact_order(const SplatCloud& cloud, bool has_networks) {
+  if (has_networks) {
+    io::DegreeBucket all{cloud.sh_degree, std::vector<std::uint32_t>(cloud.size())};
+    std::iota(all.splats.begin(), all.splats.end(), 0U);
+    return order_within(all, cloud);
+  }
+  std::vector<std::uint32_t> order;
+  for (const io::DegreeBucket& bucket : io::degree_buckets(cloud))
+    std::ranges::copy(order_within(bucket, cloud), std::back_inserter(order));
+  return order;
+}
+
+Expected<std::vector<std::byte>> encode_compact_glb(const SplatCloud& cloud,
+                                                    const CompactOptions& options,
+                                                    const std::string& name) {
+  SplatCloud splats;
+  const auto finite = io::writable_cloud(cloud, splats, name);
+  if (!finite) return std::unexpected(finite.error());
+  if (auto ok = check_options(options, cloud, name); !ok) return std::unexpected(ok.error());
+  CompactOptions own = options;
+  const std::vector<std::uint32_t> kept = finite_splats(cloud);
+  own.sensitivity = sensitivity_of(options.sensitivity, cloud.sh_degree, kept, cloud.sh_degree);
+  turn_sensitivity(own.sensitivity, cloud.sh_degree);
+  if (own.networks)
+    own.networks->energy =
+        io::gather(own.networks->energy, kept, codec::kEnergyChannels, codec::kEnergyChannels);
+  if (*finite == &cloud) splats = cloud;
+  if (splats.size() == 0) {
+    auto file = io::allocate_glb(io::empty_gltf_document(), 0, name);
+    if (!file) return std::unexpected(file.error());
+    return std::move(file->bytes);
+  }
+  io::turn_cloud(splats);
+  const auto parts =
+      own.networks ? whole_scene(splats, own, name) : parts_by_degree(splats, own, name);
+  if (!parts) return std::unexpected(parts.error());
+  return make_file(*parts, options.plain_attributes, name);
+}
+
+}  // namespace fluxgs

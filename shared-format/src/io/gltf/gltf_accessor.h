@@ -1,0 +1,50 @@
+// glTF accessors (specification, section 3.6.2), checked against the bytes they claim.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "fluxgs/error.h"
+#include "io/gltf/gltf_document.h"
+
+namespace tinygltf {
+class Model;
+}
+
+namespace fluxgs::io {
+
+/// The component types that an attribute may have, as bits.
+enum GltfComponents : unsigned {
+  kFloat = 1,
+  kSignedNormalized = 2,    ///< signed byte, short; normalised
+  kSigned = 4,              ///< signed byte, short
+  kUnsignedNormalized = 8,  ///< unsigned byte, short; normalised
+  kUnsigned = 16            ///< unsigned byte, short
+};
+
+/// What the specification asks of one attribute.
+struct GltfExpectation {
+  const char* semantic;
+  int type;             ///< TINYGLTF_TYPE_…
+  unsigned components;  ///< GltfComponents
+};
+
+/// The bytes of a buffer view.
+Expected<std::span<const std::byte>> resolve_view(const tinygltf::Model& model, int index,
+                                                  std::span<const std::byte> buffer,
+                                                  const std::string& name);
+
+/// An error unless there is such an accessor, of the type that is expected. `field` names the
+/// primitive in errors.
+Expected<void> check_accessor(const tinygltf::Model& model, int accessor,
+                              const GltfExpectation& expected, const std::string& name,
+                              const std::string& field);
+
+/// Resolve an accessor of `model` into memory, checked as above.
+Expected<GltfAttribute> resolve_accessor(const tinygltf::Model& model, int accessor,
+                                         const GltfExpectation& expected,
+                                         std::span<const std::byte> buffer, const std::string& name,
+                                         const std::string& field);
+
+}  // namespace fluxgs::io

@@ -1,0 +1,31 @@
+// Splats that a .glb holds by FLUXGS_gaussian_splatting_compact (schema/README.md).
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fluxgs/error.h"
+#include "io/gltf/gltf_compressed.h"
+#include "io/gltf/gltf_document.h"
+
+namespace tinygltf {
+class Value;
+}
+
+namespace fluxgs::io {
+
+/// Where the splats and their networks lie, given the reduced extension (gltf_json.h). An error if
+/// the bytes may not hold as many splats as the accessors say (codec/compact.h), or if there are
+/// networks and the degree is not 1.
+Expected<GltfSplats> find_compact_splats(const GltfCompressedPlace& place,
+                                         const tinygltf::Value& extension);
+
+/// Decodes them, in glTF's frame, their networks baked in. Errors name the file and the primitive.
+Expected<SplatCloud> decode_compact_splats(const GltfSplats& from, const std::string& name);
+
+/// Bytes that each attribute takes, and the networks. Nothing if the stream is damaged.
+std::vector<std::pair<std::string, std::size_t>> compact_attribute_bytes(const GltfSplats& from);
+
+}  // namespace fluxgs::io

@@ -1,0 +1,306 @@
+#include "io/gltf/gltf_document.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tiny_gltf.h>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/mat4x4.hpp>
+
+#include "fluxgs/sanitize.h"
+#include "fluxgs/splat_cloud.h"
+#include "io/gltf/gltf_accessor.h"
+#include "io/gltf/gltf_compact.h"
+#include "io/gltf/gltf_compressed.h"
+#include "io/gltf/gltf_spz.h"
+
+namespace fluxgs::io {
+namespace {
+
+constexpr double kUniformTolerance = 1e-4;  // single-precision matrices are better than this
+
+constexpr GltfExpectation kPosition{
+    "POSITION", TINYGLTF_TYPE_VEC3,
+    // Integers by KHR_mesh_quantization.
+    kFloat | kSigned | kSignedNormalized | kUnsigned | kUnsignedNormalized};
+// The extension's table of attributes. Its early drafts stored the logarithm of the scale and
+// allowed signed integers for it; those must not be taken for linear ones.
+constexpr GltfExpectation kRotation{"KHR_gaussian_splatting:ROTATION", TINYGLTF_TYPE_VEC4,
+                                    kFloat | kSignedNormalized};
+constexpr GltfExpectation kScale{"KHR_gaussian_splatting:SCALE", TINYGLTF_TYPE_VEC3,
+                                 kFloat | kUnsigned | kUnsignedNormalized};
+constexpr GltfExpectation kOpacity{"KHR_gaussian_splatting:OPACITY", TINYGLTF_TYPE_SCALAR,
+                                   kFloat | kUnsignedNormalized};
+
+Expected<tinygltf::Model> load_model(const std::string& reduced, const std::string& name) {
+  tinygltf::TinyGLTF loader;
+  loader.SetFsCallbacks({});  // nothing outside of memory
+  loader.RemoveImageLoader();
+  tinygltf::Model model;
+  std::string error, warning;
+  try {
+    if (loader.LoadASCIIFromString(&model, &error, &warning, reduced.data(),
+                                   static_cast<unsigned>(reduced.size()), "")) {
+      return model;
+    }
+  } catch (const std::exception& thrown) {
+    error = thrown.what();
+  }
+  std::ranges::replace(error, '\n', ' ');
+  return fail(name, "JSON", "is not a glTF document: " + sanitized(error, 200));
+}
+
+// Reads the primitives of one document; every failure names the primitive.
+class PrimitiveReader {
+ public:
+  PrimitiveReader(const tinygltf::Model& model, const GltfJson& json,
+                  std::span<const std::byte> buffer, const std::string& name)
+      : model_(model), json_(json), buffer_(buffer), name_(name) {}
+
+  Expected<GltfSplats> read(const tinygltf::Primitive& primitive, const std::string& field) const {
+    if (auto ok = check_kind(primitive, field); !ok) return std::unexpected(ok.error());
+    const tinygltf::Value& extension = primitive.extensions.at(kSplatExtension);
+    if (extension.Has(kCompression)) {
+      const GltfCompressedPlace place{model_, primitive, buffer_, name_, field};
+      const int view = extension.Get(kCompressedView).GetNumberAsInt();
+      const bool is_spz = extension.Get(kCompression).Get<std::string>() == kSpzExtension;
+      return is_spz ? find_spz_splats(place, view) : find_compact_splats(place, extension);
+    }
+    GltfSplats splats;
+    for (const auto& [target, expected] :
+         {std::pair(&splats.position, kPosition), std::pair(&splats.rotation, kRotation),
+          std::pair(&splats.scale, kScale), std::pair(&splats.opacity, kOpacity)}) {
+      auto attribute = resolve(primitive, expected, splats, field);
+      if (!attribute) return std::unexpected(attribute.error());
+      *target = *attribute;
+      if (target == &splats.position) splats.count = attribute->count;
+    }
+    if (auto ok = read_sh(primitive, field, splats); !ok) {
+      return std::unexpected(ok.error());
+    }
+    return splats;
+  }
+
+ private:
+  Expected<void> check_kind(const tinygltf::Primitive& primitive, const std::string& field) const {
+    if (primitive.mode != TINYGLTF_MODE_POINTS) {
+      return fail(name_, field, fmt::format("has mode {}; splats need POINTS (0)", primitive.mode));
+    }
+    const tinygltf::Value& extension = primitive.extensions.at(kSplatExtension);
+    for (const auto& [key, expected] :
+         {std::pair("kernel", "ellipse"), std::pair("colorSpace", "srgb_rec709_display")}) {
+      if (!extension.Has(key)) {
+        // The drafts with compressed splats, and those who write by them, have neither.
+        if (extension.Has(kCompression)) continue;
+        return fail(name_, fmt::format("{}: {}", field, key),
+                    fmt::format("is missing; expected \"{}\"", expected));
+      }
+      const auto& value = extension.Get(key).Get<std::string>();
+      if (value == expected) continue;
+      return fail(
+          name_, fmt::format("{}: {}", field, key),
+          fmt::format("\"{}\" is not supported; expected \"{}\"", sanitized(value), expected));
+    }
+    return {};
+  }
+
+  Expected<GltfAttribute> resolve(const tinygltf::Primitive& primitive,
+                                  const GltfExpectation& expected, const GltfSplats& splats,
+                                  const std::string& field) const {
+    const auto found = primitive.attributes.find(expected.semantic);
+    if (found == primitive.attributes.end()) {
+      return fail(name_, field, fmt::format("attribute {} is missing", expected.semantic));
+    }
+    const auto index = static_cast<std::size_t>(found->second);
+    if (index < json_.sparse.size() && json_.sparse[index]) {
+      return fail(name_, fmt::format("{}: {}", field, expected.semantic),
+                  fmt::format("accessor {} is sparse, which is not supported", index));
+    }
+    auto attribute = resolve_accessor(model_, found->second, expected, buffer_, name_, field);
+    if (attribute && expected.semantic != kPosition.semantic && attribute->count != splats.count) {
+      return fail(
+          name_, fmt::format("{}: {}", field, expected.semantic),
+          fmt::format("has {} elements, but POSITION has {}", attribute->count, splats.count));
+    }
+    return attribute;
+  }
+
+  // A degree that is begun must be complete, and so must all below it.
+  Expected<void> read_sh(const tinygltf::Primitive& primitive, const std::string& field,
+                         GltfSplats& splats) const {
+    splats.sh_degree = highest_degree(primitive);
+    std::size_t slot = 0;
+    for (int degree = 0; degree <= splats.sh_degree; ++degree) {
+      for (int i = 0; i <= 2 * degree; ++i) {
+        const std::string semantic =
+            fmt::format("KHR_gaussian_splatting:SH_DEGREE_{}_COEF_{}", degree, i);
+        const auto attribute =
+            resolve(primitive, {semantic.c_str(), TINYGLTF_TYPE_VEC3, kFloat}, splats, field);
+        if (!attribute) return std::unexpected(attribute.error());
+        splats.sh[slot++] = *attribute;
+      }
+    }
+    return {};
+  }
+
+  const tinygltf::Model& model_;
+  const GltfJson& json_;
+  std::span<const std::byte> buffer_;
+  const std::string& name_;
+};
+
+glm::dmat4 local_matrix(const tinygltf::Node& node) {
+  glm::dmat4 m(1.0);
+  if (node.matrix.size() == 16) {
+    for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = node.matrix[static_cast<std::size_t>(i)];
+    return m;
+  }
+  const auto& t = node.translation;
+  const auto& r = node.rotation;
+  const auto& s = node.scale;
+  if (t.size() == 3) m = glm::translate(m, glm::dvec3(t[0], t[1], t[2]));
+  if (r.size() == 4) m *= glm::mat4_cast(glm::dquat(r[3], r[0], r[1], r[2]));  // stored xyzw
+  if (s.size() == 3) m = glm::scale(m, glm::dvec3(s[0], s[1], s[2]));
+  return m;
+}
+
+// A transform that moves, turns and scales alike in all directions; anything else would need
+// another kind of splat or is undefined by the extension.
+Expected<GltfTransform> decompose(const glm::dmat4& matrix, const std::string& name,
+                                  const std::string& field) {
+  GltfTransform transform;
+  transform.identity = matrix == glm::dmat4(1.0);
+  transform.linear = glm::dmat3(matrix);
+  transform.translation = glm::dvec3(matrix[3]);
+  for (int i = 0; i < 4; ++i) {
+    for (int k = 0; k < 4; ++k) {
+      if (!std::isfinite(matrix[i][k])) return fail(name, field, "its transform is not finite");
+    }
+  }
+  const double determinant = glm::determinant(transform.linear);
+  if (!(determinant > 0)) {
+    return fail(name, field, "its transform mirrors or flattens; expected a positive scale");
+  }
+  transform.scale = std::cbrt(determinant);
+  const glm::dmat3 turn = transform.linear * (1 / transform.scale);
+  const glm::dmat3 gram = glm::transpose(turn) * turn;
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      // Written so that NaN (scales beyond the range of double) fails too.
+      if (std::abs(gram[i][k] - (i == k ? 1 : 0)) <= kUniformTolerance) continue;
+      return fail(name, field,
+                  i == k
+                      ? "its transform scales axes differently; expected a uniform scale"
+                      : "its transform has shear or a non-uniform scale; expected a uniform one");
+    }
+  }
+  transform.rotation = glm::normalize(glm::quat_cast(turn));
+  return transform;
+}
+
+std::vector<int> root_nodes(const tinygltf::Model& model) {
+  if (!model.scenes.empty()) return model.scenes[0].nodes;
+  std::vector<bool> is_child(model.nodes.size());
+  for (const tinygltf::Node& node : model.nodes) {
+    for (const int child : node.children) {
+      if (static_cast<std::size_t>(child) < is_child.size()) {
+        is_child[static_cast<std::size_t>(child)] = true;
+      }
+    }
+  }
+  std::vector<int> roots;
+  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+    if (!is_child[i]) roots.push_back(static_cast<int>(i));
+  }
+  return roots;
+}
+
+// Walks the nodes, parents first, and collects what their meshes hold.
+class Walk {
+ public:
+  Walk(const tinygltf::Model& model, const PrimitiveReader& reader, const std::string& name)
+      : model_(model), reader_(reader), name_(name), visited_(model.nodes.size()) {}
+
+  Expected<std::vector<GltfInstance>> run(const std::vector<int>& roots) {
+    push(roots, glm::dmat4(1.0));
+    while (!pending_.empty()) {
+      const auto [index, parent] = pending_.back();
+      pending_.pop_back();
+      if (auto ok = visit(index, parent); !ok) return std::unexpected(ok.error());
+    }
+    return std::move(instances_);
+  }
+
+ private:
+  void push(const std::vector<int>& nodes, const glm::dmat4& parent) {
+    // Backwards, so that the first is taken first.
+    for (auto i = nodes.rbegin(); i != nodes.rend(); ++i) pending_.emplace_back(*i, parent);
+  }
+
+  Expected<void> visit(int index, const glm::dmat4& parent) {
+    const std::string field = fmt::format("nodes[{}]", index);
+    const auto at = static_cast<std::size_t>(index);
+    if (at >= model_.nodes.size()) return fail(name_, field, "does not exist");
+    // Each node has one parent (glTF, section 3.5.2); this also ends cycles.
+    if (visited_[at]) return fail(name_, field, "is reached twice; expected a tree of nodes");
+    visited_[at] = true;
+    const tinygltf::Node& node = model_.nodes[at];
+    const glm::dmat4 matrix = parent * local_matrix(node);
+    if (node.mesh >= 0) {
+      if (auto ok = take_mesh(static_cast<std::size_t>(node.mesh), matrix, field); !ok) return ok;
+    }
+    push(node.children, matrix);
+    return {};
+  }
+
+  Expected<void> take_mesh(std::size_t mesh, const glm::dmat4& matrix, const std::string& field) {
+    if (mesh >= model_.meshes.size()) {
+      return fail(name_, field, fmt::format("mesh {} does not exist", mesh));
+    }
+    const auto& primitives = model_.meshes[mesh].primitives;
+    for (std::size_t i = 0; i < primitives.size(); ++i) {
+      if (!primitives[i].extensions.contains(kSplatExtension)) continue;
+      auto splats = reader_.read(primitives[i], fmt::format("meshes[{}].primitives[{}]", mesh, i));
+      if (!splats) return std::unexpected(splats.error());
+      auto transform = decompose(matrix, name_, field);
+      if (!transform) return std::unexpected(transform.error());
+      instances_.push_back({*splats, *transform});
+      if (instances_.size() > kMaxInstances) {
+        return fail(name_, field, fmt::format("more than {} instances of splats", kMaxInstances));
+      }
+    }
+    return {};
+  }
+
+  static constexpr std::size_t kMaxInstances = 65536;
+  const tinygltf::Model& model_;
+  const PrimitiveReader& reader_;
+  const std::string& name_;
+  std::vector<bool> visited_;
+  std::vector<std::pair<int, glm::dmat4>> pending_;
+  std::vector<GltfInstance> instances_;
+};
+
+}  // namespace
+
+Expected<std::vector<GltfInstance>> find_gltf_splats(const GltfJson& json,
+                                                     std::span<const std::byte> bin,
+                                                     const std::string& name) {
+  const auto model = load_model(json.reduced, name);
+  if (!model) return std::unexpected(model.error());
+  const PrimitiveReader reader(*model, json, bin.first(json.buffer_bytes), name);
+  std::vector<int> roots = root_nodes(*model);
+  if (model->defaultScene >= 0) {
+    const auto scene = static_cast<std::size_t>(model->defaultScene);
+    if (scene >= model->scenes.size()) {
+      return fail(name, "scene", fmt::format("scene {} does not exist", scene));
+    }
+    roots = model->scenes[scene].nodes;
+  }
+  return Walk(*model, reader, name).run(roots);
+}
+
+}  // namespace fluxgs::io

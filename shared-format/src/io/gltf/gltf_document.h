@@ -1,0 +1,79 @@
+// The splats of a glTF document: where each attribute lies in the file and which transforms the
+// nodes give it, all bounds checked. No splat data are read here.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include "fluxgs/error.h"
+#include "fluxgs/networks/appearance.h"
+#include "io/gltf/gltf_json.h"
+
+namespace fluxgs::io {
+
+/// A checked accessor: element i begins at data + i·stride and lies inside the file.
+struct GltfAttribute {
+  const std::byte* data = nullptr;
+  std::size_t stride = 0;
+  std::size_t count = 0;
+  int component_type = 0;  ///< TINYGLTF_COMPONENT_TYPE_…
+  bool normalized = false;
+};
+
+/// The smallest and the largest position that an accessor states.
+struct GltfBounds {
+  glm::dvec3 least{0.0}, most{0.0};
+};
+
+/// What the splats of a primitive are compressed by.
+enum class GltfCompression { none, spz, compact };
+
+/// Networks of compact splats (networks/appearance.h), as they lie in the file.
+struct GltfNetworks {
+  std::span<const std::byte> psi, phi;  ///< empty: none
+  networks::Normalisation normalisation;
+};
+
+/// One splat primitive: either attributes or compressed splats.
+struct GltfSplats {
+  std::size_t count = 0;
+  int sh_degree = 0;
+  GltfAttribute position, rotation, scale, opacity;
+  std::array<GltfAttribute, 16> sh;  ///< degree 0, then 1…sh_degree in the order of the basis
+
+  GltfCompression compression = GltfCompression::none;
+  std::span<const std::byte> compressed;  ///< instead of the attributes
+  std::string compressed_field;           ///< names them in errors
+  std::optional<GltfBounds> bounds;       ///< of compressed positions, if stated
+  std::optional<GltfNetworks> networks;   ///< of compact splats
+};
+
+/// Global transform of a node: p ↦ linear·p + translation, linear = scale·(rotation).
+struct GltfTransform {
+  bool identity = true;  ///< nothing to do
+  glm::dmat3 linear{1.0};
+  glm::dvec3 translation{0.0};
+  glm::dquat rotation{1, 0, 0, 0};
+  double scale = 1;
+};
+
+/// One splat primitive under one node.
+struct GltfInstance {
+  GltfSplats splats;
+  GltfTransform transform;
+};
+
+/// All splat primitives of the default scene, in the order of its nodes.
+Expected<std::vector<GltfInstance>> find_gltf_splats(const GltfJson& json,
+                                                     std::span<const std::byte> bin,
+                                                     const std::string& name);
+
+}  // namespace fluxgs::io

@@ -1,0 +1,371 @@
+#include "io/gltf/gltf_json.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <initializer_list>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "fluxgs/sanitize.h"
+#include "io/gltf/gltf_camera.h"
+#include "io/json_text.h"
+
+namespace fluxgs::io {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kMaxEntries = 65536;
+
+// The splat data do not depend on materials, so an unlit one may be required; quantised positions
+// are read.
+constexpr std::array<std::string_view, 5> kKnownRequired{kSplatExtension, kSpzExtension,
+                                                         kCompactExtension, "KHR_mesh_quantization",
+                                                         "KHR_materials_unlit"};
+
+// Collects the first thing that is wrong; the checks read as a list.
+class Checker {
+ public:
+  Checker(const json& root, const std::string& name) : root_(root), name_(name) {}
+
+  bool failed() const { return !error_.what.empty(); }
+  const Error& error() const { return error_; }
+
+  void bad(std::string field, std::string what) {
+    if (!failed()) error_ = {name_, std::move(field), std::move(what)};
+  }
+
+  // A list at the top level, with its members required to be objects; absent is empty.
+  const json& list(const char* key) {
+    const json& found = member(root_, key);
+    return objects(found, key);
+  }
+
+  const json& objects(const json& found, const std::string& field) {
+    static const json kEmpty = json::array();
+    if (found.is_null()) return kEmpty;
+    if (!found.is_array() || found.size() > kMaxEntries) {
+      bad(field, fmt::format("expected a list of at most {} objects", kMaxEntries));
+      return kEmpty;
+    }
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (!found[i].is_object()) bad(fmt::format("{}[{}]", field, i), "expected an object");
+    }
+    return failed() ? kEmpty : found;
+  }
+
+  // A whole number from 0 to `limit`.
+  void whole(const json& value, const std::string& field, std::uint64_t limit) {
+    if (value.is_number_unsigned() && value.get<std::uint64_t>() <= limit) return;
+    bad(field, fmt::format("{}; expected a whole number from 0 to {}", found(value), limit));
+  }
+
+  void numbers(const json& value, const std::string& field, std::size_t count) {
+    const bool ok = value.is_array() && value.size() == count &&
+                    std::ranges::all_of(value, [](const json& v) { return v.is_number(); });
+    if (!ok) bad(field, fmt::format("{}; expected {} numbers", found(value), count));
+  }
+
+  std::vector<std::string> strings(const char* key) {
+    std::vector<std::string> result;
+    const json& found = member(root_, key);
+    if (found.is_null()) return result;
+    if (!found.is_array() || found.size() > kMaxEntries) bad(key, "expected a list of names");
+    if (failed()) return result;
+    for (const json& entry : found) {
+      if (entry.is_string()) {
+        result.push_back(sanitized(entry.get_ref<const std::string&>(), 200));
+      } else {
+        bad(key, "expected names, found " + shown(entry));
+      }
+    }
+    return result;
+  }
+
+ private:
+  const json& root_;
+  const std::string& name_;
+  Error error_;
+};
+
+constexpr auto kIndexLimit = static_cast<std::uint64_t>(std::numeric_limits<int>::max());
+constexpr auto kSizeLimit = std::uint64_t(1)
+                            << 53;  // the whole numbers of JSON that all parsers keep
+
+// Copy the named members of each object, which are whole numbers, into a reduced list.
+json reduce(Checker& check, const json& objects, const std::string& field,
+            std::initializer_list<const char*> indices, std::initializer_list<const char*> sizes) {
+  json result = json::array();
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    json entry = json::object();
+    const auto copy = [&](const char* key, std::uint64_t limit) {
+      const json& value = member(objects[i], key);
+      if (value.is_null()) return;
+      check.whole(value, fmt::format("{}[{}].{}", field, i, key), limit);
+      entry[key] = value;
+    };
+    for (const char* key : indices) copy(key, kIndexLimit);
+    for (const char* key : sizes) copy(key, kSizeLimit);
+    result.push_back(std::move(entry));
+  }
+  return result;
+}
+
+void check_required(Checker& check) {
+  for (const std::string& extension : check.strings("extensionsRequired")) {
+    if (std::ranges::find(kKnownRequired, extension) != kKnownRequired.end()) continue;
+    check.bad("extensionsRequired",
+              fmt::format("{} is needed to read this file and is not supported", shown(extension)));
+  }
+}
+
+std::size_t check_buffers(Checker& check, std::size_t bin_bytes) {
+  const json& buffers = check.list("buffers");
+  const json& images = check.list("images");
+  for (const auto& [list, key] : {std::pair(&buffers, "buffers"), std::pair(&images, "images")}) {
+    for (std::size_t i = 0; i < list->size(); ++i) {
+      const json& uri = member((*list)[i], "uri");
+      if (uri.is_null()) continue;
+      check.bad(fmt::format("{}[{}].uri", key, i),
+                fmt::format("{} is not fetched; expected all data inside the .glb", shown(uri)));
+    }
+  }
+  if (buffers.empty() || check.failed()) return 0;
+  const json& length = member(buffers[0], "byteLength");
+  check.whole(length, "buffers[0].byteLength", kSizeLimit);
+  if (check.failed()) return 0;
+  const auto bytes = length.get<std::uint64_t>();
+  if (bytes > bin_bytes) {
+    check.bad("buffers[0].byteLength",
+              fmt::format("is {}, but the BIN chunk holds {} bytes", bytes, bin_bytes));
+    return 0;
+  }
+  return static_cast<std::size_t>(bytes);
+}
+
+bool is_vector(const json& value) {
+  return value.is_array() && value.size() == 3 &&
+         std::ranges::all_of(value, [](const json& v) { return v.is_number(); });
+}
+
+json reduce_accessors(Checker& check, std::vector<bool>& sparse) {
+  const json& accessors = check.list("accessors");
+  json result = reduce(check, accessors, "accessors", {"bufferView", "componentType"},
+                       {"byteOffset", "count"});
+  for (std::size_t i = 0; i < result.size() && !check.failed(); ++i) {
+    const std::string field = fmt::format("accessors[{}]", i);
+    const json& type = member(accessors[i], "type");
+    const json& normalized = member(accessors[i], "normalized");
+    if (!type.is_string()) check.bad(field + ".type", "expected a name such as \"VEC3\"");
+    if (!normalized.is_null() && !normalized.is_boolean()) {
+      check.bad(field + ".normalized", "expected true or false");
+    }
+    result[i]["type"] = type;
+    if (normalized.is_boolean()) result[i]["normalized"] = normalized;
+    // Only a hint for compressed positions, see gltf_spz.h: wrong ones are left out.
+    for (const char* key : {"min", "max"}) {
+      if (const json& bound = member(accessors[i], key); is_vector(bound)) result[i][key] = bound;
+    }
+    sparse.push_back(accessors[i].contains("sparse"));
+  }
+  return result;
+}
+
+void check_compact_version(Checker& check, const json& compact, const std::string& field) {
+  const json& version = member(compact, "version");
+  if (version == kCompactVersion) return;
+  check.bad(fmt::format("{}.{}.version", field, kCompactExtension),
+            fmt::format("{}; this program reads version {}", found(version), kCompactVersion));
+}
+
+// All numbers of the constants, as lists.
+constexpr std::pair<const char*, std::size_t> kNormalisation[] = {
+    {"center", 3},  {"extent", 1},      {"logScaleMean", 1}, {"logScaleDeviation", 1},
+    {"shMean", 12}, {"shDeviation", 12}};
+constexpr double kLargestConstant = 1e30;
+
+// "networks" of the compact extension.
+json reduce_networks(Checker& check, const json& networks, const std::string& field) {
+  if (!networks.is_object()) check.bad(field, "expected an object");
+  json kept = json::object();
+  for (const char* key : {"psi", "phi"}) {
+    const json& view = member(member(networks, key), "bufferView");
+    if (member(networks, key).is_null()) continue;
+    check.whole(view, fmt::format("{}.{}.bufferView", field, key), kIndexLimit);
+    kept[key] = view;
+  }
+  if (kept.empty()) check.bad(field, "has neither psi nor phi; expected one of them at least");
+  const json& constants = member(networks, "normalisation");
+  for (const auto& [key, count] : kNormalisation) {
+    const std::string name = fmt::format("{}.normalisation.{}", field, key);
+    json list = member(constants, key);
+    if (list.is_number()) list = json::array({list});
+    check.numbers(list, name, count);
+    if (check.failed()) return kept;
+    for (const json& number : list)
+      if (!(std::abs(number.get<double>()) <= kLargestConstant))
+        check.bad(name, fmt::format("is beyond {:g}", kLargestConstant));
+    kept["normalisation"][key] = list;
+  }
+  return kept;
+}
+
+// What the splats are compressed by, if anything.
+void reduce_compression(Checker& check, const json& nested, const std::string& field, json& kept) {
+  if (!nested.is_object()) return;
+  for (const auto& [key, value] : nested.items()) {
+    if (key == kSpzExtension || key == kCompactExtension) {
+      const json& view = member(value, "bufferView");
+      check.whole(view, fmt::format("{}.{}.bufferView", field, key), kIndexLimit);
+      if (kept.contains(kCompression)) check.bad(field, "its splats are compressed twice");
+      kept[kCompression] = key;
+      kept[kCompressedView] = view;
+      if (key != kCompactExtension) continue;
+      check_compact_version(check, value, field);
+      if (const json& networks = member(value, "networks"); !networks.is_null())
+        kept[kNetworks] = reduce_networks(check, networks,
+                                          fmt::format("{}.{}.networks", field, kCompactExtension));
+    } else if (key.starts_with("KHR_gaussian_splatting_compression")) {
+      check.bad(field,
+                fmt::format("its splats are compressed by {}, which is not supported", shown(key)));
+    }
+  }
+}
+
+// The attributes and the extension object of a splat primitive; an empty primitive for others, so
+// that the indices stay.
+json reduce_primitive(Checker& check, const json& primitive, const std::string& field) {
+  json result = {{"attributes", json::object()}};
+  const json& extension = member(member(primitive, "extensions"), kSplatExtension);
+  if (extension.is_null()) return result;
+  if (!extension.is_object()) check.bad(field + "." + kSplatExtension, "expected an object");
+  json kept = json::object();
+  reduce_compression(check, member(extension, "extensions"), field, kept);
+  for (const char* key : {"kernel", "colorSpace"}) {
+    if (member(extension, key).is_string()) kept[key] = member(extension, key);
+  }
+  result["extensions"][kSplatExtension] = std::move(kept);
+  if (const json& mode = member(primitive, "mode"); !mode.is_null()) {
+    check.whole(mode, field + ".mode", kIndexLimit);
+    result["mode"] = mode;
+  }
+  const json& attributes = member(primitive, "attributes");
+  if (!attributes.is_object()) {
+    check.bad(field + ".attributes", "expected an object");
+    return result;
+  }
+  for (const auto& [key, value] : attributes.items()) {
+    check.whole(value, fmt::format("{}.attributes.{}", field, shown(key)), kIndexLimit);
+  }
+  result["attributes"] = attributes;
+  return result;
+}
+
+// A primitive takes three bytes of JSON and hundreds in memory: the limit is for all meshes
+// together.
+json reduce_meshes(Checker& check) {
+  const json& meshes = check.list("meshes");
+  json result = json::array();
+  std::size_t total = 0;
+  for (std::size_t i = 0; i < meshes.size() && !check.failed(); ++i) {
+    const std::string field = fmt::format("meshes[{}].primitives", i);
+    total += member(meshes[i], "primitives").size();
+    if (total > kMaxEntries) {
+      check.bad(field, fmt::format("more than {} primitives in all meshes", kMaxEntries));
+      break;
+    }
+    json primitives = json::array();
+    for (const json& primitive : check.objects(member(meshes[i], "primitives"), field)) {
+      primitives.push_back(
+          reduce_primitive(check, primitive, fmt::format("{}[{}]", field, primitives.size())));
+    }
+    result.push_back({{"primitives", std::move(primitives)}});
+  }
+  return result;
+}
+
+// Copy a list of node indices if there is one.
+void reduce_indices(Checker& check, const json& from, const char* key, const std::string& field,
+                    json& to) {
+  const json& list = member(from, key);
+  if (list.is_null()) return;
+  if (!list.is_array()) return check.bad(field + "." + key, "expected a list of node indices");
+  for (const json& index : list) check.whole(index, field + "." + key, kIndexLimit);
+  to[key] = list;
+}
+
+json reduce_nodes(Checker& check) {
+  const json& nodes = check.list("nodes");
+  json result = reduce(check, nodes, "nodes", {"mesh"}, {});
+  for (std::size_t i = 0; i < result.size() && !check.failed(); ++i) {
+    const std::string field = fmt::format("nodes[{}]", i);
+    reduce_indices(check, nodes[i], "children", field, result[i]);
+    for (const auto& [key, count] : {std::pair("matrix", 16), std::pair("translation", 3),
+                                     std::pair("rotation", 4), std::pair("scale", 3)}) {
+      const json& value = member(nodes[i], key);
+      if (value.is_null()) continue;
+      check.numbers(value, field + "." + key, static_cast<std::size_t>(count));
+      result[i][key] = value;
+    }
+  }
+  return result;
+}
+
+json reduce_scenes(Checker& check) {
+  const json& scenes = check.list("scenes");
+  json result = json::array();
+  for (std::size_t i = 0; i < scenes.size() && !check.failed(); ++i) {
+    json entry = json::object();
+    reduce_indices(check, scenes[i], "nodes", fmt::format("scenes[{}]", i), entry);
+    result.push_back(std::move(entry));
+  }
+  return result;
+}
+
+Expected<GltfJson> check_document(const json& root, std::size_t bin_bytes,
+                                  const std::string& name) {
+  Checker check(root, name);
+  const json& version = member(member(root, "asset"), "version");
+  if (!version.is_string() || !version.get_ref<const std::string&>().starts_with("2.")) {
+    check.bad("asset.version", fmt::format("{}; expected \"2.0\"", found(version)));
+  }
+  check_required(check);
+  GltfJson result;
+  result.extensions_used = check.strings("extensionsUsed");
+  result.buffer_bytes = check_buffers(check, bin_bytes);
+  json reduced = {{"asset", {{"version", "2.0"}}}};
+  reduced["bufferViews"] = reduce(check, check.list("bufferViews"), "bufferViews", {"buffer"},
+                                  {"byteOffset", "byteLength", "byteStride"});
+  reduced["accessors"] = reduce_accessors(check, result.sparse);
+  reduced["meshes"] = reduce_meshes(check);
+  reduced["nodes"] = reduce_nodes(check);
+  reduced["scenes"] = reduce_scenes(check);
+  if (const json& scene = member(root, "scene"); !scene.is_null()) {
+    check.whole(scene, "scene", kIndexLimit);
+    reduced["scene"] = scene;
+  }
+  if (check.failed()) return std::unexpected(check.error());
+  result.reduced = reduced.dump();
+  result.start = find_start_view(root);
+  return result;
+}
+
+}  // namespace
+
+Expected<GltfJson> check_gltf_json(std::string_view text, std::size_t bin_bytes,
+                                   const std::string& name) {
+  const auto root = parse_json_object(text, name, "JSON");
+  if (!root) return std::unexpected(root.error());
+  try {
+    return check_document(*root, bin_bytes, name);
+  } catch (const json::exception& error) {
+    return fail(name, "JSON", sanitized(error.what(), 200));
+  }
+}
+
+}  // namespace fluxgs::io

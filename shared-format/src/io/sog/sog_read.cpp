@@ -1,0 +1,233 @@
+#include <algorithm>
+#include <exception>
+#include <initializer_list>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "fluxgs/io/sog.h"
+#include "io/json_text.h"
+#include "io/sog/folder_files.h"
+#include "io/sog/sog_decode.h"
+#include "io/sog/sog_lod.h"
+#include "io/sog/sog_meta.h"
+#include "io/sog/zip_archive.h"
+
+namespace fluxgs {
+namespace {
+
+using namespace io;
+
+constexpr char kMetaFile[] = "meta.json";
+
+// The local header of a ZIP archive's first entry (APPNOTE 4.3.7).
+constexpr std::string_view kZipMagic = "PK\x03\x04";
+constexpr std::size_t kZipNameLength = 26, kZipName = 30;
+
+// Whether a text is an object and names all of `keys`; no more is looked at.
+bool is_object_with(std::span<const std::byte> bytes,
+                    std::initializer_list<std::string_view> keys) {
+  const std::string_view text = as_text(bytes.first(std::min(bytes.size(), kMaxJsonText)));
+  const std::size_t begin = text.find_first_not_of(" \t\r\n");
+  return begin != text.npos && text[begin] == '{' &&
+         std::ranges::all_of(keys, [&](std::string_view key) { return text.contains(key); });
+}
+
+// Passes files on and adds up what each attribute takes, compressed; sh0 holds opacity too.
+NamedFiles counted(NamedFiles files, AttributeBits& bits) {
+  return [files = std::move(files), &bits](const std::string& file, std::uint64_t max_bytes) {
+    auto content = files(file, max_bytes);
+    const std::string_view base = std::string_view(file).substr(file.rfind('/') + 1);
+    for (const auto& [start, attribute] :
+         {std::pair("means", "position"), std::pair("scales", "scale"),
+          std::pair("quats", "rotation"), std::pair("sh0", "sh_dc"), std::pair("shN", "sh_rest")})
+      if (content && base.starts_with(start))
+        bits[attribute] += 8.0 * static_cast<double>(content->size());
+    return content;
+  };
+}
+
+SceneFile make_scene(SplatCloud cloud, const char* format, std::size_t bytes, AttributeBits bits) {
+  SceneFile scene;
+  const double splats = static_cast<double>(std::max<std::size_t>(cloud.size(), 1));
+  for (auto& [attribute, total] : bits) total /= splats;
+  scene.attribute_bits = std::move(bits);
+  scene.cloud = std::move(cloud);
+  scene.dropped = drop_non_finite(scene.cloud);
+  scene.format = format;
+  scene.bytes = bytes;
+  return scene;
+}
+
+// Parsing takes memory that is not asked for as a value.
+template <class Read>
+auto within_memory(const std::string& name, Read read) -> decltype(read()) {
+  try {
+    return read();
+  } catch (const std::exception&) {  // bad_alloc, or length_error beyond what a vector can count
+    return fail(name, "memory", "out of memory reading the scene");
+  }
+}
+
+Expected<SogMeta> meta_from(std::span<const std::byte> json, const std::string& field,
+                            const std::string& name) {
+  const auto root = parse_json_object(as_text(json), name, field);
+  if (!root) return std::unexpected(root.error());
+  return parse_sog_meta(*root, name, field);
+}
+
+Expected<SplatCloud> read_from(std::span<const std::byte> json, const NamedFiles& files,
+                               const std::string& folder, const std::string& field,
+                               const std::string& name) {
+  const auto meta = meta_from(json, field, name);
+  if (!meta) return std::unexpected(meta.error());
+  return decode_sog(*meta, files, folder, name);
+}
+
+// Of an archive. Its images may be compressed once more, and tell of far more than it has bytes
+// for.
+Expected<SogMeta> archive_meta(const NamedFiles& files, std::size_t bytes,
+                               const std::string& name) {
+  const auto json = files(kMetaFile, kMaxJsonText);
+  if (!json) return std::unexpected(json.error());
+  auto meta = meta_from(*json, kMetaFile, name);
+  if (meta && meta->count > max_sog_splats(bytes))
+    return fail(name, kMetaFile,
+                fmt::format("announces {} splats; an archive of {} bytes has at most {}",
+                            meta->count, bytes, max_sog_splats(bytes)));
+  return meta;
+}
+
+NamedFiles reader_of(const ZipArchive& archive) {
+  return [&archive](const std::string& file, std::uint64_t max_bytes) {
+    return archive.read(file, max_bytes);
+  };
+}
+
+Expected<SplatCloud> read_chunk(const SogChunk& chunk, const NamedFiles& files,
+                                const std::string& name) {
+  const auto json = files(chunk.file, kMaxJsonText);
+  if (!json) return std::unexpected(json.error());
+  const std::string folder = chunk.file.substr(0, chunk.file.rfind('/') + 1);
+  auto cloud = read_from(*json, files, folder, chunk.file, name);
+  if (cloud && cloud->size() != chunk.count) {
+    return fail(name, chunk.file,
+                fmt::format("holds {} splats; the tree of lod-meta.json expects {}", cloud->size(),
+                            chunk.count));
+  }
+  return cloud;
+}
+
+void raise_degree(SplatCloud& cloud, int degree) {
+  if (cloud.sh_degree >= degree) return;
+  const auto old_rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
+  const auto new_rest = static_cast<std::size_t>(sh_rest_count(degree));
+  std::vector<glm::vec3> raised(cloud.size() * new_rest, glm::vec3(0));
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    std::copy_n(cloud.sh_rest.data() + i * old_rest, old_rest, raised.data() + i * new_rest);
+  }
+  cloud.sh_rest = std::move(raised);
+  cloud.sh_degree = degree;
+}
+
+void append(SplatCloud& to, SplatCloud from) {
+  if (to.size() == 0) {
+    to = std::move(from);
+    return;
+  }
+  raise_degree(to, from.sh_degree);
+  raise_degree(from, to.sh_degree);
+  const auto join = [](auto& a, const auto& b) { a.insert(a.end(), b.begin(), b.end()); };
+  join(to.positions, from.positions);
+  join(to.log_scales, from.log_scales);
+  join(to.rotations, from.rotations);
+  join(to.opacity_logits, from.opacity_logits);
+  join(to.sh_dc, from.sh_dc);
+  join(to.sh_rest, from.sh_rest);
+}
+
+NamedFiles reader_of(FolderFiles& folder) {
+  return [&folder](const std::string& file, std::uint64_t max_bytes) {
+    return folder.read(file, max_bytes);
+  };
+}
+
+}  // namespace
+
+bool is_sog(std::span<const std::byte> bytes) {
+  const std::string_view text = as_text(bytes);
+  if (!text.starts_with(kZipMagic) || text.size() < kZipName) return false;
+  const auto length = static_cast<std::size_t>(bytes[kZipNameLength]) +
+                      (static_cast<std::size_t>(bytes[kZipNameLength + 1]) << 8);
+  const std::string_view first = text.substr(kZipName, length);
+  return first == kMetaFile || first.ends_with(".webp");
+}
+
+Expected<SceneFile> read_sog(std::span<const std::byte> bytes, const std::string& name) {
+  return within_memory(name, [&]() -> Expected<SceneFile> {
+    const auto archive = ZipArchive::open(bytes, name);
+    if (!archive) return std::unexpected(archive.error());
+    AttributeBits bits;
+    const NamedFiles files = counted(reader_of(*archive), bits);
+    const auto meta = archive_meta(files, bytes.size(), name);
+    if (!meta) return std::unexpected(meta.error());
+    auto cloud = decode_sog(*meta, files, "", name);
+    if (!cloud) return std::unexpected(cloud.error());
+    return make_scene(std::move(*cloud), "sog", bytes.size(), std::move(bits));
+  });
+}
+
+Expected<std::pair<std::size_t, int>> announced_by_sog(std::span<const std::byte> bytes,
+                                                       const std::string& name) {
+  return within_memory(name, [&]() -> Expected<std::pair<std::size_t, int>> {
+    const auto archive = ZipArchive::open(bytes, name);
+    if (!archive) return std::unexpected(archive.error());
+    const auto meta = archive_meta(reader_of(*archive), bytes.size(), name);
+    if (!meta) return std::unexpected(meta.error());
+    return std::pair(meta->count, meta->sh ? meta->sh->degree.value_or(3) : 0);
+  });
+}
+
+bool is_sog_meta(std::span<const std::byte> bytes) {
+  return is_object_with(bytes, {"\"means\"", "\"quats\"", "\"scales\""});
+}
+
+Expected<SceneFile> read_sog_folder(std::span<const std::byte> bytes,
+                                    const std::filesystem::path& path) {
+  const std::string name = path.string();
+  return within_memory(name, [&]() -> Expected<SceneFile> {
+    FolderFiles folder(path.parent_path());
+    AttributeBits bits;
+    auto cloud = read_from(bytes, counted(reader_of(folder), bits), "", kMetaFile, name);
+    if (!cloud) return std::unexpected(cloud.error());
+    return make_scene(std::move(*cloud), "sog-folder", bytes.size() + folder.bytes(),
+                      std::move(bits));
+  });
+}
+
+bool is_sog_lod(std::span<const std::byte> bytes) {
+  return is_object_with(bytes, {"\"lodLevels\"", "\"filenames\"", "\"tree\""});
+}
+
+Expected<SceneFile> read_sog_lod(std::span<const std::byte> bytes,
+                                 const std::filesystem::path& path) {
+  const std::string name = path.string();
+  return within_memory(name, [&]() -> Expected<SceneFile> {
+    const auto root = parse_json_object(as_text(bytes), name, "lod-meta.json");
+    if (!root) return std::unexpected(root.error());
+    const auto chunks = parse_sog_lod(*root, name);
+    if (!chunks) return std::unexpected(chunks.error());
+    FolderFiles folder(path.parent_path());
+    AttributeBits bits;
+    const NamedFiles files = counted(reader_of(folder), bits);
+    SplatCloud total;
+    for (const SogChunk& chunk : *chunks) {
+      auto cloud = read_chunk(chunk, files, name);
+      if (!cloud) return std::unexpected(cloud.error());
+      append(total, std::move(*cloud));
+    }
+    return make_scene(std::move(total), "sog-lod", bytes.size() + folder.bytes(), std::move(bits));
+  });
+}
+
+}  // namespace fluxgs
