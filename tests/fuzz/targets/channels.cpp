@@ -38,9 +38,9 @@ void check_round_trip(const codec::Channels& input, const codec::RateDistortion&
     const float step_scale = input.step_scale.empty() ? 1 : input.step_scale[splat];
     const float channels = static_cast<float>(input.channels);
     // Single precision: the mean and the axes are stored in it, sums over channels done in it.
-    const float rate_distortion = 1e-5f * channels * largest;
+    const float float_error = 1e-5f * channels * largest;
     require(std::abs(back[i] - before) <=
-                kStep * step_scale * steps * std::sqrt(channels) * 1.001f + rate_distortion,
+                kStep * step_scale * steps * std::sqrt(channels) * 1.001f + float_error,
             "a value is off by at most as many steps as its rounding says");
   }
 }

@@ -21,8 +21,8 @@ void check_positions(const SplatCloud& before, const SplatCloud& after, double s
   for (std::size_t k = 0; k < order.size(); ++k) {
     const glm::dvec3 from = before.positions[order[k]], to = after.positions[k];
     for (int c = 0; c < 3; ++c) {
-      const double rate_distortion = 1e-7 * std::abs(from[c]);
-      require(std::abs(from[c] - to[c]) <= step / 2 + rate_distortion,
+      const double float_error = 1e-7 * std::abs(from[c]);
+      require(std::abs(from[c] - to[c]) <= step / 2 + float_error,
               "compact: a position is off by at most half a step");
     }
   }

@@ -58,10 +58,10 @@ TEST(Positions, EachIsWithinHalfAStepAndInItsPlace) {
       const auto done = decode_positions(in, back);
       ASSERT_TRUE(done) << done.error().message();
       EXPECT_EQ(in.left(), 0u);
-      const double rate_distortion = center.x != 0 ? 0.005 : 1e-6;  // of a float at that distance
+      const double float_error = center.x != 0 ? 0.005 : 1e-6;  // of a float at that distance
       for (std::size_t i = 0; i < back.size(); ++i)
         for (int c = 0; c < 3; ++c)
-          ASSERT_NEAR(back[i][c], positions[i][c], 0.5 * step + rate_distortion);
+          ASSERT_NEAR(back[i][c], positions[i][c], 0.5 * step + float_error);
     }
   }
 }
