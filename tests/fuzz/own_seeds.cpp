@@ -85,6 +85,21 @@ void add_ply(Seeds& seeds) {
   }
 }
 
+void add_ply_points(Seeds& seeds) {
+  auto& points = seeds["ply_points"];
+  const std::string position = "element vertex 2\n" + properties({"x", "y", "z"}, "float");
+  const std::string color = properties({"red", "green", "blue"}, "uchar");
+  const std::string face = "element face 1\nproperty list uchar int vertex_indices\n";
+  points["text"] =
+      bytes_of(ply_header("ascii", position + color) + "0.5 -1e3 2 255 0 9\nnan 1 2 1 2 3\n");
+  points["text_behind_lists"] =
+      bytes_of(ply_header("ascii", face + position) + "3 0 1 1\n1 2 3\n4 5 6\n");
+  for (const char* format : {"binary_little_endian", "binary_big_endian"}) {
+    const Bytes data(2 * (3 * 4 + 3), std::byte{0x3f});
+    points[format] = joined({bytes_of(ply_header(format, position + color)), data});
+  }
+}
+
 void add_compressed_ply(Seeds& seeds) {
   for (const int degree : kDegrees) {
     for (const bool colours : {false, true}) {
@@ -401,6 +416,7 @@ void add_floats(Seeds& seeds) {
 void add_own_seeds(Seeds& seeds) {
   add_written(seeds);
   add_ply(seeds);
+  add_ply_points(seeds);
   add_compressed_ply(seeds);
   add_spz(seeds);
   add_glb(seeds);

@@ -15,6 +15,7 @@
 #include "codec/quantization.h"
 #include "codec/rans.h"
 #include "codec/scales.h"
+#include "fluxgs/byte_reader.h"
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/io/file.h"
 #include "fluxgs/io/scene.h"
@@ -164,7 +165,7 @@ CoderCost rans_cost(const Numbers& original) {
   codec::Bytes out;
   codec::encode_values({&original, 1}, out);
   const double ms = milliseconds([&] {
-    codec::Reader in(out);
+    ByteReader in(out);
     auto decoder = codec::ValueDecoder::open(in, 1, numbers.size());
     if (!decoder || !decoder->next(numbers)) std::abort();
   });

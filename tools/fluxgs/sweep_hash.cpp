@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "fluxgs/hash.h"
 #include "fluxgs/io/file.h"
 #include "tools/fluxgs/sweep_run.h"
 
@@ -12,22 +13,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// FNV-1a of 64 bits.
 class Hash {
  public:
-  void add(std::span<const std::byte> bytes) {
-    for (const std::byte b : bytes) {
-      value_ ^= static_cast<std::uint64_t>(b);
-      value_ *= 0x100000001b3;
-    }
-  }
+  void add(std::span<const std::byte> bytes) { value_ = fnv1a(bytes, value_); }
   void add(const std::string& text) {
     add(std::as_bytes(std::span(text.c_str(), text.size() + 1)));  // with its end, to part names
   }
   std::string text() const { return fmt::format("{:016x}", value_); }
 
  private:
-  std::uint64_t value_ = 0xcbf29ce484222325;
+  std::uint64_t value_ = kFnv1aOffset;
 };
 
 Expected<std::vector<fs::path>> files_of(const fs::path& folder) {

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "fluxgs/byte_reader.h"
 #include "fluxgs/io/file.h"
 #include "trainer/data/colmap_model.h"
 #include "trainer/data/file_bytes.h"
@@ -34,20 +35,19 @@ Expected<std::uint64_t> take_count(ByteReader& reader, const RecordFile& file,
     return fail(
         file.path, "header",
         fmt::format("{} bytes, expected a count of {} in 8 bytes", file.bytes.size(), records));
-  if (*count > reader.remaining() / smallest)
+  if (*count > reader.left() / smallest)
     return fail(file.path, "header",
                 fmt::format("promises {} {}, but the file has room for at most {}: it is truncated "
                             "or not a COLMAP file",
-                            *count, records, reader.remaining() / smallest));
+                            *count, records, reader.left() / smallest));
   return *count;
 }
 
 Expected<void> expect_end(const ByteReader& reader, const RecordFile& file,
                           std::string_view records) {
-  if (reader.remaining() == 0) return {};
-  return fail(
-      file.path, "",
-      fmt::format("{} bytes too many after the last of its {}", reader.remaining(), records));
+  if (reader.left() == 0) return {};
+  return fail(file.path, "",
+              fmt::format("{} bytes too many after the last of its {}", reader.left(), records));
 }
 
 Expected<void> read_cameras(const std::filesystem::path& path, ColmapModel& model) {
@@ -92,11 +92,11 @@ Expected<ColmapImage> read_image_record(ByteReader& reader, const RecordFile& fi
     double x, y;
     std::int64_t point_id;
   };
-  if (*observations > reader.remaining() / sizeof(Record))
+  if (*observations > reader.left() / sizeof(Record))
     return fail(file.path, fmt::format("image {}", index),
                 fmt::format("promises {} points, but the file has room for at most {}: it is "
                             "truncated or corrupt",
-                            *observations, reader.remaining() / sizeof(Record)));
+                            *observations, reader.left() / sizeof(Record)));
   const auto& p = *pose;
   ColmapImage image{.name = *name,
                     .camera_id = *camera_id,
@@ -140,8 +140,8 @@ Expected<void> read_points(const std::filesystem::path& path, ColmapModel& model
     const auto error = reader.take<double>();
     const auto track = reader.take<std::uint64_t>();
     constexpr std::size_t kTrackElement = 8;  // image id, index of the observation
-    if (!id || !position || !color || !error || !track ||
-        *track > reader.remaining() / kTrackElement || !reader.skip(*track * kTrackElement))
+    if (!id || !position || !color || !error || !track || *track > reader.left() / kTrackElement ||
+        !reader.take_bytes(*track * kTrackElement))
       return file->cut("point", i);
     const auto& p = *position;
     const auto& c = *color;

@@ -1,11 +1,9 @@
 #include "trainer/data/file_bytes.h"
 
-#include <bit>
+#include <cstring>
 #include <fstream>
 
 #include "fluxgs/io/file.h"
-
-static_assert(std::endian::native == std::endian::little, "ByteReader copies values as they are");
 
 namespace fluxgs {
 

@@ -1,4 +1,4 @@
-// Sparse points in a .ply, as nerfstudio writes them.
+// Sparse points of a data set in a .ply, as nerfstudio writes them.
 #pragma once
 
 #include <filesystem>
@@ -8,10 +8,8 @@
 
 namespace fluxgs {
 
-/// Add the vertices of a .ply (ascii or binary little-endian) to the source's points: x y z, and
-/// red green blue of 8 bits where present (white otherwise). Vertices must be the first element,
-/// without lists. Points that are not finite are dropped with a warning. Errors: any other header,
-/// a header that promises more than the file holds.
-Expected<void> read_ply_points(const std::filesystem::path& file, Source& source);
+/// Adds the vertices of a .ply (fluxgs/io/ply_points.h) to the source's points. Points that are not
+/// finite are dropped with a warning. Errors: as of fluxgs::read_ply_points().
+Expected<void> add_ply_points(const std::filesystem::path& file, Source& source);
 
 }  // namespace fluxgs

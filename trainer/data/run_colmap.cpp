@@ -15,6 +15,7 @@
 #include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
+#include "fluxgs/byte_reader.h"
 #include "trainer/data/file_bytes.h"
 
 extern char** environ;

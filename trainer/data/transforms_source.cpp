@@ -175,7 +175,7 @@ Expected<void> read_ply(const Json& json, const fs::path& file, Source& source) 
     return {};
   }
   source.points_file = ply;
-  return read_ply_points(ply, source);
+  return add_ply_points(ply, source);
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 
 #include <glm/gtc/quaternion.hpp>
 
+#include "fluxgs/math/logistic.h"
 #include "trainer/core/indices.h"
-#include "trainer/core/logistic.h"
 #include "trainer/densify/camera_sampling.h"
 #include "trainer/densify/densification.h"
 #include "trainer/densify/opacity_reset.h"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "trainer/core/logistic.h"
+#include "fluxgs/math/logistic.h"
 #include "trainer/data/dataset.h"
 #include "trainer/raster/rasterizer.h"
 

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "fluxgs/math/logistic.h"
 #include "trainer/core/indices.h"
-#include "trainer/core/logistic.h"
 #include "trainer/densify/density_control.h"
 #include "trainer/raster/blend_weights.h"
 

@@ -5,8 +5,8 @@
 
 #include <glm/gtc/quaternion.hpp>
 
+#include "fluxgs/math/logistic.h"
 #include "trainer/core/indices.h"
-#include "trainer/core/logistic.h"
 
 namespace fluxgs {
 namespace {

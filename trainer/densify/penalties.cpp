@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "trainer/core/logistic.h"
+#include "fluxgs/math/logistic.h"
 #include "trainer/raster/rasterizer.h"
 
 namespace fluxgs {

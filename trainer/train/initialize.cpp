@@ -5,8 +5,8 @@
 
 #include <nanoflann.hpp>
 
+#include "fluxgs/math/logistic.h"
 #include "fluxgs/math/spherical_harmonics.h"
-#include "trainer/core/logistic.h"
 
 namespace fluxgs {
 namespace {

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "fluxgs/math/logistic.h"
 #include "fluxgs/math/spherical_harmonics.h"
 
 namespace fluxgs::io {
@@ -19,11 +20,11 @@ namespace fluxgs::io {
 inline constexpr double kMinValue = std::numeric_limits<float>::min();
 inline constexpr double kMaxOpacity = 1 - 0x1p-25;
 
-inline float logit(double opacity) {
+inline float logit_of(double opacity) {
   const double o = opacity <= 0 ? kMinValue : opacity >= 1 ? kMaxOpacity : opacity;
   return static_cast<float>(std::log(o) - std::log1p(-o));
 }
-inline float sigmoid(float logit) { return static_cast<float>(1 / (1 + std::exp(-double{logit}))); }
+inline float opacity_of(float logit) { return static_cast<float>(sigmoid(double{logit})); }
 
 inline double log_scale(double scale) { return std::log(scale == 0 ? kMinValue : scale); }
 
@@ -45,7 +46,7 @@ inline std::uint8_t byte_of(double unit) {
 /// The logits of opacities stored in 8 bits.
 inline std::array<float, 256> logits_of_bytes() {
   std::array<float, 256> table;
-  for (std::size_t i = 0; i < table.size(); ++i) table[i] = logit(static_cast<double>(i) / 255);
+  for (std::size_t i = 0; i < table.size(); ++i) table[i] = logit_of(static_cast<double>(i) / 255);
   return table;
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "codec/bytes.h"
+#include "fluxgs/byte_reader.h"
 
 namespace fluxgs::codec {
 
@@ -49,7 +50,7 @@ constexpr unsigned golomb_bits(std::uint32_t value, unsigned order) {
 /// Takes bits off the bytes of a reader, which is to be used again after the last.
 class BitReader {
  public:
-  explicit BitReader(Reader& in) : in_(in) {}
+  explicit BitReader(ByteReader& in) : in_(in) {}
 
   /// At most 32; nothing once there are too few.
   std::optional<std::uint32_t> take(unsigned count) {
@@ -75,7 +76,7 @@ class BitReader {
   }
 
  private:
-  Reader& in_;
+  ByteReader& in_;
   std::uint64_t buffer_ = 0;
   unsigned filled_ = 0;
 };

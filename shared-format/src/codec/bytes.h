@@ -1,12 +1,10 @@
-// Writing and checked reading of the codec's byte streams: little-endian, unsigned LEB128 for
-// counts.
+// Writing of the codec's byte streams, which fluxgs/byte_reader.h reads: little-endian, unsigned
+// LEB128 for counts.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <optional>
-#include <span>
 #include <type_traits>
 #include <vector>
 
@@ -33,44 +31,5 @@ constexpr std::uint64_t zigzag(std::int64_t v) {
 constexpr std::int64_t unzigzag(std::uint64_t v) {
   return static_cast<std::int64_t>(v >> 1) ^ -static_cast<std::int64_t>(v & 1);
 }
-
-/// Takes values off the front; nothing once there are too few bytes.
-class Reader {
- public:
-  explicit Reader(std::span<const std::byte> bytes) : rest_(bytes) {}
-
-  std::size_t left() const { return rest_.size(); }
-
-  template <class T>
-  std::optional<T> take() {
-    static_assert(std::is_trivially_copyable_v<T>);
-    if (rest_.size() < sizeof(T)) return std::nullopt;
-    T value;
-    std::memcpy(&value, rest_.data(), sizeof value);
-    rest_ = rest_.subspan(sizeof value);
-    return value;
-  }
-
-  std::optional<std::uint64_t> take_varint() {
-    std::uint64_t value = 0;
-    for (unsigned shift = 0; shift < 63; shift += 7) {
-      const auto byte = take<std::uint8_t>();
-      if (!byte) return std::nullopt;
-      value |= std::uint64_t{*byte & 0x7fu} << shift;
-      if (*byte < 0x80) return value;
-    }
-    return std::nullopt;
-  }
-
-  std::optional<std::span<const std::byte>> take_bytes(std::uint64_t count) {
-    if (rest_.size() < count) return std::nullopt;
-    const auto front = rest_.first(static_cast<std::size_t>(count));
-    rest_ = rest_.subspan(static_cast<std::size_t>(count));
-    return front;
-  }
-
- private:
-  std::span<const std::byte> rest_;
-};
 
 }  // namespace fluxgs::codec

@@ -11,6 +11,7 @@
 #include "codec/bits.h"
 #include "codec/prediction.h"
 #include "codec/rans.h"
+#include "fluxgs/byte_reader.h"
 
 namespace fluxgs::codec {
 namespace {
@@ -123,7 +124,7 @@ Expected<Choice> choose(const Channels& input, float step) {
 
 enum Kind : std::uint8_t { kPlain, kHasBasis, kHasAxes };
 
-Expected<Layout> take_layout(Reader& in, std::size_t channels) {
+Expected<Layout> take_layout(ByteReader& in, std::size_t channels) {
   const auto stored = in.take_varint();
   if (stored && *stored != channels)
     return fail("", "", fmt::format("has {} channels, expected {}", *stored, channels));
@@ -243,8 +244,8 @@ Expected<double> channels_bits(const Channels& input, float step) {
   return choice->bits;
 }
 
-Expected<float> decode_channels(Reader& in, std::size_t channels, std::span<const float> step_scale,
-                                std::span<float> values) {
+Expected<float> decode_channels(ByteReader& in, std::size_t channels,
+                                std::span<const float> step_scale, std::span<float> values) {
   if (channels == 0 || channels > kMaxChannels)
     return fail("", "", fmt::format("{} channels, expected 1 to {}", channels, kMaxChannels));
   const std::size_t splats = values.size() / channels;

@@ -9,6 +9,7 @@
 
 #include "codec/bytes.h"
 #include "codec/quantization.h"
+#include "fluxgs/byte_reader.h"
 #include "fluxgs/error.h"
 
 namespace fluxgs::codec {
@@ -63,7 +64,7 @@ void encode_whole(const Layout& layout, const std::vector<std::vector<std::int32
 /// is that of the encoder; where it differs in its last bits, so do the values, and no more.
 /// Returns the step, or an error (without a file's name): cut, damaged, another number of channels,
 /// or numbers that are not finite.
-Expected<float> decode_channels(Reader& in, std::size_t channels, std::span<const float> step_scale,
-                                std::span<float> values);
+Expected<float> decode_channels(ByteReader& in, std::size_t channels,
+                                std::span<const float> step_scale, std::span<float> values);
 
 }  // namespace fluxgs::codec

@@ -20,6 +20,7 @@
 #include "codec/sh.h"
 #include "codec/stored_sensitivity.h"
 #include "codec/vectors.h"
+#include "fluxgs/byte_reader.h"
 
 namespace fluxgs::codec {
 namespace {
@@ -31,7 +32,7 @@ constexpr double kMinOpacity = 1e-3, kMaxOpacity = 1 - 1e-3;
 float opacity_logit(float scale) {
   const double root = std::sin(std::clamp(double{scale}, 0.0, 1.0) * std::numbers::pi / 2);
   const double opacity = std::clamp(root * root, kMinOpacity, kMaxOpacity);
-  return io::logit(opacity);
+  return io::logit_of(opacity);
 }
 
 // Each attribute may rest on those before it: their decoded values tell how exactly it is stored.
@@ -162,7 +163,7 @@ std::vector<float> quantization_weights(std::span<const float> weights,
   return result;
 }
 
-Expected<std::span<const std::byte>> take_section(Reader& in, Attribute attribute) {
+Expected<std::span<const std::byte>> take_section(ByteReader& in, Attribute attribute) {
   const auto size = in.take_varint();
   const auto bytes = size ? in.take_bytes(*size) : std::nullopt;
   if (!bytes) return fail("", kNames[attribute], "is cut off");
@@ -179,7 +180,7 @@ Expected<void> decode_section(Attribute attribute, std::span<const std::byte> se
                               Content& content) {
   const std::size_t channels = channels_of(attribute, content.cloud.sh_degree);
   std::vector<float> values(channels * content.cloud.size());
-  Reader in(section);
+  ByteReader in(section);
   const auto step = decode_channels(in, channels, content.step_scale_of(attribute), values);
   if (!step) return in_attribute(attribute, step.error());
   if (in.left() > 0) return fail("", kNames[attribute], "has bytes left over");
@@ -304,7 +305,7 @@ glm::quat canonical_rotation(const glm::quat& rotation) {
 }
 
 float opacity_scale(float logit) {
-  const double root = std::sqrt(double{io::sigmoid(logit)});
+  const double root = std::sqrt(double{io::opacity_of(logit)});
   return static_cast<float>(std::asin(root) * 2 / std::numbers::pi);
 }
 
@@ -325,10 +326,10 @@ Expected<SplatCloud> decode_compact(std::span<const std::byte> bytes, std::size_
   auto cloud = io::allocate_cloud(count, sh_degree, "");
   if (!cloud || count == 0) return cloud;
   Content content{std::move(*cloud), energy != nullptr};
-  Reader in(bytes);
+  ByteReader in(bytes);
   const auto positions = take_section(in, kPosition);
   if (!positions) return std::unexpected(positions.error());
-  Reader part(*positions);
+  ByteReader part(*positions);
   if (auto ok = decode_positions(part, content.cloud.positions); !ok)
     return std::unexpected(ok.error());
   if (part.left() > 0) return fail("", kNames[kPosition], "has bytes left over");
@@ -349,7 +350,7 @@ Expected<std::vector<std::pair<std::string, std::size_t>>> attribute_bytes(
     std::span<const std::byte> bytes, int sh_degree, bool has_energy) {
   std::vector<Attribute> attributes = attributes_of(has_energy, sh_degree);
   attributes.insert(attributes.begin(), kPosition);
-  Reader in(bytes);
+  ByteReader in(bytes);
   std::vector<std::pair<std::string, std::size_t>> sizes;
   if (bytes.empty()) return sizes;
   for (const Attribute attribute : attributes) {

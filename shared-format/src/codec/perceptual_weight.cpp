@@ -33,7 +33,7 @@ std::vector<LogExtents> extents_of(std::span<const glm::vec3> log_scales) {
 
 void set_opacities(std::span<LogExtents> extents, std::span<const float> opacity_logits) {
   for (std::size_t i = 0; i < extents.size(); ++i)
-    extents[i].w = portable_log(std::max(io::sigmoid(opacity_logits[i]), kMinOpacity));
+    extents[i].w = portable_log(std::max(io::opacity_of(opacity_logits[i]), kMinOpacity));
 }
 
 double mean_perceptual_weight(const PerceptualWeight& perceptual_weight,

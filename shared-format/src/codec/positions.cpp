@@ -1,4 +1,5 @@
 #include "codec/positions.h"
+#include "fluxgs/byte_reader.h"
 
 #include <array>
 #include <cmath>
@@ -54,7 +55,7 @@ constexpr std::uint8_t kPointCloud = 0, kSequential = 0;
 constexpr std::uint8_t kPosition = 0, kInt32 = 5, kThree = 3, kNotNormalized = 0;
 
 Expected<void> check_draco_header(std::span<const std::byte> bytes, std::size_t count) {
-  Reader in(bytes);
+  ByteReader in(bytes);
   const auto magic = in.take<std::array<char, 5>>();
   const auto major = in.take<std::uint8_t>(), minor = in.take<std::uint8_t>();
   const auto type = in.take<std::uint8_t>(), method = in.take<std::uint8_t>();
@@ -101,7 +102,7 @@ Expected<void> encode_positions(const std::vector<glm::vec3>& positions, double 
   return {};
 }
 
-Expected<void> decode_positions(Reader& in, std::span<glm::vec3> positions) {
+Expected<void> decode_positions(ByteReader& in, std::span<glm::vec3> positions) {
   const auto origin = in.take<std::array<double, 3>>();
   const auto step = in.take<double>();
   const auto size = in.take_varint();

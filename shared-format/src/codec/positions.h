@@ -7,6 +7,7 @@
 #include <glm/vec3.hpp>
 
 #include "codec/bytes.h"
+#include "fluxgs/byte_reader.h"
 #include "fluxgs/error.h"
 
 namespace fluxgs::codec {
@@ -20,6 +21,6 @@ Expected<void> encode_positions(const std::vector<glm::vec3>& positions, double 
 /// checked first: its number of points must be that, of one attribute of three 32-bit integers,
 /// because its own decoder allocates what its header says. Errors (without a file's name): cut,
 /// damaged, another count.
-Expected<void> decode_positions(Reader& in, std::span<glm::vec3> positions);
+Expected<void> decode_positions(ByteReader& in, std::span<glm::vec3> positions);
 
 }  // namespace fluxgs::codec

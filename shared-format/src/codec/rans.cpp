@@ -6,6 +6,7 @@
 
 #include "codec/bits.h"
 #include "codec/frequencies.h"
+#include "fluxgs/byte_reader.h"
 
 namespace fluxgs::codec {
 namespace {
@@ -122,7 +123,7 @@ void put_split(const Split& split, BitWriter& out) {
 
 void add_raw_bits(std::span<const std::byte> raw, const Split& split,
                   std::span<std::int32_t> values) {
-  Reader in(raw);
+  ByteReader in(raw);
   BitReader bits(in);
   for (std::int32_t& value : values)
     value = static_cast<std::int32_t>(split.lowest + (std::int64_t{value} << split.raw_bits) +
@@ -161,7 +162,7 @@ double entropy_bits(Values values) {
   return bits;
 }
 
-Expected<ValueDecoder> ValueDecoder::open(Reader& in, std::size_t channels, std::size_t count) {
+Expected<ValueDecoder> ValueDecoder::open(ByteReader& in, std::size_t channels, std::size_t count) {
   ValueDecoder decoder;
   decoder.channels_.resize(channels);
   if (channels == 0 || count == 0) return decoder;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "codec/bytes.h"
+#include "fluxgs/byte_reader.h"
 #include "fluxgs/error.h"
 
 namespace fluxgs::codec {
@@ -34,7 +35,7 @@ class ValueDecoder {
  public:
   /// Takes a stream of so many channels of `count` values off the reader's bytes, which must
   /// outlive the decoder. At most kMaxSymbols numbers are kept of each channel.
-  static Expected<ValueDecoder> open(Reader& in, std::size_t channels, std::size_t count);
+  static Expected<ValueDecoder> open(ByteReader& in, std::size_t channels, std::size_t count);
 
   /// The next channel, whole. Precondition: there is one, and `values` has room for its values.
   Expected<void> next(std::span<std::int32_t> values);

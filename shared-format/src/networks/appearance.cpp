@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "fluxgs/math/logistic.h"
 #include "fluxgs/math/projection.h"
 #include "networks/onnx_network.h"
 
@@ -267,7 +268,7 @@ std::array<float, kPhiColumns> phi_row(const Normalisation& n, const SplatAttrib
   }
   const auto q = unit_quaternion(splat.rotation);
   for (const double component : {q.w, q.x, q.y, q.z}) add(component);
-  add(1 / (1 + std::exp(-double{splat.opacity_logit})));
+  add(sigmoid(double{splat.opacity_logit}));
   for (std::size_t k = 0; k < kSh; ++k) {
     add((double{sh[k]} - double{n.sh_mean[k]}) / double{n.sh_deviation[k]});
   }

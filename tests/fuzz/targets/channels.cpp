@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fluxgs/byte_reader.h"
 #include "harness.h"
 
 namespace fluxgs::fuzz {
@@ -25,7 +26,7 @@ void check_round_trip(const codec::Channels& input, const codec::RateDistortion&
   const auto encoded = codec::encode_channels(input, kStep, how, bytes);
   if (!encoded) return check_error(encoded.error());
   std::vector<float> back(input.values.size());
-  codec::Reader in(bytes);
+  ByteReader in(bytes);
   const auto decoded = codec::decode_channels(in, input.channels, input.step_scale, back);
   if (!decoded) broken("what was encoded can be decoded: " + decoded.error().message());
   require(in.left() == 0, "nothing is left over");
@@ -54,7 +55,7 @@ FLUXGS_FUZZ_TARGET(channels) {
   const bool coarse = flags % 2 != 0, cheaply = flags / 2 % 2 != 0;
   codec::Channels output{std::max<std::size_t>(channels, 1), std::vector<float>(splats * channels),
                          coarse ? some_step_scale(splats) : std::vector<float>()};
-  codec::Reader in(parameters.rest());
+  ByteReader in(parameters.rest());
   const Meter meter;
   const auto decoded = codec::decode_channels(in, channels, output.step_scale, output.values);
   check_memory(meter.peak(), {256 << 10, 0}, input.size(), 2 * splats);

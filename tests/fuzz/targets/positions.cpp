@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fluxgs/byte_reader.h"
 #include "harness.h"
 
 namespace fluxgs::fuzz {
@@ -11,7 +12,7 @@ namespace fluxgs::fuzz {
 FLUXGS_FUZZ_TARGET(positions) {
   Parameters parameters(input);
   std::vector<glm::vec3> positions(parameters.word());
-  codec::Reader in(parameters.rest());
+  ByteReader in(parameters.rest());
   const Meter meter;
   const auto decoded = codec::decode_positions(in, positions);
   // Draco holds the numbers and their predictions, and a table of up to 2^20 entries.

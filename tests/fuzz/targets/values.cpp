@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "codec/rans.h"
+#include "fluxgs/byte_reader.h"
 #include "harness.h"
 
 namespace fluxgs::fuzz {
@@ -15,7 +16,7 @@ constexpr std::int32_t kLimit = 1 << 30;
 
 using Numbers = std::vector<std::int32_t>;
 
-Expected<std::vector<Numbers>> decode(codec::Reader& in, std::size_t channels, std::size_t count) {
+Expected<std::vector<Numbers>> decode(ByteReader& in, std::size_t channels, std::size_t count) {
   auto decoder = codec::ValueDecoder::open(in, channels, count);
   if (!decoder) return std::unexpected(decoder.error());
   std::vector<Numbers> values(channels, Numbers(count));
@@ -29,7 +30,7 @@ void check_round_trip(const std::vector<Numbers>& channels) {
     if (std::ranges::any_of(values, [](std::int32_t v) { return std::abs(v) >= kLimit; })) return;
   Bytes bytes;
   codec::encode_values(channels, bytes);
-  codec::Reader in(bytes);
+  ByteReader in(bytes);
   const auto back = decode(in, channels.size(), channels[0].size());
   require(back.has_value(), "what was encoded can be decoded");
   require(*back == channels && in.left() == 0, "numbers come back as they were");
@@ -48,7 +49,7 @@ Numbers as_numbers(Input input) {
 FLUXGS_FUZZ_TARGET(values) {
   Parameters parameters(input);
   const std::size_t count = parameters.word(), channels = parameters.byte() % 4 + 1;
-  codec::Reader in(parameters.rest());
+  ByteReader in(parameters.rest());
   const Meter meter;
   const auto decoded = decode(in, channels, count);
   check_memory(meter.peak(), {(256 << 10) + channels * (count << 2), 0}, input.size(), 0);

@@ -103,7 +103,7 @@ std::byte* put_plain_attributes(const SplatCloud& cloud, std::byte* at) {
   for (const glm::vec3& position : cloud.positions) out.put_vec3(turn_position(position));
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     for (int c = 0; c < 3; ++c) out.put(fallback_colour(cloud.sh_dc[i][c]));
-    out.put(byte_of(sigmoid(cloud.opacity_logits[i])));
+    out.put(byte_of(opacity_of(cloud.opacity_logits[i])));
   }
   for (const glm::quat& rotation : cloud.rotations) {
     const glm::quat q = turn_to_gltf(unit(rotation));
@@ -112,7 +112,7 @@ std::byte* put_plain_attributes(const SplatCloud& cloud, std::byte* at) {
   for (const glm::vec3& s : cloud.log_scales) {
     for (int c = 0; c < 3; ++c) out.put(linear_scale(s[c]));
   }
-  for (const float opacity : cloud.opacity_logits) out.put(sigmoid(opacity));
+  for (const float opacity : cloud.opacity_logits) out.put(opacity_of(opacity));
   for (const glm::vec3& dc : cloud.sh_dc) out.put_vec3(dc);
   const auto rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
   for (std::size_t k = 0; k < rest; ++k) {

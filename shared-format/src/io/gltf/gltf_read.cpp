@@ -82,7 +82,7 @@ SplatValues load_splat(const GltfSplats& from, std::size_t i) {
                              component(from.rotation, i, 1), component(from.rotation, i, 2));
   const glm::vec3 scale = vec3(from.scale, i);
   for (int c = 0; c < 3; ++c) splat.log_scale[c] = static_cast<float>(log_scale(scale[c]));
-  splat.opacity_logit = logit(component(from.opacity, i, 0));
+  splat.opacity_logit = logit_of(component(from.opacity, i, 0));
   splat.sh_dc = vec3(from.sh[0], i);
   const auto rest = static_cast<std::size_t>(sh_rest_count(from.sh_degree));
   for (std::size_t k = 0; k < rest; ++k) splat.sh_rest[k] = vec3(from.sh[k + 1], i);

@@ -122,7 +122,7 @@ SogTable steps(double low, double high) {
 }
 
 SogTable logits() {
-  return make_table([](double opacity) { return double{logit(opacity)}; });
+  return make_table([](double opacity) { return double{logit_of(opacity)}; });
 }
 
 // What both versions share: ranges of the positions and the names of the images.

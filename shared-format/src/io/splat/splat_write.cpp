@@ -39,7 +39,7 @@ SplatRecord record_of(const SplatCloud& cloud, std::size_t i) {
     record.scale[k] = linear_scale(cloud.log_scales[i][c]);
     record.colour[k] = byte_of(colour_of(cloud.sh_dc[i][c]));
   }
-  record.colour[3] = byte_of(sigmoid(cloud.opacity_logits[i]));
+  record.colour[3] = byte_of(opacity_of(cloud.opacity_logits[i]));
   const auto levels = rotation_levels(cloud.rotations[i]);
   for (std::size_t k = 0; k < levels.size(); ++k) {
     record.rotation[k] = static_cast<std::uint8_t>(std::lround(std::clamp(levels[k], 0.0, 255.0)));

@@ -1,5 +1,6 @@
 // Coding of an attribute: what is lost, what it takes, and damaged streams.
 #include "codec/channels.h"
+#include "fluxgs/byte_reader.h"
 
 #include <gtest/gtest.h>
 
@@ -44,7 +45,7 @@ TEST(Channels, ErrorsAreThoseOfTheStep) {
     for (const float step : {0.5f, 0.01f}) {
       const Channels input = smooth(2000, channels, 0.2f);
       const Bytes bytes = encoded(input, step);
-      Reader in(bytes);
+      ByteReader in(bytes);
       std::vector<float> back(input.values.size());
       const auto done = decode_channels(in, channels, {}, back);
       ASSERT_TRUE(done) << done.error().message();
@@ -89,7 +90,7 @@ TEST(Channels, OneSplatAndEqualSplats) {
   for (const std::size_t splats : {1u, 2u, 500u}) {
     const Channels input{3, std::vector<float>(3 * splats, -2.5f), {}};
     const Bytes bytes = encoded(input, 0.1f);
-    Reader in(bytes);
+    ByteReader in(bytes);
     std::vector<float> back(input.values.size());
     ASSERT_TRUE(decode_channels(in, 3, {}, back));
     for (const float v : back) EXPECT_NEAR(v, -2.5f, 1e-5);
@@ -100,7 +101,7 @@ TEST(Channels, CoarseSplatsLoseMore) {
   Channels input = smooth(4000, 3, 0.2f);
   for (std::size_t i = 0; i < input.splats(); ++i) input.step_scale.push_back(i % 2 ? 4.0f : 1.0f);
   const Bytes bytes = encoded(input, 0.05f);
-  Reader in(bytes);
+  ByteReader in(bytes);
   std::vector<float> back(input.values.size());
   ASSERT_TRUE(decode_channels(in, 3, input.step_scale, back));
   back = by_splat(back, 3);
@@ -134,16 +135,16 @@ TEST(Channels, CutsAndDamage) {
   const Bytes good = encoded(input, 0.1f);
   std::vector<float> back(input.values.size());
   for (std::size_t size = 0; size < good.size(); ++size) {
-    Reader in(std::span<const std::byte>(good).first(size));
+    ByteReader in(std::span<const std::byte>(good).first(size));
     EXPECT_FALSE(decode_channels(in, 3, {}, back)) << size;
   }
-  Reader wrong(good);
+  ByteReader wrong(good);
   EXPECT_FALSE(decode_channels(wrong, 4, {}, back));
   std::mt19937 random(9);
   for (int round = 0; round < 3000; ++round) {
     Bytes bytes = good;
     bytes[random() % bytes.size()] ^= static_cast<std::byte>(1 + random() % 255);
-    Reader in(bytes);
+    ByteReader in(bytes);
     if (!decode_channels(in, 3, {}, back)) continue;
     for (const float v : back) ASSERT_TRUE(std::isfinite(v));
   }

@@ -1,5 +1,6 @@
 // Positions through Draco, in the order given.
 #include "codec/positions.h"
+#include "fluxgs/byte_reader.h"
 
 #include <gtest/gtest.h>
 
@@ -54,7 +55,7 @@ TEST(Positions, EachIsWithinHalfAStepAndInItsPlace) {
       Bytes bytes;
       ASSERT_TRUE(encode_positions(positions, step, bytes));
       std::vector<glm::vec3> back(positions.size());
-      Reader in(bytes);
+      ByteReader in(bytes);
       const auto done = decode_positions(in, back);
       ASSERT_TRUE(done) << done.error().message();
       EXPECT_EQ(in.left(), 0u);
@@ -89,11 +90,11 @@ TEST(Positions, CutsLyingCountsAndDamage) {
   ASSERT_TRUE(encode_positions(positions, 0.01, good));
   std::vector<glm::vec3> back(positions.size());
   for (std::size_t size = 0; size < good.size(); ++size) {
-    Reader in(std::span<const std::byte>(good).first(size));
+    ByteReader in(std::span<const std::byte>(good).first(size));
     EXPECT_FALSE(decode_positions(in, back)) << size;
   }
   std::vector<glm::vec3> more(positions.size() + 1);
-  Reader in(good);
+  ByteReader in(good);
   const auto lied = decode_positions(in, more);
   ASSERT_FALSE(lied);
   EXPECT_NE(lied.error().what.find("100 points"), std::string::npos) << lied.error().what;
@@ -101,7 +102,7 @@ TEST(Positions, CutsLyingCountsAndDamage) {
   for (int round = 0; round < 3000; ++round) {
     Bytes bytes = good;
     bytes[random() % bytes.size()] ^= static_cast<std::byte>(1 + random() % 255);
-    Reader damaged(bytes);
+    ByteReader damaged(bytes);
     (void)decode_positions(damaged, back);  // an error or other positions, but no crash
   }
 }

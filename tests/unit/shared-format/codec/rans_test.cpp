@@ -1,5 +1,6 @@
 // Entropy coding of whole numbers.
 #include "codec/rans.h"
+#include "fluxgs/byte_reader.h"
 
 #include <gtest/gtest.h>
 
@@ -28,7 +29,7 @@ Bytes encoded(const Channels& channels) {
   return out;
 }
 
-Expected<Channels> decode(Reader& in, std::size_t channels, std::size_t count) {
+Expected<Channels> decode(ByteReader& in, std::size_t channels, std::size_t count) {
   auto decoder = ValueDecoder::open(in, channels, count);
   if (!decoder) return std::unexpected(decoder.error());
   Channels values(channels, std::vector<std::int32_t>(count, -7));
@@ -39,7 +40,7 @@ Expected<Channels> decode(Reader& in, std::size_t channels, std::size_t count) {
 
 void expect_round_trips(const Channels& channels) {
   const Bytes bytes = encoded(channels);
-  Reader in(bytes);
+  ByteReader in(bytes);
   const auto back = decode(in, channels.size(), channels[0].size());
   ASSERT_TRUE(back) << back.error().message();
   EXPECT_EQ(*back, channels);
@@ -102,7 +103,7 @@ TEST(Rans, TablesAreAsExactAsItPays) {
     const auto distinct = static_cast<double>(seen.size());
     EXPECT_LT(for_table / distinct, count < 1000 ? 4 : count < 10'000 ? 5 : 9) << count;
     EXPECT_LT(bits + for_table, entropy_bits(values) + 9 * distinct) << count;
-    Reader in(table);
+    ByteReader in(table);
     BitReader read(in);
     const auto back = take_frequencies(read, counts.size());
     ASSERT_TRUE(back) << back.error().message();
@@ -116,7 +117,7 @@ TEST(Rans, EveryCutIsAnError) {
     const auto values = normal_values(300, deviation);
     const Bytes bytes = encoded({values, values});
     for (std::size_t size = 0; size < bytes.size(); ++size) {
-      Reader in(std::span<const std::byte>(bytes).first(size));
+      ByteReader in(std::span<const std::byte>(bytes).first(size));
       EXPECT_FALSE(decode(in, 2, values.size())) << size;
     }
   }
@@ -131,7 +132,7 @@ TEST(Rans, DamageNeverCrashesAndIsMostlyNoticed) {
     Bytes bytes = good;
     for (unsigned k = 0; k < 1 + random() % 3; ++k)
       bytes[random() % bytes.size()] ^= static_cast<std::byte>(1 + random() % 255);
-    Reader in(bytes);
+    ByteReader in(bytes);
     const auto back = decode(in, 1, values.size());
     unnoticed += back && *back != Channels{values};
   }
@@ -149,7 +150,7 @@ std::string error_of(unsigned raw_bits, std::size_t symbols, const std::vector<i
   for (const int number : table) out.put_golomb(static_cast<std::uint32_t>(number), 0);
   out.finish();
   bytes.resize(bytes.size() + 64);
-  Reader in(bytes);
+  ByteReader in(bytes);
   const auto done = decode(in, 1, 10);
   return done ? std::string("accepted") : done.error().what;
 }

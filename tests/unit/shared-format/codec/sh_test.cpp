@@ -1,5 +1,6 @@
 // Colours rounded with what views see of them in mind.
 #include "codec/sh.h"
+#include "fluxgs/byte_reader.h"
 
 #include <gtest/gtest.h>
 
@@ -105,7 +106,7 @@ Quantized rounded(const Splats& splats, const std::vector<float>& factors, float
   const auto done = encode_sh(rest, factors, step, {.rate_weight = rate_weight}, dc, bytes);
   EXPECT_TRUE(done) << done.error().message();
   std::vector<float> planes(rest.values.size());
-  Reader in(bytes);
+  ByteReader in(bytes);
   const auto decoded = decode_channels(in, 45, rest.step_scale, planes);
   EXPECT_TRUE(decoded) << decoded.error().message();
   EXPECT_EQ(in.left(), 0u);
@@ -201,7 +202,7 @@ TEST(WholeNumbers, DamageIsRefused) {
   Bytes good;
   encode_whole(layout, planes, good);
   const auto decode = [](const Bytes& bytes, std::size_t channels) {
-    Reader in(bytes);
+    ByteReader in(bytes);
     std::vector<float> back(3 * channels);
     return decode_channels(in, channels, {}, back).has_value() && in.left() == 0;
   };

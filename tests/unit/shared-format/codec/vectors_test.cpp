@@ -1,5 +1,6 @@
 // Three numbers a splat, rounded by what their errors cost.
 #include "codec/vectors.h"
+#include "fluxgs/byte_reader.h"
 
 #include <gtest/gtest.h>
 
@@ -78,7 +79,7 @@ Quantized rounded(const Splats& splats, const std::vector<Matrix3d>& sensitivity
   EXPECT_TRUE(done) << done.error().message();
   const std::size_t n = splats.input.splats();
   std::vector<float> planes(3 * n);
-  Reader in(bytes);
+  ByteReader in(bytes);
   const auto decoded = decode_channels(in, 3, splats.input.step_scale, planes);
   EXPECT_TRUE(decoded) << decoded.error().message();
   EXPECT_EQ(in.left(), 0u);

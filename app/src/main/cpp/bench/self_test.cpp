@@ -11,6 +11,7 @@
 
 #include "camera/initial_view.h"
 #include "camera/orbit.h"
+#include "fluxgs/hash.h"
 #include "fluxgs/io/scene.h"
 #include "fluxgs/math/projection.h"
 #include "render/frame_uniforms.h"
@@ -20,19 +21,13 @@
 namespace fluxgs::bench {
 namespace {
 
-/// FNV-1a (Fowler, Noll, Vo), 64 bits.
 class Hash {
  public:
   template <class T>
   void add(const std::vector<T>& values) {
     add(std::as_bytes(std::span(values)));
   }
-  void add(std::span<const std::byte> bytes) {
-    for (const std::byte b : bytes) {
-      value_ ^= std::to_integer<std::uint64_t>(b);
-      value_ *= 0x100000001B3U;
-    }
-  }
+  void add(std::span<const std::byte> bytes) { value_ = fnv1a(bytes, value_); }
   template <class T>
   void add_value(const T& value) {
     add(std::as_bytes(std::span(&value, 1)));
@@ -40,7 +35,7 @@ class Hash {
   std::uint64_t value() const { return value_; }
 
  private:
-  std::uint64_t value_ = 0xCBF29CE484222325U;
+  std::uint64_t value_ = kFnv1aOffset;
 };
 
 std::uint64_t hash_of(const SplatCloud& cloud) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "fluxgs/math/logistic.h"
 #include "fluxgs/splat_cloud.h"
 
 namespace fluxgs::camera {
@@ -24,7 +25,7 @@ inline std::vector<std::size_t> even_sample(const SplatCloud& cloud) {
 
 /// 0…1.
 inline double opacity_of(const SplatCloud& cloud, std::size_t i) {
-  return 1 / (1 + std::exp(-static_cast<double>(cloud.opacity_logits[i])));
+  return sigmoid(double{cloud.opacity_logits[i]});
 }
 
 }  // namespace fluxgs::camera

@@ -1,4 +1,5 @@
 #include "render/splat_budget.h"
+#include "fluxgs/math/logistic.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +9,7 @@ namespace fluxgs::render {
 
 double contribution(const SplatCloud& cloud, std::size_t i) {
   const glm::dvec3 s = glm::exp(glm::dvec3(cloud.log_scales[i]));
-  const double opacity = 1 / (1 + std::exp(-static_cast<double>(cloud.opacity_logits[i])));
+  const double opacity = sigmoid(double{cloud.opacity_logits[i]});
   const double value = opacity * (s.x * s.y + s.y * s.z + s.z * s.x) / 3;
   return std::isnan(value) ? 0 : value;
 }

@@ -1,4 +1,4 @@
-// Opacities are trained as their logits.
+// The logistic function and its inverse: opacities are trained and stored as logits.
 #pragma once
 
 #include <cmath>
