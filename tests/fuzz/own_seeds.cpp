@@ -8,9 +8,9 @@
 #include "codec/rans.h"
 #include "file_bundle.h"
 #include "fluxgs/io/compact_glb.h"
+#include "fluxgs/io/initial_view.h"
 #include "fluxgs/io/ply.h"
 #include "fluxgs/io/scene.h"
-#include "fluxgs/io/start_view.h"
 #include "fluxgs/networks/appearance.h"
 #include "io/spz/spz_layout.h"
 #include "seeds.h"
@@ -252,8 +252,8 @@ void add_glb(Seeds& seeds) {
   glb["plain_compact_and_spz"] = test::joined_glb(
       {plain, glb["compact_degree2_and_plain"], glb["spz3_degree1"], glb["compact_degree0"]});
   glb["compact_with_networks"] = glb_with_networks(glb["compact_degree1"]);
-  glb["with_start_view"] =
-      *with_start_view(glb["compact_degree1"], {.position = {1, 2, 3}, .fov_y = 0.7}, "x");
+  glb["with_initial_view"] =
+      *with_initial_view(glb["compact_degree1"], {.position = {1, 2, 3}, .fov_y = 0.7}, "x");
   glb["with_a_camera_in_a_tree"] = test::edited(
       test::edited(glb["tree"], "[1,2]", "[1,2,3]"), R"({"mesh":0}])",
       R"({"camera":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,4,5,6,1],"extras":{"up":[0,0,1]}}],)"

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "gl/steps.h"
+#include "gl/expected_chain.h"
 #include "platform/host/host_context.h"
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/data_options.h"
@@ -82,7 +82,7 @@ json summary_json(const bench::Summary& summary) {
 
 json stages_json(const bench::FrameBenchmark& result) {
   if (!result.stages) return nullptr;
-  const render::StageTimes& s = *result.stages;
+  const render::FrameTimes& s = *result.stages;
   return {{"project", s.project}, {"sort", s.sort}, {"draw", s.draw}, {"resolve", s.resolve}};
 }
 
@@ -106,7 +106,7 @@ void print_lines(const json& r) {
              r["sh_degree"].get<int>(), r["splats_drawn"].get<std::uint64_t>(),
              r["target"].get<std::string>());
   line("draw only", r["draw_ms"]);
-  line("sort to photon", r["sort_to_photon_ms"]);
+  line("sort to display", r["sort_to_display_ms"]);
   fmt::print("{:<15} {:.2f} ms a frame\n", "pipelined", r["pipelined_ms"].get<double>());
   if (!r["stages"].is_null()) {
     fmt::print("{:<15}", "stages");
@@ -133,16 +133,18 @@ Expected<Stage> set_up(const BenchSettings& s, const SplatCloud& cloud) {
   const auto implementation = host::parse_host_gl(s.gl);
   if (!implementation) return std::unexpected(implementation.error());
   Stage stage;
-  auto done = gl::in_turn(
-      [&] { return gl::take(host::HostContext::create(*implementation), stage.context); },
+  auto done = gl::chain(
       [&] {
-        return gl::take(render::Renderer::create(stage.context->api(), settings_of(s.tuning)),
-                        stage.renderer);
+        return gl::assign_or_error(host::HostContext::create(*implementation), stage.context);
+      },
+      [&] {
+        return gl::assign_or_error(
+            render::Renderer::create(stage.context->api(), settings_of(s.tuning)), stage.renderer);
       },
       [&] { return stage.renderer->upload(cloud); },
       [&] {
-        return gl::take(target_of(stage.context->api(), s.size.width, s.size.height, s.tuning),
-                        stage.target);
+        return gl::assign_or_error(
+            target_of(stage.context->api(), s.size.width, s.size.height, s.tuning), stage.target);
       });
   if (!done) return std::unexpected(done.error());
   warn_of_undrawable(*stage.renderer);
@@ -193,7 +195,7 @@ Expected<void> bench_scene(const BenchSettings& s) {
                        {"sh_degree", std::min(cloud.sh_degree, s.tuning.sh_degree)},
                        {"sorter", s.tuning.sorter},
                        {"draw_ms", summary_json(result->draw_ms)},
-                       {"sort_to_photon_ms", summary_json(result->sort_to_photon_ms)},
+                       {"sort_to_display_ms", summary_json(result->sort_to_display_ms)},
                        {"pipelined_ms", result->pipelined_ms},
                        {"stages", stages_json(*result)},
                        {"splats_drawn", counts->drawn},
@@ -219,7 +221,7 @@ void add_bench(CLI::App& app, Action& action) {
       app.add_subcommand("bench", "How long frames of a scene take, off the screen");
   command->footer(
       "After a warm-up every frame is waited for. \"draw only\" has the splats in order already,\n"
-      "as renderers count that sort beside the drawing; \"sort to photon\" sorts for each view "
+      "as renderers count that sort beside the drawing; \"sort to display\" sorts for each view "
       "and\n"
       "waits for it; \"pipelined\" waits for nothing in between. Views are those of --camera, "
       "eight\n"

@@ -67,7 +67,7 @@ Expected<void> write_plain(const ConvertSettings& s, const SceneFile& scene,
 
 /// What is left of --max-bytes for the splats.
 std::size_t max_bytes(const ConvertSettings& s, const SceneFile& scene) {
-  const std::size_t start = scene.start ? kMaxStartViewBytes : 0;
+  const std::size_t start = scene.start ? kMaxInitialViewBytes : 0;
   return *s.max_bytes - std::min(start, *s.max_bytes - 1);
 }
 

@@ -22,7 +22,7 @@ json bounds_of(const SplatCloud& cloud) {
   return {{"min", {low.x, low.y, low.z}}, {"max", {high.x, high.y, high.z}}};
 }
 
-json start_json(const std::optional<StartView>& start) {
+json initial_view_json(const std::optional<InitialView>& start) {
   if (!start) return nullptr;
   const glm::dvec3 &at = start->position, &up = start->up;
   return {{"position", {at.x, at.y, at.z}}, {"up", {up.x, up.y, up.z}}, {"fov_y", start->fov_y}};
@@ -39,7 +39,7 @@ json describe(const SceneFile& scene) {
           {"bits_per_splat", 8.0 * static_cast<double>(scene.bytes) / splats},
           {"attributes", scene.attribute_bits},
           {"bounds", bounds_of(scene.cloud)},
-          {"start", start_json(scene.start)},
+          {"start", initial_view_json(scene.start)},
           {"extensions", scene.extensions}};
 }
 

@@ -60,7 +60,7 @@ camera::ViewState view_into(const camera::SceneBounds& bounds, const Camera& cam
 
 }  // namespace
 
-StartView initial_view_of(const std::vector<View>& views) {
+InitialView initial_view_of(const std::vector<View>& views) {
   const camera::ViewState view = camera::view_of(middle_of(views).camera, 1);
   return {.position = camera::eye(view),
           .orientation = view.orientation,

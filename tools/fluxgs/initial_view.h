@@ -8,15 +8,15 @@
 #include <glm/vec3.hpp>
 
 #include "camera/navigation.h"
+#include "fluxgs/io/initial_view.h"
 #include "fluxgs/io/scene_file.h"
-#include "fluxgs/io/start_view.h"
 #include "tools/fluxgs/views.h"
 #include "trainer/data/dataset.h"
 
 namespace fluxgs::cli {
 
 /// The view in the middle of the others, with the up axis of all. `views` has at least one.
-StartView initial_view_of(const std::vector<View>& views);
+InitialView initial_view_of(const std::vector<View>& views);
 
 /// "x,y,z", not all 0, made a unit vector; nothing for "auto". Fails on anything else.
 Expected<std::optional<glm::dvec3>> parse_up(const std::string& text);

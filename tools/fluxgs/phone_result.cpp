@@ -77,7 +77,7 @@ PhoneRow row_of(Fields& f, std::size_t i) {
   row.views = f.text(at + "views");
   row.sorter = f.text(at + "sorter");
   row.draw_ms = f.number(at + "draw_ms/median", kShortest, kMaxMs);
-  row.sort_to_photon_ms = f.number(at + "sort_to_photon_ms/median", kShortest, kMaxMs);
+  row.sort_to_display_ms = f.number(at + "sort_to_display_ms/median", kShortest, kMaxMs);
   row.pipelined_ms = f.number(at + "pipelined_ms", kShortest, kMaxMs);
   return row;
 }

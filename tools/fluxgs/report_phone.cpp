@@ -54,7 +54,7 @@ json to_json(const PhoneResult& r, const PhoneResult* before, const SelfTest& te
               {"sorter", row.sorter},
               {"draw_fps", 1000 / row.draw_ms},
               {"draw_ms", row.draw_ms},
-              {"sort_to_photon_ms", row.sort_to_photon_ms},
+              {"sort_to_display_ms", row.sort_to_display_ms},
               {"pipelined_fps", 1000 / row.pipelined_ms}};
     if (const auto times = ratio(row, before)) j["speed_to_before"] = *times;
     rows.push_back(j);
@@ -78,12 +78,12 @@ json to_json(const PhoneResult& r, const PhoneResult* before, const SelfTest& te
 
 void print_rows(const PhoneResult& r, const PhoneResult* before) {
   fmt::print("{:<12} {:<6} {:<6} {:>9} {:>9} {:>14} {:>13}{}\n", "size", "views", "sorter",
-             "draw fps", "draw ms", "sort to photon", "pipelined fps",
+             "draw fps", "draw ms", "sort to display", "pipelined fps",
              before == nullptr ? "" : "  x before");
   for (const PhoneRow& row : r.rows) {
     fmt::print("{:<12} {:<6} {:<6} {:>9.1f} {:>9.2f} {:>11.2f} ms {:>13.1f}",
                fmt::format("{}x{}", row.width, row.height), row.views, row.sorter,
-               1000 / row.draw_ms, row.draw_ms, row.sort_to_photon_ms, 1000 / row.pipelined_ms);
+               1000 / row.draw_ms, row.draw_ms, row.sort_to_display_ms, 1000 / row.pipelined_ms);
     if (const auto times = ratio(row, before)) fmt::print("  {:>8.2f}", *times);
     fmt::print("\n");
   }
@@ -204,7 +204,7 @@ void add_report_phone(CLI::App& app, Action& action) {
       "phone", "What the app's benchmark measured, beside the paper and an earlier run");
   command->footer(
       "RESULT is what the app saves or shares as JSON. tools/phone-benchmark makes one of a\n"
-      "device at hand. draw: one frame, already sorted; sort to photon: from a new view to its\n"
+      "device at hand. draw: one frame, already sorted; sort to display: from a new view to its\n"
       "finished image; pipelined: frames one after the other, their mean; the others are\n"
       "medians.\n"
       "Example: fluxgs report phone garden.json --before last-week.json --scene garden.glb");

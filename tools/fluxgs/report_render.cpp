@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "bench/frame_benchmark.h"
-#include "gl/steps.h"
+#include "gl/expected_chain.h"
 #include "platform/host/host_context.h"
 #include "tools/fluxgs/command.h"
 #include "tools/fluxgs/data_options.h"
@@ -66,8 +66,9 @@ Row row(std::string group, std::string name, const Change& change) {
 constexpr double kSamePsnr = 0.1;  // dB: less is no difference
 
 constexpr const char* kDefaults = "defaults";
-constexpr std::array kGroups = {kDefaults, "target", "key-bits", "sh-degree", "record", "cut-off",
-                                "extent",  "size",   "scale",    "sorter",    "re-sort"};
+constexpr std::array kGroups = {kDefaults,         "target",  "key-bits", "sh-degree",
+                                "splat-precision", "cut-off", "extent",   "size",
+                                "scale",           "sorter",  "re-sort"};
 
 std::vector<Row> all_rows(int sh_degree) {
   using T = TuningOptions;
@@ -85,7 +86,7 @@ std::vector<Row> all_rows(int sh_degree) {
     add("key-bits", fmt::format("{}-bit keys", bits), [&](T& t) { t.key_bits = bits; });
   for (int degree = 0; degree < sh_degree; ++degree)
     add("sh-degree", fmt::format("SH degree {}", degree), [&](T& t) { t.sh_degree = degree; });
-  add("record", "half records", [](T& t) { t.record = "half"; });
+  add("splat-precision", "half-precision splats", [](T& t) { t.splat_precision = "half"; });
   for (const int steps : {2, 4, 8, 16})
     add("cut-off", fmt::format("cut-off {}/255", steps),
         [&](T& t) { t.alpha_min = steps / 255.0; });
@@ -123,7 +124,7 @@ class Gallery {
     const auto implementation = host::parse_host_gl(gl);
     if (!implementation) return std::unexpected(implementation.error());
     std::unique_ptr<Gallery> gallery(new Gallery(cloud, options));
-    auto made = gl::take(host::HostContext::create(*implementation), gallery->context_);
+    auto made = gl::assign_or_error(host::HostContext::create(*implementation), gallery->context_);
     if (!made) return std::unexpected(made.error());
     return gallery;
   }
@@ -133,8 +134,8 @@ class Gallery {
   /// A frame of that row and view; the time of it in milliseconds.
   Expected<double> draw(const Row& row, const Camera& view) {
     auto ready =
-        gl::in_turn([&] { return choose(row.tuning); }, [&] { return fit(row.tuning, view); },
-                    [&] { return prepare(row, view); });
+        gl::chain([&] { return choose(row.tuning); }, [&] { return fit(row.tuning, view); },
+                  [&] { return prepare(row, view); });
     if (!ready) return std::unexpected(ready.error());
     Expected<void> drawn;
     const double ms = bench::milliseconds_of([&] {
@@ -163,28 +164,30 @@ class Gallery {
       : cloud_(cloud), options_(options) {}
 
   Expected<void> choose(const TuningOptions& tuning) {
-    auto& slot = renderers_[{tuning.sorter, tuning.record, tuning.digit_bits}];
+    auto& slot = renderers_[{tuning.sorter, tuning.splat_precision, tuning.digit_bits}];
     if (!slot) {
-      auto made = gl::take(render::Renderer::create(context_->api(), settings_of(tuning)), slot);
+      auto made =
+          gl::assign_or_error(render::Renderer::create(context_->api(), settings_of(tuning)), slot);
       if (made) made = slot->upload(cloud_);
       if (!made) return made;
       slot->wait_for_sorts(true);
     }
     renderer_ = slot.get();
-    return renderer_->set_shortcuts(settings_of(tuning).shortcuts);
+    return renderer_->set_approximation(settings_of(tuning).approximation);
   }
 
   Expected<void> fit(const TuningOptions& tuning, const Camera& view) {
     const auto now = std::tuple(tuning.format, tuning.blend, tuning.scale, view.width, view.height);
     if (fitted_ == now) return {};
     fitted_ = now;
-    return gl::take(target_of(context_->api(), view.width, view.height, tuning), target_);
+    return gl::assign_or_error(target_of(context_->api(), view.width, view.height, tuning),
+                               target_);
   }
 
   /// An order of a view that lies just as far away as the row allows; for other rows nothing.
   Expected<void> prepare(const Row& row, const Camera& view) {
     if (!row.kept_order) return {};
-    const double angle = renderer_->settings().shortcuts.resort_motion / 1.001;
+    const double angle = renderer_->settings().approximation.resort_motion / 1.001;
     const glm::dmat3 turn(std::cos(angle), 0, -std::sin(angle), 0, 1, 0, std::sin(angle), 0,
                           std::cos(angle));
     Camera before = view;
@@ -320,7 +323,7 @@ Expected<void> report(const RenderReport& s) {
   if (!scene) return std::unexpected(scene.error());
   std::optional<Dataset> data;
   if (!s.data.folder.empty())
-    if (auto loaded = gl::take(load(s.data), data); !loaded) return loaded;
+    if (auto loaded = gl::assign_or_error(load(s.data), data); !loaded) return loaded;
   const SplatCloud& cloud = scene->cloud;
   const std::vector<Camera> views = views_of(s, cloud, data ? &*data : nullptr);
   RenderOptions options;
@@ -329,7 +332,7 @@ Expected<void> report(const RenderReport& s) {
   if (!gallery) return std::unexpected(gallery.error());
   const Threads threads(s.data.threads);
   std::vector<Row> rows = chosen_rows(cloud.sh_degree, s.only);
-  auto done = gl::in_turn(
+  auto done = gl::chain(
       [&] {
         return measure_errors(rows, **gallery, cloud, views, options, threads,
                               show_progress("views"));

@@ -146,7 +146,7 @@ std::vector<SweepRow> all_sweep_rows() {
   add_scores(rows);
   add_values(rows, "cameras", "--score-views", {2, 4, 6, 8, 10, 12});
   add_values(rows, "quantile-plus", "--quantile-plus", {0.4, 0.5, 0.6, 0.7, 0.8, 0.9});
-  // Of the prunings that look at it. The one in between takes splats too faint to be in any
+  // Of the prunings that look at it. The one in between takes splats too low-opacity to be in any
   // image, which therefore have no score: only the late one makes a difference
   add_values(rows, "quantile-minus", "--quantile-minus", {0.01, 0.1, 0.3, 0.5, 0.7, 0.9},
              {"--prune", "multiview", "--late-prune", "opacity"});

@@ -363,7 +363,7 @@ class Execution {
   }
 
   void collect_frames(const json& frames) {
-    take(frames, "/sort_to_photon_ms/median", "frame_ms");
+    take(frames, "/sort_to_display_ms/median", "frame_ms");
     outcome_.remarks.push_back(fmt::format(
         "frame times: projecting, sorting and drawing, medians of {} frames of {}x{}, {}",
         frames.at("frames").get<int>(), frames.at("size").at(0).get<int>(),

@@ -10,8 +10,8 @@ namespace fluxgs::cli {
 namespace {
 
 using render::Accumulation;
-using render::RecordPrecision;
 using render::SorterKind;
+using render::SplatPrecision;
 using render::TargetFormat;
 
 }  // namespace
@@ -26,7 +26,9 @@ void add_tuning_options(CLI::App& command, TuningOptions& t) {
             ->check(CLI::Range(10, 32)));
   shown(command.add_option("--digit-bits", t.digit_bits, "bits of a pass of the GPU's sort")
             ->check(CLI::Range(4, 8)));
-  shown(command.add_option("--record", t.record, "full (32 bytes a splat) or half (16)")
+  shown(command
+            .add_option("--splat-precision", t.splat_precision,
+                        "full (32 bytes a splat) or half (16)")
             ->check(CLI::IsMember({"full", "half"})));
   shown(command.add_option("--batch", t.batch, "quads an instance")->check(CLI::Range(1, 128)));
   shown(command.add_option("--sh-degree", t.sh_degree, "evaluate no more than this degree")
@@ -58,15 +60,16 @@ void add_tuning_options(CLI::App& command, TuningOptions& t) {
 }
 
 render::RendererSettings settings_of(const TuningOptions& t) {
-  return {.sorter = t.sorter == "gpu"   ? SorterKind::gpu_radix
-                    : t.sorter == "cpu" ? SorterKind::cpu_async
-                                        : SorterKind::exact,
-          .record = t.record == "half" ? RecordPrecision::half : RecordPrecision::full,
-          .batch = t.batch,
-          .sort_digit_bits = t.digit_bits,
-          .timestamps = true,
-          .texture_fetch = t.texture_fetch,
-          .shortcuts = {.key_bits = t.key_bits,
+  return {
+      .sorter = t.sorter == "gpu"   ? SorterKind::gpu_radix
+                : t.sorter == "cpu" ? SorterKind::cpu_async
+                                    : SorterKind::exact,
+      .splat_precision = t.splat_precision == "half" ? SplatPrecision::half : SplatPrecision::full,
+      .batch = t.batch,
+      .sort_digit_bits = t.digit_bits,
+      .timestamps = true,
+      .texture_fetch = t.texture_fetch,
+      .approximation = {.key_bits = t.key_bits,
                         .min_size = t.min_size,
                         .max_deviations = t.max_deviations,
                         .resort_motion = t.resort_degrees * std::numbers::pi / 180}};

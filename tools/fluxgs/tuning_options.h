@@ -15,8 +15,8 @@ namespace fluxgs::cli {
 
 /// As they are typed; the defaults are the renderer's.
 struct TuningOptions {
-  std::string sorter = "gpu", record = "full", format = "rgba8", blend = "accurate";
-  int key_bits = render::Shortcuts().key_bits,
+  std::string sorter = "gpu", splat_precision = "full", format = "rgba8", blend = "accurate";
+  int key_bits = render::ApproximationSettings().key_bits,
       digit_bits = render::RendererSettings().sort_digit_bits;
   int batch = render::RendererSettings().batch, sh_degree = 3;
   double min_size = 0, max_deviations = 0, resort_degrees = 0, scale = 1, alpha_min = 1.0 / 255;

@@ -6,8 +6,8 @@ namespace fluxgs::cli {
 
 Expected<std::size_t> write_glb(const std::filesystem::path& path,
                                 const std::vector<std::byte>& glb,
-                                const std::optional<StartView>& initial) {
-  const auto file = initial ? with_start_view(glb, *initial, path.string())
+                                const std::optional<InitialView>& initial) {
+  const auto file = initial ? with_initial_view(glb, *initial, path.string())
                             : Expected<std::vector<std::byte>>(glb);
   if (!file) return std::unexpected(file.error());
   if (auto written = write_file_atomic(path, *file); !written)

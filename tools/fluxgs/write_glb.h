@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "fluxgs/error.h"
-#include "fluxgs/io/start_view.h"
+#include "fluxgs/io/initial_view.h"
 
 namespace fluxgs::cli {
 
@@ -15,6 +15,6 @@ namespace fluxgs::cli {
 /// file.
 Expected<std::size_t> write_glb(const std::filesystem::path& path,
                                 const std::vector<std::byte>& glb,
-                                const std::optional<StartView>& initial);
+                                const std::optional<InitialView>& initial);
 
 }  // namespace fluxgs::cli

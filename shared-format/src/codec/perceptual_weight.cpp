@@ -13,7 +13,7 @@ namespace fluxgs::codec {
 namespace {
 
 constexpr float kFlattest = 6.5f;            // thinner ones look the same
-constexpr float kMinOpacity = 1e-3f;         // fainter ones are not drawn
+constexpr float kMinOpacity = 1e-3f;         // of lower opacity ones are not drawn
 constexpr float kFinest = 6, kCoarsest = 2;  // logarithms of the step over the mean one
 
 }  // namespace

@@ -100,7 +100,7 @@ class BenchmarkTest {
         for (i in 0 until rows.length()) {
             val row = rows.getJSONObject(i)
             assertTrue(row.getJSONObject("draw_ms").getDouble("median") > 0)
-            val sorted = row.getJSONObject("sort_to_photon_ms")
+            val sorted = row.getJSONObject("sort_to_display_ms")
             assertTrue(sorted.getDouble("p95") >= sorted.getDouble("median"))
         }
         assertTrue(json.getJSONObject("driver").getString("renderer").isNotEmpty())

@@ -14,8 +14,8 @@
 
 #include "fluxgs/io/file.h"
 #include "fluxgs/io/gltf.h"
+#include "fluxgs/io/initial_view.h"
 #include "fluxgs/io/scene.h"
-#include "fluxgs/io/start_view.h"
 #include "run_command.h"
 #include "support/scenes.h"
 #include "support/temp_folder.h"
@@ -257,7 +257,7 @@ TEST(Command, CompactScenesAreSearchedForAndReportedOn) {
   EXPECT_LE(std::filesystem::file_size(folder / "c.glb"), 5000u);
   const auto from_start = folder / "start.glb";
   const auto glb = encode_glb(test::random_cloud(500, 1), "start.glb");
-  ASSERT_TRUE(write_file_atomic(from_start, *with_start_view(*glb, {}, "start.glb")));
+  ASSERT_TRUE(write_file_atomic(from_start, *with_initial_view(*glb, {}, "start.glb")));
   EXPECT_EQ(fluxgs(fmt::format("convert {} {} --max-bytes 5000{}", quoted(from_start),
                                quoted(folder / "c.glb"), data))
                 .status,

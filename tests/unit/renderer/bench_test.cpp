@@ -64,10 +64,10 @@ class BenchTest : public GlTest {};
 
 TEST_P(BenchTest, TimesFramesAndLeavesTheRendererAsItWas) {
   const SplatCloud cloud = random_cloud(500, 1, 1);
-  const render::Shortcuts shortcuts{.key_bits = 20, .min_size = 0.5};
-  const auto made = must(render::Renderer::create(
-      api(),
-      {.sorter = render::SorterKind::cpu_async, .timestamps = true, .shortcuts = shortcuts}));
+  const render::ApproximationSettings approximation{.key_bits = 20, .min_size = 0.5};
+  const auto made = must(render::Renderer::create(api(), {.sorter = render::SorterKind::cpu_async,
+                                                          .timestamps = true,
+                                                          .approximation = approximation}));
   must(made->upload(cloud));
   const auto target =
       must(render::RenderTarget::create(api(), 64, 48, render::TargetFormat::rgba8));
@@ -84,12 +84,12 @@ TEST_P(BenchTest, TimesFramesAndLeavesTheRendererAsItWas) {
   EXPECT_EQ(all, 2 + 3 * 6);
   EXPECT_GT(result.draw_ms.median, 0);
   EXPECT_GE(result.draw_ms.p95, result.draw_ms.median);
-  EXPECT_GT(result.sort_to_photon_ms.median, 0);
+  EXPECT_GT(result.sort_to_display_ms.median, 0);
   EXPECT_GT(result.pipelined_ms, 0);
   EXPECT_EQ(result.stages.has_value(), api().capabilities.timestamps);
-  EXPECT_EQ(made->settings().shortcuts.key_bits, 20);
-  EXPECT_EQ(made->settings().shortcuts.min_size, 0.5);
-  EXPECT_EQ(made->settings().shortcuts.resort_motion, 0);
+  EXPECT_EQ(made->settings().approximation.key_bits, 20);
+  EXPECT_EQ(made->settings().approximation.min_size, 0.5);
+  EXPECT_EQ(made->settings().approximation.resort_motion, 0);
 }
 
 TEST_P(BenchTest, StopsWhenItIsTold) {

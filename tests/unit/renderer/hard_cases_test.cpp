@@ -339,12 +339,12 @@ TEST_P(HardCasesTest, HalfFloatOverflowOfColors) {
 }
 
 // The record of 16 bytes holds the inverse lengths of the axes as half floats
-// (shaders/record.glsl). What comes out: axes longer than 13,914 px are drawn as if they had that
-// length, and those shorter than 1/65504 px, which only a tiny dilation lets through, likewise.
-// Tolerance: 45 dB, which the record promises for usual scenes.
+// (shaders/projected_splat.glsl). What comes out: axes longer than 13,914 px are drawn as if they
+// had that length, and those shorter than 1/65504 px, which only a tiny dilation lets through,
+// likewise. Tolerance: 45 dB, which the record promises for usual scenes.
 TEST_P(HardCasesTest, HalfFloatOverflowOfAxes) {
   const auto half =
-      must(render::Renderer::create(api(), {.record = render::RecordPrecision::half}));
+      must(render::Renderer::create(api(), {.splat_precision = render::SplatPrecision::half}));
   const Camera camera = orbit_camera(160, 120, {}, 2, 1, 4);
   const auto check = [&](const std::string& label, const SplatCloud& cloud,
                          const RenderOptions& options) {
@@ -363,12 +363,12 @@ TEST_P(HardCasesTest, HalfFloatOverflowOfAxes) {
     if (i % 2 == 0) cloud.log_scales[i] += static_cast<float>(i);
     if (i % 3 == 0) cloud.log_scales[i].x = 20;
   }
-  EXPECT_GE(check("half records, huge", cloud, kRose), 45);
+  EXPECT_GE(check("half projected_splats, huge", cloud, kRose), 45);
   for (glm::vec3& scale : cloud.log_scales) scale = {-1.0F, -20.0F, -20.0F};
-  EXPECT_GE(check("half records, needles", cloud, kRose), 45);
+  EXPECT_GE(check("half projected_splats, needles", cloud, kRose), 45);
   RenderOptions sharp = kRose;
   sharp.dilation = 1e-12;
-  EXPECT_GE(check("half records, no dilation", cloud, sharp), 45);
+  EXPECT_GE(check("half projected_splats, no dilation", cloud, sharp), 45);
 }
 
 FLUXGS_GL_TEST_SUITE(HardCasesTest);

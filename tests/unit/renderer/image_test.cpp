@@ -36,8 +36,9 @@ TEST_P(ImageTest, RandomClouds) {
                           orbit_camera(400, 301, {}, 2, degree, 4), kRose);
 }
 
-// About 200 faint layers a pixel: what rounding in every layer does. Blended in float32 nothing is
-// lost; half floats are good enough where the driver rounds them to the nearest; bytes are not.
+// About 200 low-opacity layers a pixel: what rounding in every layer does. Blended in float32
+// nothing is lost; half floats are good enough where the driver rounds them to the nearest; bytes
+// are not.
 TEST_P(ImageTest, Haze) {
   SplatCloud cloud = random_cloud(20'000, 1, 6);
   for (std::size_t i = 0; i < cloud.size(); ++i) {

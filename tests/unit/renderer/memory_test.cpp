@@ -48,7 +48,7 @@ TEST_P(MemoryTest, IsAsEstimated) {
   expect_as_estimated("undrawable ones", mixed, {}, plain);
   expect_as_estimated("CPU", 3000, 1, {.sorter = SorterKind::cpu_async}, plain);
   expect_as_estimated("exact", 3000, 1, {.sorter = SorterKind::exact}, plain);
-  expect_as_estimated("half", 3000, 1, {.record = render::RecordPrecision::half}, plain);
+  expect_as_estimated("half", 3000, 1, {.splat_precision = render::SplatPrecision::half}, plain);
   expect_as_estimated("textures", 3000, 1, {.texture_fetch = true}, plain);
   expect_as_estimated("4 bits, batches of 7", 3000, 1, {.batch = 7, .sort_digit_bits = 4}, plain);
   if (!api().capabilities.half_float_targets) return;

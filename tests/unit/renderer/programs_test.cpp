@@ -15,15 +15,15 @@ namespace {
 /// Settings that together make every program. The size of a batch stays at its default, as in the
 /// list.
 std::vector<render::RendererSettings> all_settings() {
-  using enum render::RecordPrecision;
+  using enum render::SplatPrecision;
   // Does not compile when a setting is added: does it change a shader? Then it has to vary below.
-  [[maybe_unused]] const auto& [sorter, record, batch, sort_digit_bits, timestamps, texture_fetch,
-                                shortcuts] = render::RendererSettings{};
+  [[maybe_unused]] const auto& [sorter, splat_precision, batch, sort_digit_bits, timestamps,
+                                texture_fetch, approximation] = render::RendererSettings{};
   std::vector<render::RendererSettings> all;
   for (int bits = 4; bits <= 8; ++bits) all.push_back({.sort_digit_bits = bits});
   for (const auto precision : {full, half})
     for (const bool texture : {false, true})
-      all.push_back({.record = precision, .texture_fetch = texture});
+      all.push_back({.splat_precision = precision, .texture_fetch = texture});
   for (const auto kind : {render::SorterKind::cpu_async, render::SorterKind::exact})
     all.push_back({.sorter = kind});
   return all;

@@ -13,15 +13,16 @@
 namespace fluxgs::test {
 namespace {
 
-struct Record {  // shaders/record.glsl
+struct ProjectedSplat {  // shaders/projected_splat.glsl
   float x, y, xx, xy, yy, level;
   std::uint32_t red_green, blue;
 
   glm::vec3 color() const { return {glm::unpackHalf2x16(red_green), glm::unpackHalf2x16(blue).x}; }
 };
-static_assert(sizeof(Record) == render::record_bytes(render::RecordPrecision::full));
+static_assert(sizeof(ProjectedSplat) ==
+              render::projected_splat_bytes(render::SplatPrecision::full));
 
-// From Record's factor, whose squares are exponents of 2, to Footprint's.
+// From ProjectedSplat's factor, whose squares are exponents of 2, to Footprint's.
 const double kFromLevels = 1 / std::sqrt(0.5 * std::numbers::log2e);
 
 // The greatest differences from the reference over all splats of an image.
@@ -39,7 +40,7 @@ bool touches(const ReferenceSplat& s, const Camera& c, double slack) {
          s.y + s.half_height > -slack && s.y - s.half_height < c.height + slack;
 }
 
-void measure(const ReferenceSplat& s, const Record& r, float depth, Errors& e) {
+void measure(const ReferenceSplat& s, const ProjectedSplat& r, float depth, Errors& e) {
   const auto worst = [](double& into, double error) { into = std::max(into, std::abs(error)); };
   const double row = std::hypot(s.xx, s.xy);
   worst(e.centre, r.x - s.x);
@@ -60,13 +61,14 @@ class ProjectionTest : public GlTest {
     must(renderer().upload(cloud));
     const auto target = must(render::RenderTarget::create(api(), camera.width, camera.height,
                                                           render::TargetFormat::rgba8));
-    must(renderer().set_shortcuts({.key_bits = 32}));  // The depths with all their bits
+    must(renderer().set_approximation({.key_bits = 32}));  // The depths with all their bits
     must(renderer().draw(camera, options, target));
-    must(renderer().set_shortcuts({}));
+    must(renderer().set_approximation({}));
     const std::uint32_t nearest =
         render::choose_keys(camera, options, render::ScenePacker(cloud).constants(), 32).low;
     const auto keys = must(renderer().projection().keys().read_all<std::uint32_t>(cloud.size()));
-    const auto records = must(renderer().projection().records().read_all<Record>(cloud.size()));
+    const auto projected_splats =
+        must(renderer().projection().projected_splats().read_all<ProjectedSplat>(cloud.size()));
 
     std::map<std::uint32_t, ReferenceSplat> wanted;
     for (const ReferenceSplat& s : project_reference(cloud, camera, options)) wanted[s.index] = s;
@@ -77,7 +79,7 @@ class ProjectionTest : public GlTest {
       if (s == wanted.end()) {
         e.wrongly_kept += kept;
       } else if (kept) {
-        measure(s->second, records[i], std::bit_cast<float>(keys[i] + nearest), e);
+        measure(s->second, projected_splats[i], std::bit_cast<float>(keys[i] + nearest), e);
         e.wrongly_kept += !touches(s->second, camera, 1.0);
       } else {
         e.wrongly_culled += touches(s->second, camera, -0.25);

@@ -209,16 +209,16 @@ TEST_P(RendererTest, DriversWithoutStorageInTheVertexStageUseTextures) {
   must(weak->upload(cloud));
   EXPECT_EQ(draw(*weak, camera).pixels, expected.pixels);
   const auto half = must(render::Renderer::create(
-      api(), {.record = render::RecordPrecision::half, .texture_fetch = true}));
+      api(), {.splat_precision = render::SplatPrecision::half, .texture_fetch = true}));
   const auto half_stored =
-      must(render::Renderer::create(api(), {.record = render::RecordPrecision::half}));
+      must(render::Renderer::create(api(), {.splat_precision = render::SplatPrecision::half}));
   must(half->upload(cloud));
   must(half_stored->upload(cloud));
   EXPECT_EQ(draw(*half, camera).pixels, draw(*half_stored, camera).pixels);
 }
 
-// What each shortcut costs, against float64: none of them breaks the image.
-TEST_P(RendererTest, ShortcutsCostWhatTheyMay) {
+// What each approximation costs, against float64: none of them breaks the image.
+TEST_P(RendererTest, ApproximationsCostWhatTheyMay) {
   const SplatCloud cloud = random_cloud(3000, 1, 13);
   const Camera camera = orbit_camera(160, 120, {}, 2, 1, 4);
   const ReferenceImage reference = render_reference(cloud, camera, {});
@@ -231,24 +231,25 @@ TEST_P(RendererTest, ShortcutsCostWhatTheyMay) {
     must(made->draw(camera, {}, target));
     const Image<float> image = must(made->read(target));
     const double found = compare(image, reference, false).psnr;
-    keep_image(std::string(host::name(GetParam())) + " shortcut", image);
+    keep_image(std::string(host::name(GetParam())) + " approximation", image);
     std::printf("%-7s %.2f dB\n", std::string(host::name(GetParam())).c_str(), found);
     return found;
   };
-  using render::RecordPrecision;
+  using render::SplatPrecision;
   EXPECT_GT(psnr({}, 1), 65);
-  EXPECT_GT(psnr({.shortcuts = {.key_bits = 32}}, 1), 65);
-  EXPECT_GT(psnr({.shortcuts = {.key_bits = 16}}, 1), 50);
-  EXPECT_GT(psnr({.record = RecordPrecision::half}, 1), 45);
-  EXPECT_GT(psnr({.shortcuts = {.max_deviations = 3}}, 1), 40);
-  EXPECT_GT(psnr({.shortcuts = {.min_size = 1}}, 1), 40);
+  EXPECT_GT(psnr({.approximation = {.key_bits = 32}}, 1), 65);
+  EXPECT_GT(psnr({.approximation = {.key_bits = 16}}, 1), 50);
+  EXPECT_GT(psnr({.splat_precision = SplatPrecision::half}, 1), 45);
+  EXPECT_GT(psnr({.approximation = {.max_deviations = 3}}, 1), 40);
+  EXPECT_GT(psnr({.approximation = {.min_size = 1}}, 1), 40);
   EXPECT_GT(psnr({}, 0.5), 20);
 }
 
 // An order is kept while the camera moves less than allowed; splats that come into view are there.
 TEST_P(RendererTest, SmallMotionsKeepTheOrder) {
   const SplatCloud cloud = random_cloud(3000, 0, 14);
-  const auto lazy = must(render::Renderer::create(api(), {.shortcuts = {.resort_motion = 0.05}}));
+  const auto lazy =
+      must(render::Renderer::create(api(), {.approximation = {.resort_motion = 0.05}}));
   must(lazy->upload(cloud));
   must(renderer().upload(cloud));
   const RenderTarget shown = target(80, 60);

@@ -22,7 +22,7 @@ using testing::Not;
 constexpr std::string_view kText =
     "#version 310 es\n"
     "// line 1001 is line 1 of frame.glsl\n#line 1001\nfirst\n#line 3\n"
-    "// line 12001 is line 1 of record.glsl\n#line 12001\nsecond\n#line 4\n";
+    "// line 12001 is line 1 of projected_splat.glsl\n#line 12001\nsecond\n#line 4\n";
 
 std::string named(std::string_view log) { return gl::name_lines(log, "splat.vert", kText); }
 
@@ -31,8 +31,9 @@ TEST(NameLines, InTheWordsOfEveryDriver) {
   EXPECT_EQ(named("ERROR: 0:1003: 'x' : undeclared"), "ERROR: frame.glsl:3: 'x' : undeclared");
   EXPECT_EQ(named("WARNING: 0:1003: unused"), "WARNING: frame.glsl:3: unused");
   EXPECT_EQ(named("0:12034: L0002: Undeclared variable"),
-            "record.glsl:34: L0002: Undeclared variable");
-  EXPECT_EQ(named("0(12034) : error C1503: undefined"), "record.glsl:34 : error C1503: undefined");
+            "projected_splat.glsl:34: L0002: Undeclared variable");
+  EXPECT_EQ(named("0(12034) : error C1503: undefined"),
+            "projected_splat.glsl:34 : error C1503: undefined");
   EXPECT_EQ(named("0:999(1): error: a\n0:1001(3): error: b\n"),
             "splat.vert:999(1): error: a\nframe.glsl:1(3): error: b\n");
 }
@@ -56,8 +57,8 @@ struct Fault {
 // After an included file, in one, and in one that is left out by the preprocessor up to there.
 const Fault kFaults[] = {
     {"splat.vert", GL_VERTEX_SHADER, "vertex", shaders::splat_vert, "splat.vert",
-     "  Record r = read_record("},
-    {"splat.vert", GL_VERTEX_SHADER, "vertex", shaders::splat_vert, "record.glsl",
+     "  ProjectedSplat r = read_projected_splat("},
+    {"splat.vert", GL_VERTEX_SHADER, "vertex", shaders::splat_vert, "projected_splat.glsl",
      "  vec4 head = uintBitsToFloat("},
     {"splat.frag", GL_FRAGMENT_SHADER, "fragment", shaders::splat_frag, "splat.frag",
      "  float level = v_shape.w"},

@@ -27,7 +27,7 @@ class SortersTest : public GlTest {
   // Draws the cloud; returns the order without splats that the image does not show.
   Order shown_order(SorterKind kind, const SplatCloud& cloud, const Camera& camera, int key_bits) {
     const auto made = must(
-        render::Renderer::create(api(), {.sorter = kind, .shortcuts = {.key_bits = key_bits}}));
+        render::Renderer::create(api(), {.sorter = kind, .approximation = {.key_bits = key_bits}}));
     must(made->upload(cloud));
     const auto target = must(render::RenderTarget::create(api(), camera.width, camera.height,
                                                           render::TargetFormat::rgba16f));

@@ -218,7 +218,7 @@ TEST_P(WeakDevicesTest, SmallLimitsAreNamed) {
   driver.now().max_viewport_width = 100;
   EXPECT_THAT(RenderTarget::create(api(), 101, 8, TargetFormat::rgba8).error().message(),
               HasSubstr("1×1 to 100×"));
-  driver.now().max_texture_size = 64;  // rows, of which one holds 1024 records of 32 bytes
+  driver.now().max_texture_size = 64;  // rows, of which one holds 1024 projected_splats of 32 bytes
   const auto textures = render::VertexTextures::create(
       api(), render::texture_padded(std::size_t{32} * 1024 * 65), render::texture_padded(4096));
   ASSERT_FALSE(textures);

@@ -24,8 +24,9 @@ std::vector<Camera> some_cameras() {
           test::camera_at({3, -1, -2}, {0, 0, 0}, 64, 48)};
 }
 
-/// Faint splats: where opaque ones swap their depth order by rounding, the error jumps by decibels.
-SplatCloud faint_cloud() {
+/// LowOpacity splats: where opaque ones swap their depth order by rounding, the error jumps by
+/// decibels.
+SplatCloud transparent_cloud() {
   SplatCloud cloud = test::random_cloud(3000, 1, 4);
   for (float& logit : cloud.opacity_logits) logit -= 3;
   return cloud;
@@ -33,7 +34,7 @@ SplatCloud faint_cloud() {
 
 /// A scene, its images, and a search of it.
 struct Fixture {
-  SplatCloud cloud = faint_cloud();
+  SplatCloud cloud = transparent_cloud();
   Threads threads{1};
   SceneError error{cloud, some_cameras(), {}, threads};
   CompactOptions options{.steps = default_quantization_steps(cloud)};

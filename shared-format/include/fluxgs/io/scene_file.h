@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "fluxgs/io/start_view.h"
+#include "fluxgs/io/initial_view.h"
 #include "fluxgs/splat_cloud.h"
 
 namespace fluxgs {
@@ -25,7 +25,7 @@ struct SceneFile {
   std::size_t dropped = 0;              ///< splats left out for a NaN or infinity
   AttributeBits attribute_bits;         ///< see above
   std::size_t bytes = 0;                ///< size of the file
-  std::optional<StartView> start;       ///< where it asks to be looked at from first (glTF)
+  std::optional<InitialView> start;     ///< where it asks to be looked at from first (glTF)
 };
 
 /// The bits of a format that stores plain 32-bit floats.

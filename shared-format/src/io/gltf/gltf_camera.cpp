@@ -101,7 +101,7 @@ glm::dvec3 up_of(const json& node) {
   return length > kNearestAxis ? direction / length : glm::dvec3(0, 1, 0);
 }
 
-std::optional<StartView> view_of(const json& document, const json& node) {
+std::optional<InitialView> view_of(const json& document, const json& node) {
   const json* camera = entry(document, "cameras", member(node, "camera"));
   if (camera == nullptr) return std::nullopt;
   const json& fov = member(member(*camera, "perspective"), "yfov");
@@ -109,10 +109,10 @@ std::optional<StartView> view_of(const json& document, const json& node) {
   if (!place || !fov.is_number()) return std::nullopt;
   const double fov_y = fov.get<double>();
   if (!(fov_y > 0 && fov_y < std::numbers::pi)) return std::nullopt;
-  return StartView{.position = turn_position(place->position),
-                   .orientation = glm::normalize(kFrame * place->rotation * kAxes),
-                   .fov_y = fov_y,
-                   .up = turn_position(up_of(node))};
+  return InitialView{.position = turn_position(place->position),
+                     .orientation = glm::normalize(kFrame * place->rotation * kAxes),
+                     .fov_y = fov_y,
+                     .up = turn_position(up_of(node))};
 }
 
 const json* default_scene(const json& document) {
@@ -130,7 +130,7 @@ bool is_unit(double length) { return std::abs(length - 1) < kMaxSkew; }
 
 }  // namespace
 
-std::optional<StartView> find_start_view(const json& document) {
+std::optional<InitialView> find_initial_view(const json& document) {
   const json* scene = default_scene(document);
   if (scene == nullptr) return std::nullopt;
   const json& nodes = member(*scene, "nodes");
@@ -143,7 +143,7 @@ std::optional<StartView> find_start_view(const json& document) {
   return std::nullopt;
 }
 
-void add_start_view(const StartView& view, json& document) {
+void add_initial_view(const InitialView& view, json& document) {
   json& cameras = document["cameras"];
   const std::size_t camera = cameras.size();
   cameras.push_back(
@@ -165,8 +165,9 @@ void add_start_view(const StartView& view, json& document) {
 
 namespace fluxgs {
 
-Expected<std::vector<std::byte>> with_start_view(std::span<const std::byte> glb,
-                                                 const StartView& view, const std::string& name) {
+Expected<std::vector<std::byte>> with_initial_view(std::span<const std::byte> glb,
+                                                   const InitialView& view,
+                                                   const std::string& name) {
   using namespace io;
   const bool good = is_finite(view.position) && is_finite(view.up) &&
                     is_unit(glm::length(view.up)) && is_unit(glm::length(view.orientation)) &&
@@ -182,7 +183,7 @@ Expected<std::vector<std::byte>> with_start_view(std::span<const std::byte> glb,
   if (scene == nullptr || !scene->is_object())
     return fail(name, "scenes", "there is none; expected one to put a camera into");
   try {
-    add_start_view(view, *document);
+    add_initial_view(view, *document);
   } catch (const json::exception&) {
     return fail(name, "cameras", "expected lists of cameras and nodes");
   }

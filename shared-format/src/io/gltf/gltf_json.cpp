@@ -351,7 +351,7 @@ Expected<GltfJson> check_document(const json& root, std::size_t bin_bytes,
   }
   if (check.failed()) return std::unexpected(check.error());
   result.reduced = reduced.dump();
-  result.start = find_start_view(root);
+  result.start = find_initial_view(root);
   return result;
 }
 

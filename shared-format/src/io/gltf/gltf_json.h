@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "fluxgs/error.h"
-#include "fluxgs/io/start_view.h"
+#include "fluxgs/io/initial_view.h"
 
 namespace fluxgs::io {
 
@@ -31,9 +31,9 @@ struct GltfJson {
   /// kCompactExtension becomes the members kCompression and kCompressedView.
   std::string reduced;
   std::vector<std::string> extensions_used;
-  std::vector<bool> sparse;        ///< for each accessor, whether it is a sparse one
-  std::size_t buffer_bytes = 0;    ///< length of buffer 0, at most that of the BIN chunk
-  std::optional<StartView> start;  ///< see gltf_camera.h
+  std::vector<bool> sparse;          ///< for each accessor, whether it is a sparse one
+  std::size_t buffer_bytes = 0;      ///< length of buffer 0, at most that of the BIN chunk
+  std::optional<InitialView> start;  ///< see gltf_camera.h
 };
 
 /// Parse and check. Bounds: 16 MiB of text, 64 levels, 65,536 entries in each list, 65,536

@@ -27,7 +27,7 @@ TEST(Quantile, CountsWeights) {
   EXPECT_EQ(quantile(values, 0.5), 2);
 }
 
-TEST(Bounds, FarFloatersAndFaintHazeDoNotMatter) {
+TEST(Bounds, FarFloatersAndThinHazeDoNotMatter) {
   SplatCloud cloud = random_cloud(4000, 0, 5);
   const SceneBounds clean = robust_bounds(cloud);
   EXPECT_LT(glm::length(clean.center), 0.05);
@@ -156,8 +156,8 @@ TEST(UpOfCloud, FarFromTheOriginItIsTheSame) {
   EXPECT_GT(glm::dot(up_of_cloud(cloud).direction, here.direction), 0.999);
 }
 
-/// A big opaque wall at z = 6, and a faint pane at z = 2 and an opaque ball at z = 4 before its
-/// right half.
+/// A big opaque wall at z = 6, and a low-opacity pane at z = 2 and an opaque ball at z = 4 before
+/// its right half.
 SplatCloud wall_ball_pane() {
   SplatCloud cloud;
   cloud.resize(3);
@@ -175,7 +175,7 @@ TEST(Focus, FindsWhatIsSeenThere) {
   };
   ASSERT_TRUE(at({0, 0, 6}));
   EXPECT_LT(glm::distance(*at({0, 0, 6}), glm::dvec3(0, 0, 6)), 0.01);
-  ASSERT_TRUE(at({1, 0, 4}));  // neither the wall behind nor the faint pane before
+  ASSERT_TRUE(at({1, 0, 4}));  // neither the wall behind nor the low-opacity pane before
   EXPECT_LT(glm::distance(*at({1, 0, 4}), glm::dvec3(1, 0, 4)), 0.1);
 }
 

@@ -112,7 +112,7 @@ TEST(SceneLoading, APipeOfAnnouncedSize) {
   EXPECT_EQ(whole.phase, LoadPhase::ready) << whole.error;
   EXPECT_EQ(whole.bytes, bytes.size());
   EXPECT_EQ(whole.estimate->splats, 1000U);
-  // Whole records, and no header that would miss the others
+  // Whole projected_splats, and no header that would miss the others
   const LoadState cut = send(bytes.size(), 320, 1 << 30);
   EXPECT_EQ(cut.phase, LoadPhase::failed);
   EXPECT_THAT(cut.error, HasSubstr("garden.splat: read: ended after 320 of 32000 bytes"));

@@ -39,12 +39,12 @@ int file_of(const std::vector<std::byte>& bytes) {
   return descriptor;
 }
 
-const StartView kStart{.position = {0, 0, -4}, .fov_y = 0.8};
+const InitialView kStart{.position = {0, 0, -4}, .fov_y = 0.8};
 
 SplatCloud scene(std::uint32_t seed = 1) { return test::random_cloud(400, 1, seed); }
 
 std::vector<std::byte> file_with_start(std::uint32_t seed = 1) {
-  return *with_start_view(*encode_glb(scene(seed), "scene"), kStart, "scene");
+  return *with_initial_view(*encode_glb(scene(seed), "scene"), kStart, "scene");
 }
 
 class SessionTest : public testing::TestWithParam<host::HostGl> {

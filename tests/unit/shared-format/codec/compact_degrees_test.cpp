@@ -102,7 +102,7 @@ TEST(CompactDegrees, ComeBackBucketByBucketWithTheirOwnBandsOnly) {
 // As in one stream: the encoder makes up for what each stream's steps are relative to.
 TEST(CompactDegrees, AreRoundedAlike) {
   SplatCloud cloud = cloud_of_degrees({1500, 0, 0, 1500});
-  for (std::size_t i = 0; i < 1500; ++i) {  // smaller and fainter than the others
+  for (std::size_t i = 0; i < 1500; ++i) {  // smaller and of lower opacity than the others
     cloud.log_scales[i] -= 1.0f;
     cloud.opacity_logits[i] -= 1.0f;
   }

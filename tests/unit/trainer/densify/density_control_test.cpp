@@ -239,7 +239,7 @@ TEST(Densify, OpacitiesAreCapped) {
   EXPECT_EQ(state.parameters.row(row::opacity)[1], 0);
 }
 
-TEST(LatePrune, RemovesFaintSplatsOfGoodPixels) {
+TEST(LatePrune, RemovesTransparentSplatsOfGoodPixels) {
   TrainOptions options;
   options.get<LatePruningOptions>().mode = LatePrune::opacity;
   options.get<ScoreOptions>().quantile_minus = 0.25;
@@ -252,7 +252,7 @@ TEST(LatePrune, RemovesFaintSplatsOfGoodPixels) {
   EXPECT_EQ(prune_late(target, options, scores).pruned, 1u);
 }
 
-// What is too faint to be drawn covers no pixel and has no score.
+// What is too low-opacity to be drawn covers no pixel and has no score.
 TEST(LatePrune, RemovesWhatIsNotDrawn) {
   TrainOptions options;
   options.get<LatePruningOptions>().mode = LatePrune::opacity;

@@ -78,7 +78,7 @@ TEST(Mcmc, GrowsToTheTargetAndNoFurther) {
   EXPECT_EQ(relocate_and_grow(state, options).cloned, 3u);
 }
 
-TEST(Mcmc, NoiseMovesFaintSplatsOnlyAndWhateverTheThreads) {
+TEST(Mcmc, NoiseMovesLowOpacitySplatsOnlyAndWhateverTheThreads) {
   const TrainOptions options;
   TrainState a = state_of(5000), b;
   for (std::size_t i = 0; i < 5000; ++i)

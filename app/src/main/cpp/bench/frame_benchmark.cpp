@@ -7,43 +7,43 @@
 
 #include <glm/geometric.hpp>
 
-#include "gl/steps.h"
-#include "render/record.h"
+#include "gl/expected_chain.h"
+#include "render/projected_splat.h"
 
 namespace fluxgs::bench {
 namespace {
 
-using render::Record;
+using render::ApproximationSettings;
+using render::ProjectedSplat;
 using render::Renderer;
 using render::RenderTarget;
-using render::Shortcuts;
 
 // The renderer as it was, whatever happens in between.
 class Restored {
  public:
-  Restored(Renderer& renderer, const Shortcuts& shortcuts)
-      : renderer_(renderer), shortcuts_(shortcuts) {}
+  Restored(Renderer& renderer, const ApproximationSettings& approximation)
+      : renderer_(renderer), approximation_(approximation) {}
   Restored(const Restored&) = delete;
   Restored& operator=(const Restored&) = delete;
   ~Restored() {
     renderer_.wait_for_sorts(false);
-    static_cast<void>(renderer_.set_shortcuts(shortcuts_));
+    static_cast<void>(renderer_.set_approximation(approximation_));
   }
 
  private:
   Renderer& renderer_;
-  Shortcuts shortcuts_;
+  ApproximationSettings approximation_;
 };
 
 class Protocol {
  public:
-  Protocol(gl::Api& api, Renderer& renderer, const Shortcuts& shortcuts, const RenderTarget& target,
-           std::span<const Camera> views, const RenderOptions& options,
+  Protocol(gl::Api& api, Renderer& renderer, const ApproximationSettings& approximation,
+           const RenderTarget& target, std::span<const Camera> views, const RenderOptions& options,
            const FrameBenchmarkOptions& protocol, const FrameProgress& progress)
       : api_(api),
         renderer_(renderer),
-        sorted_(shortcuts),
-        kept_(shortcuts),
+        sorted_(approximation),
+        kept_(approximation),
         target_(target),
         views_(views),
         options_(options),
@@ -55,8 +55,8 @@ class Protocol {
   Expected<FrameBenchmark> run() {
     FrameBenchmark result;
     auto done =
-        gl::in_turn([&] { return warm_up(); }, [&] { return time_waiting(result); },
-                    [&] { return time_draws(result); }, [&] { return time_pipeline(result); });
+        gl::chain([&] { return warm_up(); }, [&] { return time_waiting(result); },
+                  [&] { return time_draws(result); }, [&] { return time_pipeline(result); });
     if (!done) return std::unexpected(done.error());
     return result;
   }
@@ -73,8 +73,8 @@ class Protocol {
   // Draws with the view's own order.
   Expected<void> draw_sorted(int frame) {
     sorts_anew_ = sorted_.resort_motion == 0;
-    return gl::in_turn([&] { return renderer_.set_shortcuts(sorted_); },
-                       [&] { return draw(frame); });
+    return gl::chain([&] { return renderer_.set_approximation(sorted_); },
+                     [&] { return draw(frame); });
   }
 
   Expected<double> timed(int frame) {
@@ -112,14 +112,14 @@ class Protocol {
       const auto stats = renderer_.stats();
       if (!stats) return std::unexpected(stats.error());
       if (!stats->stages) continue;
-      const render::StageTimes& s = *stats->stages;
+      const render::FrameTimes& s = *stats->stages;
       const double times[] = {s.project, s.sort, s.draw, s.resolve};
       for (std::size_t k = 0; k < stages.size(); ++k) stages[k].push_back(times[k]);
     }
-    result.sort_to_photon_ms = summarize(std::move(samples));
+    result.sort_to_display_ms = summarize(std::move(samples));
     if (!stages[0].empty()) {
       const auto median = [&](std::size_t k) { return summarize(stages[k]).median; };
-      result.stages = StageMedians{median(0), median(1), median(2), median(3)};
+      result.stages = FrameTimeMedians{median(0), median(1), median(2), median(3)};
     }
     return {};
   }
@@ -133,7 +133,7 @@ class Protocol {
         if (auto ok = draw_sorted(at); !ok) return ok;
         api_.Finish();
         sorts_anew_ = false;
-        if (auto ok = renderer_.set_shortcuts(kept_); !ok) return ok;
+        if (auto ok = renderer_.set_approximation(kept_); !ok) return ok;
       }
       const auto ms = timed(at);
       if (!ms) return std::unexpected(ms.error());
@@ -161,7 +161,7 @@ class Protocol {
 
   gl::Api& api_;
   Renderer& renderer_;
-  Shortcuts sorted_, kept_;
+  ApproximationSettings sorted_, kept_;
   bool sorts_anew_ = false;
   const RenderTarget& target_;
   std::span<const Camera> views_;
@@ -172,7 +172,7 @@ class Protocol {
 };
 
 // The corners that shaders/splat.vert gives the quad, in order around it.
-Quad quad_of(const Record& r, double level_min, double radius_max) {
+Quad quad_of(const ProjectedSplat& r, double level_min, double radius_max) {
   constexpr double kPad = 0.0625;
   const double xx = r.factor.x, xy = r.factor.y, yy = r.factor.z;
   const double radius = std::min(std::sqrt(std::max(r.level - level_min, 0.0)), radius_max);
@@ -194,9 +194,9 @@ Expected<FrameBenchmark> benchmark_frames(gl::Api& api, Renderer& renderer,
                                           const RenderOptions& options,
                                           const FrameBenchmarkOptions& protocol,
                                           const FrameProgress& progress) {
-  const Shortcuts shortcuts = renderer.settings().shortcuts;
-  const Restored restored(renderer, shortcuts);
-  return Protocol(api, renderer, shortcuts, target, views, options, protocol, progress).run();
+  const ApproximationSettings approximation = renderer.settings().approximation;
+  const Restored restored(renderer, approximation);
+  return Protocol(api, renderer, approximation, target, views, options, protocol, progress).run();
 }
 
 Expected<FrameCounts> count_frame(const Renderer& renderer, const SplatCloud& cloud,
@@ -208,7 +208,7 @@ Expected<FrameCounts> count_frame(const Renderer& renderer, const SplatCloud& cl
   counts.splats = count;
   if (count == 0) return counts;
   counts.key_bits =
-      render::choose_keys(camera, options, renderer.scene(), settings.shortcuts.key_bits).bits;
+      render::choose_keys(camera, options, renderer.scene(), settings.approximation.key_bits).bits;
   const glm::dvec3 centre = camera.center(), forward = camera.forward();
   for (const glm::vec3& p : cloud.positions)
     counts.in_front += glm::dot(forward, glm::dvec3(p) - centre) > options.near_plane;
@@ -216,19 +216,21 @@ Expected<FrameCounts> count_frame(const Renderer& renderer, const SplatCloud& cl
   const auto keys = renderer.projection().keys().read_all<std::uint32_t>(count);
   if (!keys) return std::unexpected(keys.error());
   const int width = target.blend_width(), height = target.blend_height();
-  const auto records =
-      read_records(renderer.projection().records(), count, settings.record, width, height);
-  if (!records) return std::unexpected(records.error());
+  const auto projected_splats = read_projected_splats(
+      renderer.projection().projected_splats(), count, settings.splat_precision, width, height);
+  if (!projected_splats) return std::unexpected(projected_splats.error());
   const double level_min = std::log2(options.alpha_min);
-  const double deviations = settings.shortcuts.max_deviations;
+  const double deviations = settings.approximation.max_deviations;
   const double radius_max = render::radius_limit(deviations);
   for (std::uint32_t i = 0; i < count; ++i) {
-    if ((*keys)[i] == sort::kDropped || static_cast<double>((*records)[i].level) < level_min)
+    if ((*keys)[i] == sort::kDropped ||
+        static_cast<double>((*projected_splats)[i].level) < level_min)
       continue;
     ++counts.drawn;
     ++counts
           .evaluated[static_cast<std::size_t>(std::min(options.sh_degree, sh_degree_of(cloud, i)))];
-    counts.fragments += area_inside(quad_of((*records)[i], level_min, radius_max), width, height);
+    counts.fragments +=
+        area_inside(quad_of((*projected_splats)[i], level_min, radius_max), width, height);
   }
   return counts;
 }

@@ -18,7 +18,7 @@ struct FrameBenchmarkOptions {
 };
 
 /// Milliseconds of the GPU's stages, medians over the frames that were sorted.
-using StageMedians = render::StageTimes;
+using FrameTimeMedians = render::FrameTimes;
 
 struct FrameBenchmark {
   /// From draw() until the GPU has finished, the splats being in order already: cull, project,
@@ -26,11 +26,11 @@ struct FrameBenchmark {
   /// Mobiles").
   Summary draw_ms;
   /// The same with the sort of the frame's own view, waited for: what a finger feels.
-  Summary sort_to_photon_ms;
+  Summary sort_to_display_ms;
   /// From the first frame to the last finished one over their number, sorting as the sorter does
   /// and without waiting between frames.
   double pipelined_ms = 0;
-  std::optional<StageMedians> stages;  ///< where the driver has timestamps
+  std::optional<FrameTimeMedians> stages;  ///< where the driver has timestamps
 };
 
 inline constexpr char kStopped[] = "was stopped";
@@ -39,7 +39,7 @@ inline constexpr char kStopped[] = "was stopped";
 using FrameProgress = std::function<bool(int done, int all)>;
 
 /// Draws the views in turn, again and again; a moving path is many views a small step apart.
-/// Precondition: at least one view, frames ≥ 1. The renderer's shortcuts are kept. Fails where
+/// Precondition: at least one view, frames ≥ 1. The renderer's approximation are kept. Fails where
 /// draw() does, and with Error::what kStopped when it is stopped.
 Expected<FrameBenchmark> benchmark_frames(gl::Api& api, render::Renderer& renderer,
                                           const render::RenderTarget& target,

@@ -8,7 +8,7 @@
 
 #include "camera/initial_view.h"
 #include "camera/orbit.h"
-#include "gl/steps.h"
+#include "gl/expected_chain.h"
 
 namespace fluxgs::bench {
 namespace {
@@ -40,13 +40,14 @@ Expected<Stage> set_up(gl::Api& api, const SplatCloud& cloud, const SceneBenchma
   const auto accumulation =
       plan.accumulation.value_or(render::accurate_accumulation(api.capabilities));
   const render::RendererSettings settings{.sorter = row.sorter, .timestamps = true};
-  auto done = gl::in_turn(
-      [&] { return gl::take(render::Renderer::create(api, settings), stage.renderer); },
+  auto done = gl::chain(
+      [&] { return gl::assign_or_error(render::Renderer::create(api, settings), stage.renderer); },
       [&] { return stage.renderer->upload(cloud); },
       [&] {
-        return gl::take(render::RenderTarget::create(api, row.size.width, row.size.height,
-                                                     render::TargetFormat::rgba8, accumulation),
-                        stage.target);
+        return gl::assign_or_error(
+            render::RenderTarget::create(api, row.size.width, row.size.height,
+                                         render::TargetFormat::rgba8, accumulation),
+            stage.target);
       });
   if (!done) return std::unexpected(done.error());
   return stage;
@@ -76,9 +77,9 @@ std::vector<SceneBenchmarkRow> rows_of(const SceneBenchmarkPlan& plan) {
   return rows;
 }
 
-Expected<void> measure(gl::Api& api, const SplatCloud& cloud, const std::optional<StartView>& start,
-                       const SceneBenchmarkPlan& plan, const FrameProgress& progress,
-                       SceneBenchmarkRow& row) {
+Expected<void> measure(gl::Api& api, const SplatCloud& cloud,
+                       const std::optional<InitialView>& start, const SceneBenchmarkPlan& plan,
+                       const FrameProgress& progress, SceneBenchmarkRow& row) {
   auto stage = set_up(api, cloud, plan, row);
   if (!stage) return std::unexpected(stage.error());
   const std::vector<Camera> views = row.moves
@@ -107,7 +108,7 @@ json json_of(const Summary& s) {
   return {{"median", s.median}, {"p95", s.p95}, {"mean", s.mean}, {"least", s.least}};
 }
 
-json json_of(const std::optional<StageMedians>& stages) {
+json json_of(const std::optional<FrameTimeMedians>& stages) {
   if (!stages) return nullptr;
   return {{"project", stages->project},
           {"sort", stages->sort},
@@ -121,7 +122,7 @@ json json_of(const SceneBenchmarkRow& row) {
           {"sorter", row.sorter == render::SorterKind::gpu_radix ? "gpu" : "cpu"},
           {"views", row.moves ? "path" : "still"},
           {"draw_ms", json_of(row.times.draw_ms)},
-          {"sort_to_photon_ms", json_of(row.times.sort_to_photon_ms)},
+          {"sort_to_display_ms", json_of(row.times.sort_to_display_ms)},
           {"pipelined_ms", row.times.pipelined_ms},
           {"stages", json_of(row.times.stages)},
           {"splats_drawn", row.counts.drawn},
@@ -133,7 +134,7 @@ json json_of(const SceneBenchmarkRow& row) {
 
 }  // namespace
 
-std::vector<Camera> still_views(const SplatCloud& cloud, const std::optional<StartView>& start,
+std::vector<Camera> still_views(const SplatCloud& cloud, const std::optional<InitialView>& start,
                                 const ImageSide& size) {
   const camera::Navigation first = camera::initial_navigation(cloud, start, as_vector(size));
   std::vector<Camera> views;
@@ -142,7 +143,7 @@ std::vector<Camera> still_views(const SplatCloud& cloud, const std::optional<Sta
   return views;
 }
 
-std::vector<Camera> path_views(const SplatCloud& cloud, const std::optional<StartView>& start,
+std::vector<Camera> path_views(const SplatCloud& cloud, const std::optional<InitialView>& start,
                                const ImageSide& size, int frames) {
   const camera::Navigation first = camera::initial_navigation(cloud, start, as_vector(size));
   std::vector<Camera> views;
@@ -151,7 +152,7 @@ std::vector<Camera> path_views(const SplatCloud& cloud, const std::optional<Star
 }
 
 Expected<SceneBenchmark> benchmark_scene(gl::Api& api, const SplatCloud& cloud,
-                                         const std::optional<StartView>& start,
+                                         const std::optional<InitialView>& start,
                                          const SceneBenchmarkPlan& plan,
                                          const FrameProgress& progress) {
   SceneBenchmark result;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/frame_benchmark.h"
-#include "fluxgs/io/start_view.h"
+#include "fluxgs/io/initial_view.h"
 #include "fluxgs/splat_cloud.h"
 
 namespace fluxgs::bench {
@@ -43,21 +43,21 @@ struct SceneBenchmark {
 
 /// Eight views around what the scene shows first, and a path of half a degree a frame. Sorted by
 /// the size's own aspect.
-std::vector<Camera> still_views(const SplatCloud& cloud, const std::optional<StartView>& start,
+std::vector<Camera> still_views(const SplatCloud& cloud, const std::optional<InitialView>& start,
                                 const ImageSide& size);
-std::vector<Camera> path_views(const SplatCloud& cloud, const std::optional<StartView>& start,
+std::vector<Camera> path_views(const SplatCloud& cloud, const std::optional<InitialView>& start,
                                const ImageSide& size, int frames);
 
 /// Every size with every sorter on every kind of views, in this order of nesting. Sizes that the
 /// driver cannot make, and scenes that it has no room for, are errors. A benchmark that is stopped
 /// by `progress` has the rows that are finished.
 Expected<SceneBenchmark> benchmark_scene(gl::Api& api, const SplatCloud& cloud,
-                                         const std::optional<StartView>& start,
+                                         const std::optional<InitialView>& start,
                                          const SceneBenchmarkPlan& plan,
                                          const FrameProgress& progress = {});
 
 /// The rows as a JSON list; times in milliseconds. Each row: width, height, sorter ("gpu", "cpu"),
-/// views ("still", "path"), draw_ms and sort_to_photon_ms (median, p95, mean, least),
+/// views ("still", "path"), draw_ms and sort_to_display_ms (median, p95, mean, least),
 /// pipelined_ms, stages (project, sort, draw, resolve; null where the driver has no clock),
 /// splats_drawn, fragments, blended_in, bytes_per_frame (of a GPU with tiles),
 /// gpu_memory_bytes.

@@ -22,7 +22,8 @@ double project_bytes(const FrameCounts& c, const RendererSettings& s) {
   const double read =
       splats * kVec4 + in_front * 3 * kVec4 + static_cast<double>(render::sh_bytes(c.evaluated));
   const double marks = (splats - drawn) * kWord;  // of those that are hidden
-  return read + splats * kWord + marks + drawn * static_cast<double>(record_bytes(s.record));
+  return read + splats * kWord + marks +
+         drawn * static_cast<double>(projected_splat_bytes(s.splat_precision));
 }
 
 double gpu_sort_bytes(const FrameCounts& c, int digit_bits) {
@@ -56,12 +57,13 @@ FrameTraffic model_traffic(const FrameCounts& c, const RendererSettings& s, cons
   const auto blend_bytes = static_cast<double>(render::blend_pixel_bytes(t));
   const bool resolves = blend_bytes != shown_bytes || blended != pixels;
   const auto drawn = static_cast<double>(c.drawn);
-  return {.project = project_bytes(c, s),
-          .sort = sort_bytes(c, s),
-          .vertices = drawn * (kWord + static_cast<double>(record_bytes(s.record))),
-          .resolve = resolves ? blended * blend_bytes + pixels * shown_bytes : 0,
-          .blend_tiled = blended * blend_bytes,
-          .blend_immediate = (2 * c.fragments + blended) * blend_bytes};
+  return {
+      .project = project_bytes(c, s),
+      .sort = sort_bytes(c, s),
+      .vertices = drawn * (kWord + static_cast<double>(projected_splat_bytes(s.splat_precision))),
+      .resolve = resolves ? blended * blend_bytes + pixels * shown_bytes : 0,
+      .blend_tiled = blended * blend_bytes,
+      .blend_immediate = (2 * c.fragments + blended) * blend_bytes};
 }
 
 namespace {

@@ -14,7 +14,7 @@ namespace fluxgs::bench {
 /// What happened in a frame.
 struct FrameCounts {
   std::uint64_t splats = 0;     ///< of the scene
-  std::uint64_t in_front = 0;   ///< not behind the near plane, nor too faint
+  std::uint64_t in_front = 0;   ///< not behind the near plane, nor too low-opacity
   std::uint64_t drawn = 0;      ///< not culled
   double fragments = 0;         ///< that the fragment shader ran for
   int key_bits = 0;             ///< of the frame's depth keys

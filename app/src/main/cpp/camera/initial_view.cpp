@@ -10,7 +10,7 @@
 namespace fluxgs::camera {
 namespace {
 
-ViewState view_from(const StartView& initial, const SplatCloud& cloud, const SceneBounds& bounds,
+ViewState view_from(const InitialView& initial, const SplatCloud& cloud, const SceneBounds& bounds,
                     const SceneUnits& units, const glm::dvec2& size) {
   ViewState view{.target = {}, .orientation = initial.orientation, .fov = initial.fov_y};
   const glm::dvec3 ahead = forward(view);
@@ -28,7 +28,7 @@ ViewState view_from(const StartView& initial, const SplatCloud& cloud, const Sce
 
 }  // namespace
 
-Navigation initial_navigation(const SplatCloud& cloud, const std::optional<StartView>& initial,
+Navigation initial_navigation(const SplatCloud& cloud, const std::optional<InitialView>& initial,
                               const glm::dvec2& size) {
   const SceneBounds bounds = robust_bounds(cloud);
   const SceneUnits units = units_of(bounds);

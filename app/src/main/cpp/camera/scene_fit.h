@@ -26,7 +26,7 @@ struct SceneBounds {
 };
 
 enum class SplatWeight {
-  opacity,  ///< a haze of faint splats does not matter
+  opacity,  ///< a haze of low-opacity splats does not matter
   equal,
 };
 

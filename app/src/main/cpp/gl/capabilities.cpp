@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "gl/api.h"
-#include "gl/steps.h"
+#include "gl/expected_chain.h"
 
 namespace fluxgs::gl {
 namespace {
@@ -107,7 +107,7 @@ Expected<void> check_limits(const Capabilities& c) {
   };
   // ES 3.1's own minimums (table 20.45): a driver with less is not one of ES 3.1. Storage blocks in
   // the vertex stage are optional there, and here (render/vertex_source.h).
-  return in_turn(
+  return chain(
       [&] {
         return need("GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS", c.max_work_group_invocations, 128);
       },

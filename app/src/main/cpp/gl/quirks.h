@@ -10,9 +10,9 @@
 namespace fluxgs::gl {
 
 struct Quirks {
-  /// Blending into RGBA16F rounds every layer towards zero instead of to the nearest half, so faint
-  /// layers darken the image: 200 of them cost 24 dB against a driver that rounds. Mesa's
-  /// llvmpipe (lp_build_float_to_half in gallivm/lp_bld_conv.c), measured on 22.3.6.
+  /// Blending into RGBA16F rounds every layer towards zero instead of to the nearest half, so
+  /// low-opacity layers darken the image: 200 of them cost 24 dB against a driver that rounds.
+  /// Mesa's llvmpipe (lp_build_float_to_half in gallivm/lp_bld_conv.c), measured on 22.3.6.
   bool half_float_blending_truncates = false;
 
   /// The processor plays the GPU (llvmpipe, SwiftShader): what a GPU gains by working on thousands

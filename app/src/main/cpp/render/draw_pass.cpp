@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "gl/steps.h"
+#include "gl/expected_chain.h"
 #include "shaders/shaders.h"
 
 namespace fluxgs::render {
@@ -24,7 +24,7 @@ std::vector<std::uint16_t> quad_indices(int quads) {
 
 }  // namespace
 
-Expected<DrawPass> DrawPass::create(gl::Api& api, int batch, RecordPrecision precision,
+Expected<DrawPass> DrawPass::create(gl::Api& api, int batch, SplatPrecision precision,
                                     bool texture_fetch) {
   if (batch < 1 || batch > kMaxPerBatch) {
     return fail("renderer", "batch", std::to_string(batch) + " quads; 1…128 were expected");
@@ -34,7 +34,7 @@ Expected<DrawPass> DrawPass::create(gl::Api& api, int batch, RecordPrecision pre
   pass.texture_fetch_ = texture_fetch;
   const std::string batch_define = "BATCH " + std::to_string(batch);
   std::vector<std::string> defines = {batch_define};
-  if (precision == RecordPrecision::half) defines.emplace_back("RECORD_HALF");
+  if (precision == SplatPrecision::half) defines.emplace_back("PROJECTED_SPLAT_HALF");
   if (texture_fetch) defines.emplace_back("TEXTURE_FETCH");
   const gl::ShaderSource arguments{GL_COMPUTE_SHADER, "draw_arguments.comp",
                                    shaders::draw_arguments_comp};
@@ -43,17 +43,21 @@ Expected<DrawPass> DrawPass::create(gl::Api& api, int batch, RecordPrecision pre
        {GL_FRAGMENT_SHADER, "splat.frag", shaders::splat_frag}}};
   const std::vector<std::uint16_t> corners = quad_indices(batch);
   const std::size_t corner_bytes = corners.size() * sizeof(corners[0]);
-  auto made = gl::in_turn(
+  auto made = gl::chain(
       [&] {
-        return gl::take(gl::Program::create(api, {&arguments, 1}, {&batch_define, 1}),
-                        pass.arguments_program_);
+        return gl::assign_or_error(gl::Program::create(api, {&arguments, 1}, {&batch_define, 1}),
+                                   pass.arguments_program_);
       },
-      [&] { return gl::take(gl::Program::create(api, splat, defines), pass.splat_program_); },
       [&] {
-        return gl::take(gl::Buffer::create(api, corner_bytes, corners.data(), GL_STATIC_DRAW),
-                        pass.indices_);
+        return gl::assign_or_error(gl::Program::create(api, splat, defines), pass.splat_program_);
       },
-      [&] { return gl::take(gl::Buffer::create(api, kArgumentsBytes), pass.arguments_); });
+      [&] {
+        return gl::assign_or_error(
+            gl::Buffer::create(api, corner_bytes, corners.data(), GL_STATIC_DRAW), pass.indices_);
+      },
+      [&] {
+        return gl::assign_or_error(gl::Buffer::create(api, kArgumentsBytes), pass.arguments_);
+      });
   if (!made) return std::unexpected(made.error());
   pass.vertex_array_ = gl::VertexArray(api);
   pass.vertex_array_.bind();
@@ -71,10 +75,12 @@ void DrawPass::write_arguments(gl::Api& api, const sort::Sorter& sorter) const {
   api.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
 }
 
-Expected<void> DrawPass::reserve(gl::Api& api, std::size_t record_bytes, std::size_t order_bytes) {
+Expected<void> DrawPass::reserve(gl::Api& api, std::size_t projected_splat_bytes,
+                                 std::size_t order_bytes) {
   if (!texture_fetch_) return {};
   textures_ = {};  // There may not be room for both
-  return gl::take(VertexTextures::create(api, record_bytes, order_bytes), textures_);
+  return gl::assign_or_error(VertexTextures::create(api, projected_splat_bytes, order_bytes),
+                             textures_);
 }
 
 void clear(gl::Api& api, const glm::dvec3& background, const RenderTarget& target) {
@@ -85,7 +91,7 @@ void clear(gl::Api& api, const glm::dvec3& background, const RenderTarget& targe
   api.ClearBufferfv(GL_COLOR, 0, color.data());
 }
 
-void DrawPass::run(gl::Api& api, const gl::Buffer& records, const sort::Sorter& sorter,
+void DrawPass::run(gl::Api& api, const gl::Buffer& projected_splats, const sort::Sorter& sorter,
                    const glm::dvec3& background, const RenderTarget& target) const {
   write_arguments(api, sorter);
   clear(api, background, target);
@@ -93,9 +99,9 @@ void DrawPass::run(gl::Api& api, const gl::Buffer& records, const sort::Sorter& 
   api.Enable(GL_BLEND);
   api.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   if (texture_fetch_) {
-    textures_.update(api, records, sorter.order());
+    textures_.update(api, projected_splats, sorter.order());
   } else {
-    records.bind_base(GL_SHADER_STORAGE_BUFFER, 0);
+    projected_splats.bind_base(GL_SHADER_STORAGE_BUFFER, 0);
     sorter.order().bind_base(GL_SHADER_STORAGE_BUFFER, 1);
   }
   arguments_.bind(GL_DRAW_INDIRECT_BUFFER);

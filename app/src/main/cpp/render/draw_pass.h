@@ -15,15 +15,15 @@ namespace fluxgs::render {
 class DrawPass {
  public:
   /// `batch`: quads per instance, 1…128. Instances of one quad are slow on every driver tried.
-  static Expected<DrawPass> create(gl::Api& api, int batch, RecordPrecision precision,
+  static Expected<DrawPass> create(gl::Api& api, int batch, SplatPrecision precision,
                                    bool texture_fetch);
 
-  /// Makes room for records and an order of these sizes, if they come through textures.
-  Expected<void> reserve(gl::Api& api, std::size_t record_bytes, std::size_t order_bytes);
+  /// Makes room for projected_splats and an order of these sizes, if they come through textures.
+  Expected<void> reserve(gl::Api& api, std::size_t projected_splat_bytes, std::size_t order_bytes);
 
   /// Clears the target to the background and blends the sorted splats over it. The frame's uniforms
   /// must be bound at 0; the sorter must have room for batch() spare entries.
-  void run(gl::Api& api, const gl::Buffer& records, const sort::Sorter& sorter,
+  void run(gl::Api& api, const gl::Buffer& projected_splats, const sort::Sorter& sorter,
            const glm::dvec3& background, const RenderTarget& target) const;
 
   int batch() const { return batch_; }

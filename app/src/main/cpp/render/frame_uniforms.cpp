@@ -6,7 +6,7 @@
 #include <string>
 
 #include "fluxgs/math/projection.h"
-#include "gl/steps.h"
+#include "gl/expected_chain.h"
 
 namespace fluxgs::render {
 namespace {
@@ -71,7 +71,7 @@ Expected<void> check_options(const RenderOptions& o) {
 }  // namespace
 
 Expected<void> check_view(const Camera& camera, const RenderOptions& options) {
-  return gl::in_turn([&] { return check_camera(camera); }, [&] { return check_options(options); });
+  return gl::chain([&] { return check_camera(camera); }, [&] { return check_options(options); });
 }
 
 sort::DepthKeys choose_keys(const Camera& camera, const RenderOptions& options,
@@ -111,8 +111,8 @@ double radius_limit(double max_deviations) {
 }
 
 FrameUniforms make_frame_uniforms(const Camera& camera, const RenderOptions& options,
-                                  const Shortcuts& shortcuts, const SceneConstants& scene,
-                                  const sort::DepthKeys& keys) {
+                                  const ApproximationSettings& approximation,
+                                  const SceneConstants& scene, const sort::DepthKeys& keys) {
   const auto view = math::make_view<double>(camera, options);
   const glm::dvec3 centre = camera.center() - scene.origin;
   FrameUniforms u{};
@@ -130,9 +130,9 @@ FrameUniforms make_frame_uniforms(const Camera& camera, const RenderOptions& opt
   u.depth_spread_max = static_cast<float>(view.depth_spread_max);
   u.splat_count = scene.count;
   u.sh_degree = static_cast<std::uint32_t>(std::min(options.sh_degree, scene.sh_degree));
-  u.radius_max = static_cast<float>(radius_limit(shortcuts.max_deviations));
-  u.size_min = static_cast<float>(shortcuts.min_size);
-  u.sort_margin = static_cast<float>(sort_margin(camera, shortcuts.resort_motion));
+  u.radius_max = static_cast<float>(radius_limit(approximation.max_deviations));
+  u.size_min = static_cast<float>(approximation.min_size);
+  u.sort_margin = static_cast<float>(sort_margin(camera, approximation.resort_motion));
   u.key_low = keys.low;
   u.key_shift = keys.shift;
   u.key_max = keys.largest;

@@ -38,13 +38,13 @@ Expected<void> check_view(const Camera& camera, const RenderOptions& options);
 sort::DepthKeys choose_keys(const Camera& camera, const RenderOptions& options,
                             const SceneConstants& scene, int key_bits);
 
-/// Shortcuts::max_deviations in the units of Record::factor (shaders/record.glsl), whose squares
-/// are exponents of 2: times √(½·log2 e).
+/// ApproximationSettings::max_deviations in the units of ProjectedSplat::factor
+/// (shaders/projected_splat.glsl), whose squares are exponents of 2: times √(½·log2 e).
 double radius_limit(double max_deviations);
 
-/// Precondition: check_view() and check_shortcuts() passed.
+/// Precondition: check_view() and check_approximation() passed.
 FrameUniforms make_frame_uniforms(const Camera& camera, const RenderOptions& options,
-                                  const Shortcuts& shortcuts, const SceneConstants& scene,
-                                  const sort::DepthKeys& keys);
+                                  const ApproximationSettings& approximation,
+                                  const SceneConstants& scene, const sort::DepthKeys& keys);
 
 }  // namespace fluxgs::render

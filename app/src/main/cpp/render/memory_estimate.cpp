@@ -30,9 +30,10 @@ std::size_t gpu_sorter_bytes(std::uint64_t count, int digit_bits) {
 }
 
 std::size_t frame_bytes(std::uint64_t count, const RendererSettings& s) {
-  const std::size_t records = texture_padded(record_bytes(s.record) * (count + 1));
+  const std::size_t projected_splats =
+      texture_padded(projected_splat_bytes(s.splat_precision) * (count + 1));
   const std::size_t order = texture_padded(kWord * (count + static_cast<std::size_t>(s.batch)));
-  std::size_t bytes = records + at_least_a_word(kWord * count);
+  std::size_t bytes = projected_splats + at_least_a_word(kWord * count);
   switch (s.sorter) {
     case SorterKind::gpu_radix:
       bytes += order + gpu_sorter_bytes(count, s.sort_digit_bits);
@@ -44,7 +45,7 @@ std::size_t frame_bytes(std::uint64_t count, const RendererSettings& s) {
       bytes += order + kWord;
       break;
   }
-  if (s.texture_fetch) bytes += records + order;
+  if (s.texture_fetch) bytes += projected_splats + order;
   constexpr std::size_t kArguments = 20, kIndexBytesOfAQuad = 12;
   return bytes + kArguments + kIndexBytesOfAQuad * static_cast<std::size_t>(s.batch) +
          sizeof(FrameUniforms);

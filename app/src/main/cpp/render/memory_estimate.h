@@ -10,8 +10,8 @@
 namespace fluxgs::render {
 
 struct MemoryEstimate {
-  std::size_t scene = 0;    ///< bytes of the splats
-  std::size_t frame = 0;    ///< bytes of records, keys, the sorter's buffers and the draw's
+  std::size_t scene = 0;  ///< bytes of the splats
+  std::size_t frame = 0;  ///< bytes of projected_splats, keys, the sorter's buffers and the draw's
   std::size_t targets = 0;  ///< bytes of the image and of what it is blended in
 
   std::size_t total() const { return scene + frame + targets; }

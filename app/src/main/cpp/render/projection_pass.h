@@ -9,7 +9,7 @@ namespace fluxgs::render {
 
 class ProjectionPass {
  public:
-  static Expected<ProjectionPass> create(gl::Api& api, RecordPrecision precision);
+  static Expected<ProjectionPass> create(gl::Api& api, SplatPrecision precision);
 
   /// Makes room for a scene of that many splats.
   Expected<void> reserve(gl::Api& api, std::uint32_t count);
@@ -18,15 +18,15 @@ class ProjectionPass {
   /// Precondition: scene.count ≤ what was reserved.
   void run(gl::Api& api, const SceneBuffers& scene) const;
 
-  /// One per splat, at its index, and an empty one behind the last. shaders/record.glsl
-  const gl::Buffer& records() const { return records_; }
+  /// One per splat, at its index, and an empty one behind the last. shaders/projected_splat.glsl
+  const gl::Buffer& projected_splats() const { return projected_splats_; }
   /// One per splat: the key of its depth, or sort::kDropped.
   const gl::Buffer& keys() const { return keys_; }
 
  private:
-  RecordPrecision precision_ = RecordPrecision::full;
+  SplatPrecision precision_ = SplatPrecision::full;
   gl::Program program_;
-  gl::Buffer records_, keys_;
+  gl::Buffer projected_splats_, keys_;
 };
 
 }  // namespace fluxgs::render

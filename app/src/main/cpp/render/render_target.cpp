@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "gl/steps.h"
+#include "gl/expected_chain.h"
 
 namespace fluxgs::render {
 namespace {
@@ -96,9 +96,9 @@ Expected<RenderTarget> RenderTarget::create(gl::Api& api, int width, int height,
                                             TargetFormat format, Accumulation accumulation,
                                             double scale) {
   const gl::Capabilities& driver = api.capabilities;
-  auto possible = gl::in_turn([&] { return check_size(driver, width, height); },
-                              [&] { return check_scale(scale); },
-                              [&] { return check_formats(driver, format, accumulation); });
+  auto possible = gl::chain([&] { return check_size(driver, width, height); },
+                            [&] { return check_scale(scale); },
+                            [&] { return check_formats(driver, format, accumulation); });
   if (!possible) return std::unexpected(possible.error());
   // Half-float accumulation of a half-float target is the target itself.
   if (format == TargetFormat::rgba16f && accumulation == Accumulation::half_float)

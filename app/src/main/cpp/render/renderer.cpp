@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "gl/steps.h"
+#include "gl/expected_chain.h"
 #include "render/scaled_camera.h"
 #include "render/view_motion.h"
 #include "sort/async_cpu_sorter.h"
@@ -29,20 +29,24 @@ Expected<void> Renderer::create_passes() {
   if (settings_.timestamps)
     for (gl::Timestamp& stamp : stamps_) stamp = gl::Timestamp(api_);
   constexpr std::size_t kUniformBytes = sizeof(FrameUniforms);
-  return gl::in_turn(
-      [&] { return check_shortcuts(settings_.shortcuts); },
-      [&] { return gl::take(ProjectionPass::create(api_, settings_.record), projection_); },
-      [&] { return create_sorter(); },
-      [&] {
-        return gl::take(
-            DrawPass::create(api_, settings_.batch, settings_.record, settings_.texture_fetch),
-            draw_);
-      },
-      [&] { return gl::take(ResolvePass::create(api_), resolve_); },
-      [&] {
-        return gl::take(gl::Buffer::create(api_, kUniformBytes, nullptr, GL_DYNAMIC_DRAW),
-                        uniforms_);
-      });
+  return gl::chain([&] { return check_approximation(settings_.approximation); },
+                   [&] {
+                     return gl::assign_or_error(
+                         ProjectionPass::create(api_, settings_.splat_precision), projection_);
+                   },
+                   [&] { return create_sorter(); },
+                   [&] {
+                     return gl::assign_or_error(
+                         DrawPass::create(api_, settings_.batch, settings_.splat_precision,
+                                          settings_.texture_fetch),
+                         draw_);
+                   },
+                   [&] { return gl::assign_or_error(ResolvePass::create(api_), resolve_); },
+                   [&] {
+                     return gl::assign_or_error(
+                         gl::Buffer::create(api_, kUniformBytes, nullptr, GL_DYNAMIC_DRAW),
+                         uniforms_);
+                   });
 }
 
 Expected<void> Renderer::create_sorter() {
@@ -62,9 +66,9 @@ Expected<void> Renderer::create_sorter() {
   return fail("renderer", "sorter", "unknown");
 }
 
-Expected<void> Renderer::set_shortcuts(const Shortcuts& shortcuts) {
-  if (auto ok = check_shortcuts(shortcuts); !ok) return ok;
-  settings_.shortcuts = shortcuts;
+Expected<void> Renderer::set_approximation(const ApproximationSettings& approximation) {
+  if (auto ok = check_approximation(approximation); !ok) return ok;
+  settings_.approximation = approximation;
   return {};
 }
 
@@ -73,10 +77,10 @@ Expected<void> Renderer::make_room(std::uint32_t count, std::vector<glm::vec3> p
   const std::size_t entries = count + static_cast<std::size_t>(settings_.batch);
   const std::size_t order_bytes = texture_padded(sizeof(std::uint32_t) * entries);
   const auto spare = static_cast<std::uint32_t>(order_bytes / sizeof(std::uint32_t) - count);
-  return gl::in_turn(
+  return gl::chain(
       [&] { return projection_.reserve(api_, count); },
       [&] { return sorter_->set_scene(count, spare, std::move(positions)); },
-      [&] { return draw_.reserve(api_, projection_.records().size(), order_bytes); });
+      [&] { return draw_.reserve(api_, projection_.projected_splats().size(), order_bytes); });
 }
 
 Expected<void> Renderer::upload(const SplatCloud& cloud,
@@ -129,14 +133,14 @@ Expected<void> Renderer::draw(const Camera& camera, const RenderOptions& options
 void Renderer::draw_scene(const Camera& camera, const RenderOptions& options,
                           const RenderTarget& target) {
   const Camera view = scaled_camera(camera, target.blend_width(), target.blend_height());
-  const Shortcuts& shortcuts = settings_.shortcuts;
-  const sort::DepthKeys keys = choose_keys(view, options, scene_.constants, shortcuts.key_bits);
+  const ApproximationSettings& approximation = settings_.approximation;
+  const sort::DepthKeys keys = choose_keys(view, options, scene_.constants, approximation.key_bits);
   const FrameUniforms values =
-      make_frame_uniforms(view, options, shortcuts, scene_.constants, keys);
+      make_frame_uniforms(view, options, approximation, scene_.constants, keys);
   uniforms_.write(0, std::as_bytes(std::span(&values, 1)));
   uniforms_.bind_base(GL_UNIFORM_BUFFER, 0);
   // The frame before may still draw from what is written now: stores of shaders wait for nobody
-  // unasked (ES 3.1, 7.11.2), and a tiler reads records late
+  // unasked (ES 3.1, 7.11.2), and a tiler reads projected_splats late
   api_.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
                      GL_PIXEL_BUFFER_BARRIER_BIT);
   projection_.run(api_, scene_);
@@ -146,11 +150,11 @@ void Renderer::draw_scene(const Camera& camera, const RenderOptions& options,
         .near_plane = options.near_plane,
         .keys = keys});
   stamp(2);
-  draw_.run(api_, projection_.records(), *sorter_, options.background, target);
+  draw_.run(api_, projection_.projected_splats(), *sorter_, options.background, target);
 }
 
 void Renderer::sort(const sort::SortView& view) {
-  const double allowed = settings_.shortcuts.resort_motion;
+  const double allowed = settings_.approximation.resort_motion;
   // Orders of the CPU depend on nothing else: a view that stands still comes to rest
   const bool same = sorter_->needs_positions() && sorted_ == view;
   const bool near = sorted_ && allowed > 0 && motion_between(*sorted_, view) <= allowed;
@@ -174,14 +178,14 @@ Expected<FrameStats> Renderer::stats() const {
   return stats;
 }
 
-std::optional<StageTimes> Renderer::read_stages() const {
+std::optional<FrameTimes> Renderer::read_stages() const {
   std::array<double, 5> at{};
   std::ranges::transform(stamps_, at.begin(), [first = stamps_[0].nanoseconds()](const auto& s) {
     // Signed: a clock that was set back is no time of 500 years
     return 1e-6 * static_cast<double>(static_cast<std::int64_t>(s.nanoseconds() - first));
   });
   if (gl::times_are_disjoint(api_) || !std::ranges::is_sorted(at)) return std::nullopt;
-  return StageTimes{at[1] - at[0], at[2] - at[1], at[3] - at[2], at[4] - at[3]};
+  return FrameTimes{at[1] - at[0], at[2] - at[1], at[3] - at[2], at[4] - at[3]};
 }
 
 }  // namespace fluxgs::render

@@ -21,13 +21,13 @@
 namespace fluxgs::render {
 
 /// GPU time of each stage in milliseconds.
-struct StageTimes {
+struct FrameTimes {
   double project = 0, sort = 0, draw = 0, resolve = 0;
 };
 
 struct FrameStats {
   std::uint32_t drawn = 0;           ///< splats that were not culled
-  std::optional<StageTimes> stages;  ///< when asked for and available
+  std::optional<FrameTimes> stages;  ///< when asked for and available
 };
 
 /// Not thread-safe: every call, the destructor included, on the thread on which the context of the
@@ -61,7 +61,7 @@ class Renderer {
   }
 
   /// For the frames that follow. Fails on values out of their range.
-  Expected<void> set_shortcuts(const Shortcuts& shortcuts);
+  Expected<void> set_approximation(const ApproximationSettings& approximation);
 
   /// Whether draw() waits for the order of its own view, where that comes late
   /// (SorterKind::cpu_async). Off at first.
@@ -96,7 +96,7 @@ class Renderer {
   void draw_scene(const Camera& camera, const RenderOptions& options, const RenderTarget& target);
   void sort(const sort::SortView& view);
   void stamp(int stage) const;
-  std::optional<StageTimes> read_stages() const;
+  std::optional<FrameTimes> read_stages() const;
 
   gl::Api& api_;
   RendererSettings settings_;

@@ -3,7 +3,7 @@
 #include <array>
 #include <string>
 
-#include "gl/steps.h"
+#include "gl/expected_chain.h"
 #include "shaders/shaders.h"
 
 namespace fluxgs::render {
@@ -20,9 +20,11 @@ Expected<ResolvePass> ResolvePass::create(gl::Api& api) {
        {GL_FRAGMENT_SHADER, "resolve.frag", shaders::resolve_frag}}};
   const std::string enlarge = "ENLARGE";
   ResolvePass pass;
-  auto compiled = gl::in_turn(
-      [&] { return gl::take(gl::Program::create(api, stages), pass.copy_); },
-      [&] { return gl::take(gl::Program::create(api, stages, {&enlarge, 1}), pass.enlarge_); });
+  auto compiled = gl::chain(
+      [&] { return gl::assign_or_error(gl::Program::create(api, stages), pass.copy_); },
+      [&] {
+        return gl::assign_or_error(gl::Program::create(api, stages, {&enlarge, 1}), pass.enlarge_);
+      });
   if (!compiled) return std::unexpected(compiled.error());
   pass.vertex_array_ = gl::VertexArray(api);
   return pass;

@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "gl/steps.h"
+#include "gl/expected_chain.h"
 
 namespace fluxgs::render {
 namespace {
@@ -84,8 +84,8 @@ Expected<SceneBuffers> SceneBuffers::create(gl::Api& api, ScenePacker& packer,
   const auto make = [&](std::uint64_t bytes, gl::Buffer& buffer) {
     return buffer.remake(api, bytes, nullptr, GL_STATIC_DRAW);
   };
-  auto made = gl::in_turn([&] { return make(4 * kVec4 * count, buffers.geometry); },
-                          [&] { return make(sh_bytes(packer.degrees()), buffers.sh); });
+  auto made = gl::chain([&] { return make(4 * kVec4 * count, buffers.geometry); },
+                        [&] { return make(sh_bytes(packer.degrees()), buffers.sh); });
   if (!made) return std::unexpected(made.error());
   if (positions != nullptr) positions->reserve(count);
   Writer geometry(buffers.geometry), sh(buffers.sh);

@@ -19,7 +19,7 @@ namespace {
 constexpr float kLargest = 1e15F;
 constexpr float kLargestHalf = 65504;
 constexpr double kLargestScale = 1e10;
-constexpr double kNoLevel = -1e30;  // shaders/record.glsl
+constexpr double kNoLevel = -1e30;  // shaders/projected_splat.glsl
 constexpr std::array<float, 4> kNoSplat = {0, 0, 0, static_cast<float>(kNoLevel)};
 
 bool usable(float v) { return std::fabs(v) <= kLargest; }  // false for NaN and infinities

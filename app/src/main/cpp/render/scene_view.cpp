@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "gl/steps.h"
+#include "gl/expected_chain.h"
 #include "render/scaled_camera.h"
 #include "render/scene_buffers.h"
 #include "render/splat_budget.h"
@@ -15,8 +15,9 @@ Expected<void> SceneView::open(gl::Api& api, int width, int height) {
   api_ = &api;
   if (auto sound = check_cloud(*cloud_); !sound) return sound;
   degrees_ = count_degrees(*cloud_);
-  return gl::in_turn([&] { return gl::take(Renderer::create(api, settings_.renderer), renderer_); },
-                     [&] { return fit({width, height}); }, [&] { return check_context(); });
+  return gl::chain(
+      [&] { return gl::assign_or_error(Renderer::create(api, settings_.renderer), renderer_); },
+      [&] { return fit({width, height}); }, [&] { return check_context(); });
 }
 
 Expected<void> SceneView::check_context() const {
@@ -140,17 +141,18 @@ Expected<void> SceneView::make(const TargetPlan& image, std::size_t splats) {
     if (auto emptied = renderer_->upload({}); !emptied) return emptied;
   }
   planned_ = image;
-  return gl::in_turn([&] { return make_target(); }, [&] { return upload(splats); },
-                     // Some drivers notice late
-                     [&] { return gl::check_errors(*api_, "graphics memory"); });
+  return gl::chain([&] { return make_target(); }, [&] { return upload(splats); },
+                   // Some drivers notice late
+                   [&] { return gl::check_errors(*api_, "graphics memory"); });
 }
 
 Expected<void> SceneView::make_target() {
   target_ = {};
   made_scale_ = settings_.scale;
-  return gl::take(RenderTarget::create(*api_, planned_.width, planned_.height, planned_.format,
-                                       planned_.accumulation, made_scale_),
-                  target_);
+  return gl::assign_or_error(
+      RenderTarget::create(*api_, planned_.width, planned_.height, planned_.format,
+                           planned_.accumulation, made_scale_),
+      target_);
 }
 
 // As many splats as there is room for beside that image.

@@ -7,17 +7,18 @@
 
 namespace fluxgs::render {
 
-Expected<void> check_shortcuts(const Shortcuts& s) {
+Expected<void> check_approximation(const ApproximationSettings& s) {
   if (s.key_bits < sort::kFewestKeyBits || s.key_bits > sort::kMaxKeyBits) {
-    return fail("shortcuts", "key_bits", std::to_string(s.key_bits) + "; 10 to 32 were expected");
+    return fail("approximation", "key_bits",
+                std::to_string(s.key_bits) + "; 10 to 32 were expected");
   }
   const auto amount = [](double v) { return std::isfinite(v) && v >= 0; };
-  if (!amount(s.min_size)) return fail("shortcuts", "min_size", "must be finite, not negative");
+  if (!amount(s.min_size)) return fail("approximation", "min_size", "must be finite, not negative");
   if (!amount(s.max_deviations)) {
-    return fail("shortcuts", "max_deviations", "must be finite, not negative");
+    return fail("approximation", "max_deviations", "must be finite, not negative");
   }
   if (!amount(s.resort_motion)) {
-    return fail("shortcuts", "resort_motion", "must be finite, not negative");
+    return fail("approximation", "resort_motion", "must be finite, not negative");
   }
   return {};
 }

@@ -14,18 +14,18 @@ enum class SorterKind {
   exact,      ///< float64 on the CPU, waited for: for measuring the others
 };
 
-/// How the projection pass hands a splat to the draw (shaders/record.glsl).
-enum class RecordPrecision {
+/// How the projection pass hands a splat to the draw (shaders/projected_splat.glsl).
+enum class SplatPrecision {
   full,  ///< 32 bytes, float32
   half,  ///< 16 bytes
 };
 
-constexpr std::size_t record_bytes(RecordPrecision precision) {
-  return precision == RecordPrecision::full ? 32 : 16;
+constexpr std::size_t projected_splat_bytes(SplatPrecision precision) {
+  return precision == SplatPrecision::full ? 32 : 16;
 }
 
 /// What a frame may leave out. Can be changed from frame to frame.
-struct Shortcuts {
+struct ApproximationSettings {
   /// Of a depth key, at most: 10…32. 32 order the splats by all the bits of their float32 depths,
   /// and take no more than the scene's range of depths needs, usually 26; see sort/depth_keys.h.
   int key_bits = 32;
@@ -42,16 +42,16 @@ struct Shortcuts {
 /// What the programs and buffers are made for.
 struct RendererSettings {
   SorterKind sorter = SorterKind::gpu_radix;
-  RecordPrecision record = RecordPrecision::full;
+  SplatPrecision splat_precision = SplatPrecision::full;
   int batch = 128;          ///< quads per instance, 1…128
   int sort_digit_bits = 8;  ///< 4…8, for gpu_radix
   bool timestamps = false;  ///< record stage times where the driver can
-  /// Read records through textures even where the vertex stage has storage buffers.
+  /// Read projected_splats through textures even where the vertex stage has storage buffers.
   bool texture_fetch = false;
-  Shortcuts shortcuts = {};
+  ApproximationSettings approximation = {};
 };
 
 /// Fails, naming the field, on values out of their range.
-Expected<void> check_shortcuts(const Shortcuts& shortcuts);
+Expected<void> check_approximation(const ApproximationSettings& approximation);
 
 }  // namespace fluxgs::render

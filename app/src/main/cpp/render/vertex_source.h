@@ -1,4 +1,4 @@
-// Records and order for vertex stages that have no storage buffers.
+// ProjectedSplats and order for vertex stages that have no storage buffers.
 #pragma once
 
 #include <cstddef>
@@ -23,16 +23,16 @@ class VertexTextures {
  public:
   /// Textures as large as buffers of these sizes, which are multiples of what texture_padded()
   /// returns. Fails where they are higher than the driver's limit.
-  static Expected<VertexTextures> create(gl::Api& api, std::size_t record_bytes,
+  static Expected<VertexTextures> create(gl::Api& api, std::size_t projected_splat_bytes,
                                          std::size_t order_bytes);
 
   /// Enqueues the copy, after shaders that wrote the buffers, and binds the textures to units 0 and
   /// 1.
-  void update(gl::Api& api, const gl::Buffer& records, const gl::Buffer& order) const;
+  void update(gl::Api& api, const gl::Buffer& projected_splats, const gl::Buffer& order) const;
 
  private:
-  gl::Texture records_, order_;
-  int record_rows_ = 0, order_rows_ = 0;
+  gl::Texture projected_splats_, order_;
+  int projected_rows_ = 0, order_rows_ = 0;
 };
 
 }  // namespace fluxgs::render

@@ -14,7 +14,7 @@ layout(std140, binding = 0) uniform Frame {
   highp float depth_spread_max;
   highp uint splat_count;
   highp uint sh_degree;     // to evaluate
-  highp float radius_max;   // of a quad, in the units of Record::factor
+  highp float radius_max;   // of a quad, in the units of ProjectedSplat::factor
   highp float size_min;     // px: splats with smaller boxes are left out
   highp float sort_margin;  // px around the image in which splats are sorted though not drawn
   highp uint key_low;       // sort/depth_keys.h

@@ -3,12 +3,12 @@
 # tools/adreno compile these files, and programs_test fails if the renderer makes one that is missing
 # here or does not make one that is listed. For the size of a batch the default stands for all.
 fluxgs_program(project project.comp)
-fluxgs_program(project_half project.comp DEFINES RECORD_HALF)
+fluxgs_program(project_half project.comp DEFINES PROJECTED_SPLAT_HALF)
 fluxgs_program(draw_arguments draw_arguments.comp DEFINES "BATCH 128")
 fluxgs_program(splat splat.vert splat.frag DEFINES "BATCH 128")
-fluxgs_program(splat_half splat.vert splat.frag DEFINES "BATCH 128" RECORD_HALF)
+fluxgs_program(splat_half splat.vert splat.frag DEFINES "BATCH 128" PROJECTED_SPLAT_HALF)
 fluxgs_program(splat_texture splat.vert splat.frag DEFINES "BATCH 128" TEXTURE_FETCH)
-fluxgs_program(splat_half_texture splat.vert splat.frag DEFINES "BATCH 128" RECORD_HALF TEXTURE_FETCH)
+fluxgs_program(splat_half_texture splat.vert splat.frag DEFINES "BATCH 128" PROJECTED_SPLAT_HALF TEXTURE_FETCH)
 fluxgs_program(resolve screen.vert resolve.frag)
 fluxgs_program(resolve_enlarge screen.vert resolve.frag DEFINES ENLARGE)
 foreach(bits RANGE 4 8)

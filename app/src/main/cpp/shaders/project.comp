@@ -5,7 +5,7 @@ precision highp float;
 precision highp int;
 
 #include "frame.glsl"
-#include "record.glsl"
+#include "projected_splat.glsl"
 
 layout(local_size_x = 128) in;
 
@@ -15,7 +15,7 @@ layout(local_size_x = 128) in;
 // float would be a denormal that drivers may take for zero.
 layout(std430, binding = 0) readonly buffer Geometry { uvec4 geometry[]; };
 layout(std430, binding = 1) readonly buffer Sh { uvec2 coefficients[]; };  // half floats
-layout(std430, binding = 2) writeonly buffer Records { uvec4 records[]; };
+layout(std430, binding = 2) writeonly buffer ProjectedSplats { uvec4 projected_splats[]; };
 layout(std430, binding = 3) writeonly buffer Keys { uint keys[]; };
 
 #include "projection.glsl"
@@ -37,10 +37,10 @@ uint depth_key(float depth) {
 
 // An order that was made for another view names splats that this one culls.
 void hide(uint splat) {
-#ifdef RECORD_HALF
-  records[splat] = uvec4(0u);
+#ifdef PROJECTED_SPLAT_HALF
+  projected_splats[splat] = uvec4(0u);
 #else
-  records[2u * splat + 1u].y = floatBitsToUint(NO_LEVEL);
+  projected_splats[2u * splat + 1u].y = floatBitsToUint(NO_LEVEL);
 #endif
 }
 
@@ -83,10 +83,10 @@ uint project(uint splat) {
     bool near_by = large && touches_image(centre, half_extent + frame.sort_margin);
     return near_by ? depth_key(p.z) : CULLED;
   }
-  uvec4 words[RECORD_SIZE];
+  uvec4 words[PROJECTED_SPLAT_SIZE];
   vec3 color = color_of(green_blue_sh, scale_red.w, ray);
-  pack_record(Record(centre, shape.factor * TO_LEVELS, level, color), words);
-  for (uint k = 0u; k < RECORD_SIZE; ++k) records[RECORD_SIZE * splat + k] = words[k];
+  pack_projected_splat(ProjectedSplat(centre, shape.factor * TO_LEVELS, level, color), words);
+  for (uint k = 0u; k < PROJECTED_SPLAT_SIZE; ++k) projected_splats[PROJECTED_SPLAT_SIZE * splat + k] = words[k];
   return depth_key(p.z);
 }
 

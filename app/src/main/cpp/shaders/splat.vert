@@ -5,23 +5,23 @@ precision highp float;
 precision highp int;
 
 #include "frame.glsl"
-#include "record.glsl"
+#include "projected_splat.glsl"
 
 #ifdef TEXTURE_FETCH
 // For drivers without storage buffers in the vertex stage: the same data as textures.
-layout(binding = 0) uniform highp usampler2D records;
+layout(binding = 0) uniform highp usampler2D projected_splats;
 layout(binding = 1) uniform highp usampler2D order;
 const uint WIDTH = 2048u;  // render/vertex_source.h
 uvec4 fetch(highp usampler2D from, uint i) {
   return texelFetch(from, ivec2(i % WIDTH, i / WIDTH), 0);
 }
 uint splat_at(uint place) { return fetch(order, place).x; }
-uvec4 record_part(uint i) { return fetch(records, i); }
+uvec4 record_part(uint i) { return fetch(projected_splats, i); }
 #else
-layout(std430, binding = 0) readonly buffer Records { uvec4 records[]; };
+layout(std430, binding = 0) readonly buffer ProjectedSplats { uvec4 projected_splats[]; };
 layout(std430, binding = 1) readonly buffer Order { uint order[]; };
 uint splat_at(uint place) { return order[place]; }
-uvec4 record_part(uint i) { return records[i]; }
+uvec4 record_part(uint i) { return projected_splats[i]; }
 #endif
 
 // u = shape.x·x + shape.y·y + offset.x, v = shape.z·y + offset.y at the pixel (x, y)
@@ -32,14 +32,14 @@ flat out highp vec3 v_color;
 const float PAD = 0.0625;    // px: corners may be moved to a grid as coarse as 1/16 px
 const float LARGE = 4096.0;  // px: beyond this a quad's interpolation loses the image
 
-Record read_record(uint splat) {
-  uvec4 words[RECORD_SIZE];
-  for (uint k = 0u; k < RECORD_SIZE; ++k) words[k] = record_part(RECORD_SIZE * splat + k);
-  return unpack_record(words);
+ProjectedSplat read_projected_splat(uint splat) {
+  uvec4 words[PROJECTED_SPLAT_SIZE];
+  for (uint k = 0u; k < PROJECTED_SPLAT_SIZE; ++k) words[k] = record_part(PROJECTED_SPLAT_SIZE * splat + k);
+  return unpack_projected_splat(words);
 }
 
 void main() {
-  Record r = read_record(splat_at(uint(gl_InstanceID) * uint(BATCH) + uint(gl_VertexID >> 2)));
+  ProjectedSplat r = read_projected_splat(splat_at(uint(gl_InstanceID) * uint(BATCH) + uint(gl_VertexID >> 2)));
   v_offset = -vec2(r.factor.x * r.centre.x + r.factor.y * r.centre.y, r.factor.z * r.centre.y);
   v_shape = vec4(r.factor, r.level);
   v_color = r.color;

@@ -14,7 +14,7 @@ Expected<void> AsyncCpuSorter::set_scene(std::uint32_t count, std::uint32_t spar
   wanted_ = shown_ = 0;
   for (UploadedOrder& slot : slots_) {
     slot = {};  // There may not be room for both
-    auto made = gl::take(UploadedOrder::create(api_, std::size_t{count} + spare), slot);
+    auto made = gl::assign_or_error(UploadedOrder::create(api_, std::size_t{count} + spare), slot);
     if (!made) return made;
   }
   return {};

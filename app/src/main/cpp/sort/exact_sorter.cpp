@@ -30,7 +30,7 @@ Expected<void> ExactSorter::set_scene(std::uint32_t count, std::uint32_t spare,
   depths_.reserve(count);
   indices_.reserve(count);
   uploaded_ = {};  // There may not be room for both
-  return gl::take(UploadedOrder::create(api_, std::size_t{count} + spare), uploaded_);
+  return gl::assign_or_error(UploadedOrder::create(api_, std::size_t{count} + spare), uploaded_);
 }
 
 void ExactSorter::sort(const SortView& view, const gl::Buffer& /*keys*/) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "gl/steps.h"
+#include "gl/expected_chain.h"
 #include "shaders/shaders.h"
 
 namespace fluxgs::sort {
@@ -35,18 +35,17 @@ Expected<void> GpuRadixSorter::compile() {
     std::vector<std::string> defines = {"RADIX_BITS " + std::to_string(digit_bits_)};
     if (*pass) defines.emplace_back(pass);
     const gl::ShaderSource source{GL_COMPUTE_SHADER, name, text};
-    return gl::take(gl::Program::create(api_, {&source, 1}, defines), program);
+    return gl::assign_or_error(gl::Program::create(api_, {&source, 1}, defines), program);
   };
   const auto make_step = [&](Step& step, const char* name, std::string_view text) {
-    return gl::in_turn([&] { return make(step.first, name, text, "FIRST_PASS"); },
-                       [&] { return make(step.later, name, text, ""); });
+    return gl::chain([&] { return make(step.first, name, text, "FIRST_PASS"); },
+                     [&] { return make(step.later, name, text, ""); });
   };
   const auto scatter = shaders::sort_scatter_comp;
-  return gl::in_turn(
-      [&] { return make_step(digits_, "sort_count.comp", shaders::sort_count_comp); },
-      [&] { return make_step(scan_, "sort_scan.comp", shaders::sort_scan_comp); },
-      [&] { return make_step(scatter_, "sort_scatter.comp", scatter); },
-      [&] { return make(scatter_last_, "sort_scatter.comp", scatter, "LAST_PASS"); });
+  return gl::chain([&] { return make_step(digits_, "sort_count.comp", shaders::sort_count_comp); },
+                   [&] { return make_step(scan_, "sort_scan.comp", shaders::sort_scan_comp); },
+                   [&] { return make_step(scatter_, "sort_scatter.comp", scatter); },
+                   [&] { return make(scatter_last_, "sort_scatter.comp", scatter, "LAST_PASS"); });
 }
 
 Expected<void> GpuRadixSorter::set_scene(std::uint32_t count, std::uint32_t spare,
@@ -57,10 +56,10 @@ Expected<void> GpuRadixSorter::set_scene(std::uint32_t count, std::uint32_t spar
   const auto make = [&](gl::Buffer& buffer, std::size_t words) {
     return buffer.remake(api_, 4 * words);
   };
-  return gl::in_turn([&] { return make(state_, 4 + radix + radix * blocks); },
-                     [&] { return make(pairs_[0], std::size_t{2} * count); },
-                     [&] { return make(pairs_[1], std::size_t{2} * count); },
-                     [&] { return make(order_, std::size_t{count} + spare); });
+  return gl::chain([&] { return make(state_, 4 + radix + radix * blocks); },
+                   [&] { return make(pairs_[0], std::size_t{2} * count); },
+                   [&] { return make(pairs_[1], std::size_t{2} * count); },
+                   [&] { return make(order_, std::size_t{count} + spare); });
 }
 
 void GpuRadixSorter::first_pass(const gl::Buffer& keys, std::uint32_t count) {

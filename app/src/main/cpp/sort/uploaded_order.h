@@ -5,7 +5,7 @@
 #include <span>
 
 #include "gl/buffer.h"
-#include "gl/steps.h"
+#include "gl/expected_chain.h"
 
 namespace fluxgs::sort {
 
@@ -17,15 +17,15 @@ struct UploadedOrder {
   static Expected<UploadedOrder> create(gl::Api& api, std::size_t entries) {
     UploadedOrder made;
     constexpr std::uint32_t kNone = 0;
-    auto done = gl::in_turn(
+    auto done = gl::chain(
         [&] {
-          return gl::take(
+          return gl::assign_or_error(
               gl::Buffer::create(api, sizeof(std::uint32_t) * entries, nullptr, GL_DYNAMIC_DRAW),
               made.order);
         },
         [&] {
-          return gl::take(gl::Buffer::create(api, sizeof kNone, &kNone, GL_DYNAMIC_DRAW),
-                          made.count);
+          return gl::assign_or_error(gl::Buffer::create(api, sizeof kNone, &kNone, GL_DYNAMIC_DRAW),
+                                     made.count);
         });
     if (!done) return std::unexpected(done.error());
     return made;

@@ -121,7 +121,7 @@ class Session {
   std::optional<double> last_frame_;
   std::shared_ptr<const SplatCloud> cloud_;
   std::uint64_t cloud_number_ = 0;  // of its loading
-  std::optional<StartView> initial_;
+  std::optional<InitialView> initial_;
 
   // Of both
   mutable std::mutex mutex_;

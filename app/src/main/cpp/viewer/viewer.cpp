@@ -47,7 +47,8 @@ bool same(const camera::ViewState& a, const camera::ViewState& b) {
 
 }  // namespace
 
-void Viewer::show(std::shared_ptr<const SplatCloud> cloud, const std::optional<StartView>& initial,
+void Viewer::show(std::shared_ptr<const SplatCloud> cloud,
+                  const std::optional<InitialView>& initial,
                   const std::optional<SavedView>& saved) {
   close();
   cloud_ = std::move(cloud);
@@ -285,7 +286,7 @@ void Viewer::measure() {
   const auto frame = scene_->renderer().stats();
   stats_.drawn = frame ? frame->drawn : 0;
   const bool has_clock = frame && frame->stages;
-  const auto& stages = has_clock ? *frame->stages : render::StageTimes{};
+  const auto& stages = has_clock ? *frame->stages : render::FrameTimes{};
   stats_.draw_ms = stages.project + stages.draw + stages.resolve;
   if (has_clock)
     stats_.frame_ms = stats_.draw_ms + stages.sort;

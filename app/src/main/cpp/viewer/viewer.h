@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "camera/navigation.h"
-#include "fluxgs/io/start_view.h"
+#include "fluxgs/io/initial_view.h"
 #include "render/scene_view.h"
 #include "viewer/gestures.h"
 #include "viewer/gyroscope.h"
@@ -62,7 +62,7 @@ class Viewer {
 
   /// Another scene, from its initial view; or from a saved one, if its values are sound. To be
   /// followed by open().
-  void show(std::shared_ptr<const SplatCloud> cloud, const std::optional<StartView>& initial,
+  void show(std::shared_ptr<const SplatCloud> cloud, const std::optional<InitialView>& initial,
             const std::optional<SavedView>& saved = {});
   /// The same, but from where `navigation` stands.
   void show(std::shared_ptr<const SplatCloud> cloud, const camera::Navigation& navigation);
@@ -129,7 +129,7 @@ class Viewer {
   ViewerSettings settings_;
   Heat heat_;
   std::shared_ptr<const SplatCloud> cloud_;
-  std::optional<StartView> initial_;
+  std::optional<InitialView> initial_;
   std::optional<SavedView> saved_;  // to begin at
   camera::Navigation navigation_;
   bool navigated_ = false;  // there is a navigation of the scene

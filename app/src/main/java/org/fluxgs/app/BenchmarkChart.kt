@@ -10,7 +10,7 @@ import java.util.Locale
 import kotlin.math.max
 
 /**
- * Two bars a row: frames a second when only drawing, and from the sort to the photon; a tick where the
+ * Two bars a row: frames a second when only drawing, and from the sort to the display; a tick where the
  * earlier run was.
  */
 class BenchmarkChart(context: Context, attributes: AttributeSet?) : View(context, attributes) {
@@ -31,7 +31,7 @@ class BenchmarkChart(context: Context, attributes: AttributeSet?) : View(context
         this.before = before
         contentDescription = rows.joinToString("; ") {
             resources.getString(
-                R.string.chart_row, it.label, it.drawFps, fpsOf(it.sortToPhotonMs),
+                R.string.chart_row, it.label, it.drawFps, fpsOf(it.sortToDisplayMs),
             )
         }
         requestLayout()
@@ -45,15 +45,15 @@ class BenchmarkChart(context: Context, attributes: AttributeSet?) : View(context
 
     override fun onDraw(canvas: Canvas) {
         var top = paddingTop.toFloat()
-        val fastest = (rows + before).maxOfOrNull { max(it.drawFps, fpsOf(it.sortToPhotonMs)) } ?: return
+        val fastest = (rows + before).maxOfOrNull { max(it.drawFps, fpsOf(it.sortToDisplayMs)) } ?: return
         for (row in rows) {
             val earlier = before.find { it.label == row.label }
             canvas.drawText(row.label, paddingLeft.toFloat(), top + text.textSize, text)
             val under = top + text.textSize + 5 * unit
             drawBar(canvas, under, row.drawFps, earlier?.drawFps, fastest, R.color.bar_draw)
             drawBar(
-                canvas, under + 17 * unit, fpsOf(row.sortToPhotonMs),
-                earlier?.let { fpsOf(it.sortToPhotonMs) }, fastest, R.color.bar_sort,
+                canvas, under + 17 * unit, fpsOf(row.sortToDisplayMs),
+                earlier?.let { fpsOf(it.sortToDisplayMs) }, fastest, R.color.bar_sort,
             )
             top += rowHeight()
         }

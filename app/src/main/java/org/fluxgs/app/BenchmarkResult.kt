@@ -19,7 +19,7 @@ import org.json.JSONObject
 data class BenchmarkRow(
     val label: String,
     val drawMs: Double,
-    val sortToPhotonMs: Double,
+    val sortToDisplayMs: Double,
     val pipelinedMs: Double,
 ) {
     val drawFps get() = fps(drawMs)
@@ -91,7 +91,7 @@ internal class BenchmarkResult(val json: JSONObject) {
         "${row.getInt("width")}×${row.getInt("height")} ${row.getString("views")}, " +
             "${row.getString("sorter").uppercase(Locale.ROOT)} sort",
         row.getJSONObject("draw_ms").getDouble("median"),
-        row.getJSONObject("sort_to_photon_ms").getDouble("median"),
+        row.getJSONObject("sort_to_display_ms").getDouble("median"),
         row.getDouble("pipelined_ms"),
     )
 
@@ -108,7 +108,7 @@ internal class BenchmarkResult(val json: JSONObject) {
         )
         private val ROW = listOf(
             "width", "height", "views", "sorter", "draw_ms.median", "draw_ms.p95",
-            "sort_to_photon_ms.median", "sort_to_photon_ms.p95", "pipelined_ms", "splats_drawn",
+            "sort_to_display_ms.median", "sort_to_display_ms.p95", "pipelined_ms", "splats_drawn",
             "fragments", "blended_in", "bytes_per_frame", "gpu_memory_bytes",
         )
 

@@ -1,4 +1,4 @@
-#include "render/record.h"
+#include "render/projected_splat.h"
 
 #include <array>
 #include <bit>
@@ -11,7 +11,7 @@ namespace {
 
 using Words = std::uint32_t;
 
-Record unpack_full(const Words* w) {
+ProjectedSplat unpack_full(const Words* w) {
   const auto real = [&](int i) { return std::bit_cast<float>(w[i]); };
   return {.centre = {real(0), real(1)},
           .factor = {real(2), real(3), real(4)},
@@ -19,7 +19,7 @@ Record unpack_full(const Words* w) {
           .color = {glm::unpackHalf2x16(w[6]), glm::unpackHalf2x16(w[7]).x}};
 }
 
-Record unpack_half(const Words* w, const glm::vec2& middle) {
+ProjectedSplat unpack_half(const Words* w, const glm::vec2& middle) {
   const auto offset = [](Words bits) {  // 19 bits, two's complement, of 1/64 px
     return static_cast<float>(static_cast<std::int32_t>(bits << 13) >> 13) / 64.0F;
   };
@@ -33,16 +33,18 @@ Record unpack_half(const Words* w, const glm::vec2& middle) {
 
 }  // namespace
 
-Expected<std::vector<Record>> read_records(const gl::Buffer& records, std::uint32_t count,
-                                           RecordPrecision precision, int width, int height) {
-  const std::size_t words = record_bytes(precision) / sizeof(Words);
-  const auto data = records.read_all<Words>(words * count);
+Expected<std::vector<ProjectedSplat>> read_projected_splats(const gl::Buffer& projected_splats,
+                                                            std::uint32_t count,
+                                                            SplatPrecision precision, int width,
+                                                            int height) {
+  const std::size_t words = projected_splat_bytes(precision) / sizeof(Words);
+  const auto data = projected_splats.read_all<Words>(words * count);
   if (!data) return std::unexpected(data.error());
   const glm::vec2 middle(0.5F * static_cast<float>(width), 0.5F * static_cast<float>(height));
-  std::vector<Record> all(count);
+  std::vector<ProjectedSplat> all(count);
   for (std::size_t i = 0; i < count; ++i) {
     const Words* at = data->data() + words * i;
-    all[i] = precision == RecordPrecision::full ? unpack_full(at) : unpack_half(at, middle);
+    all[i] = precision == SplatPrecision::full ? unpack_full(at) : unpack_half(at, middle);
   }
   return all;
 }

@@ -14,7 +14,7 @@
 namespace fluxgs {
 
 /// In the frame of the SplatCloud; camera axes x right, y down, z forward (OpenCV).
-struct StartView {
+struct InitialView {
   glm::dvec3 position{0.0};            ///< of the eye, scene units
   glm::dquat orientation{1, 0, 0, 0};  ///< camera → world, of unit length
   /// Of the image's height, radians, 0…π; in one that is higher than wide we show as much across.
@@ -26,10 +26,11 @@ struct StartView {
 /// nodes' cameras (glTF 2.0, section 3.10); `extras.up` of its node is the scene's up in glTF's
 /// frame. Fails on what is no .glb, on one without a scene and on numbers that are not finite or
 /// out of their range.
-Expected<std::vector<std::byte>> with_start_view(std::span<const std::byte> glb,
-                                                 const StartView& view, const std::string& name);
+Expected<std::vector<std::byte>> with_initial_view(std::span<const std::byte> glb,
+                                                   const InitialView& view,
+                                                   const std::string& name);
 
-/// The most bytes that with_start_view() adds.
-inline constexpr std::size_t kMaxStartViewBytes = 640;
+/// The most bytes that with_initial_view() adds.
+inline constexpr std::size_t kMaxInitialViewBytes = 640;
 
 }  // namespace fluxgs

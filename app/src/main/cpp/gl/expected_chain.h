@@ -9,7 +9,7 @@ namespace fluxgs::gl {
 
 /// Runs the steps, each a callable that returns Expected<void>, until one fails.
 template <class... Steps>
-Expected<void> in_turn(Steps&&... steps) {
+Expected<void> chain(Steps&&... steps) {
   Expected<void> result;
   static_cast<void>(((result = steps()).has_value() && ...));
   return result;
@@ -17,7 +17,7 @@ Expected<void> in_turn(Steps&&... steps) {
 
 /// Moves the value of `from` into `into`, or passes the error on.
 template <class From, class Into>
-Expected<void> take(Expected<From> from, Into& into) {
+Expected<void> assign_or_error(Expected<From> from, Into& into) {
   if (!from) return std::unexpected(std::move(from.error()));
   into = std::move(*from);
   return {};

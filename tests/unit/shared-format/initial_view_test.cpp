@@ -1,5 +1,5 @@
 // Where a scene is looked at from first: cameras of glTF.
-#include "fluxgs/io/start_view.h"
+#include "fluxgs/io/initial_view.h"
 
 #include <cmath>
 #include <limits>
@@ -19,10 +19,10 @@ namespace {
 using nlohmann::json;
 using test::Bytes;
 
-const StartView kView{.position = {1, -2, 3},
-                      .orientation = glm::normalize(glm::dquat(0.9, 0.1, -0.3, 0.2)),
-                      .fov_y = 0.7,
-                      .up = glm::normalize(glm::dvec3(0.1, -1, 0.2))};
+const InitialView kView{.position = {1, -2, 3},
+                        .orientation = glm::normalize(glm::dquat(0.9, 0.1, -0.3, 0.2)),
+                        .fov_y = 0.7,
+                        .up = glm::normalize(glm::dvec3(0.1, -1, 0.2))};
 
 Bytes scene_file() { return *encode_glb(test::random_cloud(20, 1), "a.glb"); }
 
@@ -41,7 +41,7 @@ Bytes with_nodes(const json& cameras, const json& nodes) {
 
 const json kCameras = {{{"type", "perspective"}, {"perspective", {{"yfov", 1.0}, {"znear", 0.1}}}}};
 
-std::optional<StartView> start_of(const Bytes& file) {
+std::optional<InitialView> start_of(const Bytes& file) {
   const auto scene = read_scene(file, "a.glb");
   EXPECT_TRUE(scene) << scene.error().message();
   if (!scene) return std::nullopt;
@@ -53,23 +53,23 @@ double angle_between(const glm::dquat& a, const glm::dquat& b) {
   return 2 * std::acos(std::min(std::abs(glm::dot(a, b)), 1.0));
 }
 
-TEST(StartView, AddsNoMoreThanSaid) {
+TEST(InitialView, AddsNoMoreThanSaid) {
   const Bytes plain = scene_file();
   const double long_number = -1234567.8901234567e-300;
-  const StartView view{.position = glm::dvec3(long_number),
-                       .orientation = kView.orientation,
-                       .fov_y = 0.12345678901234567,
-                       .up = kView.up};
-  const auto file = with_start_view(plain, view, "a.glb");
+  const InitialView view{.position = glm::dvec3(long_number),
+                         .orientation = kView.orientation,
+                         .fov_y = 0.12345678901234567,
+                         .up = kView.up};
+  const auto file = with_initial_view(plain, view, "a.glb");
   ASSERT_TRUE(file) << file.error().message();
-  EXPECT_LE(file->size(), plain.size() + kMaxStartViewBytes);
+  EXPECT_LE(file->size(), plain.size() + kMaxInitialViewBytes);
 }
 
-TEST(StartView, IsWrittenAndReadAgain) {
+TEST(InitialView, IsWrittenAndReadAgain) {
   for (const Bytes& file :
        {scene_file(), *encode_compact_glb(test::random_cloud(20, 1), {}, "c")}) {
     EXPECT_FALSE(start_of(file));
-    const auto with = with_start_view(file, kView, "a.glb");
+    const auto with = with_initial_view(file, kView, "a.glb");
     ASSERT_TRUE(with) << with.error().message();
     const auto read = start_of(*with);
     ASSERT_TRUE(read);
@@ -81,16 +81,16 @@ TEST(StartView, IsWrittenAndReadAgain) {
   }
 }
 
-TEST(StartView, ComesBeforeOtherCameras) {
+TEST(InitialView, ComesBeforeOtherCameras) {
   const Bytes other = with_nodes(kCameras, {{{"camera", 0}, {"translation", {9, 9, 9}}}});
-  const auto read = start_of(*with_start_view(other, kView, "a.glb"));
+  const auto read = start_of(*with_initial_view(other, kView, "a.glb"));
   ASSERT_TRUE(read);
   EXPECT_DOUBLE_EQ(read->fov_y, kView.fov_y);
 }
 
 // glTF 2.0, section 3.10.2: a camera looks along its −z, up is its y; the frame has y up. A cloud
 // has y down and z forward, turned by half a turn about z.
-TEST(StartView, OfGltfsOwnConvention) {
+TEST(InitialView, OfGltfsOwnConvention) {
   const auto read = start_of(with_nodes(kCameras, {{{"camera", 0}, {"translation", {1, 2, 3}}}}));
   ASSERT_TRUE(read);
   EXPECT_LT(glm::distance(read->position, glm::dvec3(-1, -2, 3)), 1e-12);
@@ -100,7 +100,7 @@ TEST(StartView, OfGltfsOwnConvention) {
   EXPECT_EQ(read->up, glm::dvec3(0, -1, 0));
 }
 
-TEST(StartView, OfANodeWithAMatrix) {
+TEST(InitialView, OfANodeWithAMatrix) {
   // A quarter turn about y, twice as large
   const json matrix = {0, 0, -2, 0, 0, 2, 0, 0, 2, 0, 0, 0, 5, 6, 7, 1};
   const json quarter = {0, std::sqrt(0.5), 0, std::sqrt(0.5)};
@@ -112,7 +112,7 @@ TEST(StartView, OfANodeWithAMatrix) {
   EXPECT_LT(angle_between(read->orientation, same->orientation), 1e-7);
 }
 
-TEST(StartView, WhatIsOddAboutACameraIsNoError) {
+TEST(InitialView, WhatIsOddAboutACameraIsNoError) {
   const json orthographic = {{{"type", "orthographic"}, {"orthographic", {{"xmag", 1}}}}};
   const json wide = {{{"type", "perspective"}, {"perspective", {{"yfov", 4.0}}}}};
   const json text = {{{"type", "perspective"}, {"perspective", {{"yfov", "1"}}}}};
@@ -133,20 +133,20 @@ TEST(StartView, WhatIsOddAboutACameraIsNoError) {
   EXPECT_EQ(odd_up->up, glm::dvec3(0, -1, 0));
 }
 
-TEST(StartView, RefusesWhatCannotBeWritten) {
+TEST(InitialView, RefusesWhatCannotBeWritten) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  StartView bad[] = {kView, kView, kView, kView};
+  InitialView bad[] = {kView, kView, kView, kView};
   bad[0].position.x = kNan;
   bad[1].up = {0, 0, 0};
   bad[2].fov_y = 0;
   bad[3].orientation = glm::dquat(0, 0, 0, 0);
-  for (const StartView& view : bad) EXPECT_FALSE(with_start_view(scene_file(), view, "a.glb"));
-  EXPECT_FALSE(with_start_view(test::bytes_of("no glb"), kView, "a.glb"));
+  for (const InitialView& view : bad) EXPECT_FALSE(with_initial_view(scene_file(), view, "a.glb"));
+  EXPECT_FALSE(with_initial_view(test::bytes_of("no glb"), kView, "a.glb"));
   const auto no_scene =
-      with_start_view(test::make_glb(R"({"asset":{"version":"2.0"}})"), kView, "a.glb");
+      with_initial_view(test::make_glb(R"({"asset":{"version":"2.0"}})"), kView, "a.glb");
   ASSERT_FALSE(no_scene);
   EXPECT_EQ(no_scene.error().field, "scenes");
-  const auto odd = with_start_view(
+  const auto odd = with_initial_view(
       test::make_glb(R"({"asset":{"version":"2.0"},"scenes":[{}],"cameras":3})"), kView, "a.glb");
   ASSERT_FALSE(odd);
   EXPECT_EQ(odd.error().field, "cameras");
