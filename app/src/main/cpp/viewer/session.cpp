@@ -1,11 +1,8 @@
 #include "viewer/session.h"
 
 #include <algorithm>
-#include <cmath>
 #include <exception>
 #include <utility>
-
-#include "render/renderer.h"
 
 namespace fluxgs::viewer {
 namespace {

@@ -1,5 +1,4 @@
-// A viewer on a thread of its own, for a shell whose main thread must never wait for the GPU: what
-// people do goes in, images appear on the screen, and what there is to tell can be asked for.
+// Runs a viewer on a thread of its own, for an app whose main thread must never wait for the GPU.
 #pragma once
 
 #include <chrono>
@@ -20,7 +19,7 @@
 
 namespace fluxgs::viewer {
 
-/// What the shell shows of a session.
+/// The state of a session, for the app to show.
 struct SessionState {
   LoadState loading;
   bool has_scene = false;   ///< there is one to look at
@@ -85,12 +84,12 @@ class Session {
   /// Or the last one, reduced until its longer side is `longest` pixels. Nothing where there is
   /// none, or where it is not `of` the scene with this number (0: any).
   std::optional<Image<std::uint8_t>> image(int longest = 0, std::uint64_t of = 0);
-  /// What is shown, or nothing; what has been loaded, but not been shown yet, is taken up.
+  /// The scene that is shown, or nothing; one that was loaded but not shown yet is taken up.
   std::shared_ptr<const SplatCloud> scene();
   /// bench::driver_json(), once there is a context; else empty.
   std::string driver() const;
 
-  /// Instead of drawing to the screen; nothing without a scene.
+  /// Measures instead of drawing to the screen; does nothing without a scene.
   void start_benchmark(const bench::SceneBenchmarkPlan& plan);
   /// `why` is what the result says of it: a call, heat.
   void stop_benchmark(const std::string& why);
