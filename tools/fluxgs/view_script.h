@@ -1,4 +1,4 @@
-// What somebody did in the window, from a file: for tests, and for reports of mistakes.
+// Reads scripts of window events, for tests and for reports of mistakes.
 #pragma once
 
 #include <string>

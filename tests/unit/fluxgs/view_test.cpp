@@ -1,4 +1,4 @@
-// The window: what is in it, what moves it, and what is said where none can be opened.
+// The window of fluxgs view: its content, its controls, and its errors.
 #include <gtest/gtest.h>
 
 #include <cmath>

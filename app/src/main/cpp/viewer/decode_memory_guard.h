@@ -1,4 +1,4 @@
-// Guards of the memory that is taken while scenes are decoded.
+// Counts the threads that hold the memory of a scene while they decode it.
 #pragma once
 
 #include <atomic>

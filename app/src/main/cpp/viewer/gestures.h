@@ -17,7 +17,8 @@ struct Finger {
 
 enum class TouchPhase { down, moved, up, cancelled };
 
-/// What the system tells: all fingers that touch, the one that goes down or up included.
+/// An event as the system reports it: all fingers that touch, the one that goes down or up
+/// included.
 struct TouchEvent {
   TouchPhase phase = TouchPhase::moved;
   int changed = 0;  ///< the finger that goes down or up

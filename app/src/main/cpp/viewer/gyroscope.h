@@ -1,4 +1,4 @@
-// Looking around by turning the device.
+// Turns the view as the device is turned.
 #pragma once
 
 #include <optional>
@@ -7,19 +7,20 @@
 
 namespace fluxgs::viewer {
 
-/// How a device lies in the world whose z is up (Android's game rotation vector): device → world,
-/// the device's x to the right of its natural orientation, y to its top, z out of the screen.
+/// The orientation of a device in the world whose z is up (Android's game rotation vector): device
+/// → world, the device's x to the right of its natural orientation, y to its top, z out of the
+/// screen.
 struct DevicePose {
   glm::dquat rotation{1, 0, 0, 0};
   int screen_turns = 0;  ///< quarter turns of the image (Display.getRotation()), 0…3
   double seconds = 0;
 };
 
-/// What the view is turned by while the device is followed.
+/// The state of following a device.
 struct Gyroscope {
   struct Anchor {
     glm::dquat world{1, 0, 0, 0};   ///< the device's world → the scene's: a turn about up
-    glm::dquat offset{1, 0, 0, 0};  ///< what the view is turned by beyond the device; dies away
+    glm::dquat offset{1, 0, 0, 0};  ///< of the view, beyond the device's own turn; dies away
     double seconds = 0;             ///< when it was anchored
   };
   std::optional<Anchor> anchor;

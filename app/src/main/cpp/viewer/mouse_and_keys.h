@@ -21,7 +21,7 @@ inline constexpr std::string_view kMouseAndKeysHelp =
     "  F            turn the scene upside down\n"
     "  R            back to the first view\n";
 
-/// What is pressed.
+/// The buttons and keys that are down.
 struct MouseAndKeys {
   glm::dvec2 pointer{0.0};
   std::optional<PointerButton> dragging;

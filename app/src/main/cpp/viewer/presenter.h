@@ -23,7 +23,8 @@ class Presenter {
 
   /// See Screen::attach(). What failed in the last window is tried again in this one.
   void attach(void* window);
-  /// Of the window, in pixels; nothing is drawn in one without pixels. `density`: pixels of a dp.
+  /// Sets the size of the window in pixels; nothing is drawn in one without pixels. `density`:
+  /// pixels of a dp.
   void resize(int width, int height, double density = 1);
 
   /// Another scene: see Viewer::show().
@@ -45,7 +46,8 @@ class Presenter {
 
   /// A context that is not lost, and current: the screen's, or a new one.
   Expected<gl::Api*> context();
-  /// How many contexts were made here: the first, if the screen had none, and those after a loss.
+  /// The number of contexts that were made here: the first, if the screen had none, and those
+  /// after a loss.
   int contexts() const { return contexts_; }
   /// Behaves as if the GPU had been reset (tests, debugging).
   void lose_context();

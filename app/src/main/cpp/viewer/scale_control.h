@@ -1,4 +1,4 @@
-// The render scale that holds the display's rate, and keeps the device cool.
+// Chooses the render scale that holds the display's rate, and keeps the device cool.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@ namespace fluxgs::viewer {
 /// change makes new images.
 inline constexpr std::array<double, 6> kScales{1, 0.85, 0.7, 0.6, 0.5, 0.4};
 
-/// How warm the device is, as Android tells.
+/// The temperature of the device, as Android reports it.
 struct Heat {
   /// PowerManager.THERMAL_STATUS_…: 0 none, 1 light, 2 moderate, 3 severe, 4 critical, 5 emergency,
   /// 6 shutdown.

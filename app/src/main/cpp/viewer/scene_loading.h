@@ -1,4 +1,4 @@
-// Reading a scene on a thread of its own, from whatever a stranger's app hands over.
+// Reads a scene on a thread of its own, from a file or a pipe of another app.
 #pragma once
 
 #include <atomic>

@@ -1,4 +1,4 @@
-// What a session draws on: a GL context, and a window that comes and goes.
+// Interface of a platform's screen: a GL context, and a window that comes and goes.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace fluxgs::viewer {
 
-/// All functions but the constructor on one thread, the session's.
+/// All functions but the constructor are for one thread, the presenter's.
 class Screen {
  public:
   Screen() = default;

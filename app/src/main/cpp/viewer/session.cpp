@@ -1,11 +1,8 @@
 #include "viewer/session.h"
 
 #include <algorithm>
-#include <cmath>
 #include <exception>
 #include <utility>
-
-#include "render/renderer.h"
 
 namespace fluxgs::viewer {
 namespace {
@@ -26,9 +23,9 @@ Session::~Session() {
   {
     const std::lock_guard lock(mutex_);
     stops_ = true;
-    benchmark_stop_ = "closed";
     loading_.cancel();
   }
+  benchmark_.stop("closed");
   changed_.notify_all();
   thread_.join();
 }
@@ -193,11 +190,6 @@ std::optional<SavedView> Session::saved_view() const {
   return saved_;
 }
 
-BenchmarkState Session::benchmark() const {
-  const std::lock_guard lock(mutex_);
-  return benchmark_;
-}
-
 std::optional<Image<std::uint8_t>> Session::image(int longest, std::uint64_t of) {
   std::optional<Image<std::uint8_t>> result;
   post_and_wait([&] {
@@ -285,27 +277,7 @@ void Session::publish() {
 }
 
 void Session::start_benchmark(const bench::SceneBenchmarkPlan& plan) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (benchmark_.running) return;
-    benchmark_ = {};
-    benchmark_.running = true;
-    benchmark_stop_.reset();
-  }
-  post([this, plan] { run_benchmark(plan); });
-}
-
-void Session::stop_benchmark(const std::string& why) {
-  const std::lock_guard lock(mutex_);
-  if (benchmark_.running && !benchmark_stop_) benchmark_stop_ = why;  // the first is the reason
-}
-
-bool Session::report_progress(int done, int all) {
-  run_tasks();  // the window may be taken away
-  const std::lock_guard lock(mutex_);
-  benchmark_.done = done;
-  benchmark_.all = all;
-  return !benchmark_stop_;
+  if (benchmark_.begin()) post([this, plan] { run_benchmark(plan); });
 }
 
 Expected<bench::SceneBenchmark> Session::measure(const bench::SceneBenchmarkPlan& plan) {
@@ -316,8 +288,10 @@ Expected<bench::SceneBenchmark> Session::measure(const bench::SceneBenchmarkPlan
   const auto api = presenter_->context();
   if (!api) return std::unexpected(api.error());
   publish_driver();
-  return bench::benchmark_scene(**api, *cloud, initial_, plan,
-                                [this](int done, int all) { return report_progress(done, all); });
+  return bench::benchmark_scene(**api, *cloud, initial_, plan, [this](int done, int all) {
+    run_tasks();  // the window may be taken away
+    return benchmark_.report(done, all);
+  });
 }
 
 void Session::run_benchmark(const bench::SceneBenchmarkPlan& plan) {
@@ -329,14 +303,7 @@ void Session::run_benchmark(const bench::SceneBenchmarkPlan& plan) {
     }
   }();
   presenter_->redraw();
-  const std::lock_guard lock(mutex_);
-  benchmark_.running = false;
-  if (!result) {
-    benchmark_.error = result.error().message();
-    return;
-  }
-  benchmark_.rows = bench::rows_json(*result);
-  if (!result->stopped.empty()) benchmark_.stopped = benchmark_stop_.value_or(result->stopped);
+  benchmark_.finish(result);
 }
 
 }  // namespace fluxgs::viewer

@@ -1,5 +1,4 @@
-// A viewer on a thread of its own, for a shell whose main thread must never wait for the GPU: what
-// people do goes in, images appear on the screen, and what there is to tell can be asked for.
+// Runs a viewer on a thread of its own, for an app whose main thread must never wait for the GPU.
 #pragma once
 
 #include <chrono>
@@ -14,13 +13,13 @@
 #include <thread>
 #include <vector>
 
-#include "bench/scene_benchmark.h"
+#include "viewer/benchmark_run.h"
 #include "viewer/presenter.h"
 #include "viewer/scene_loading.h"
 
 namespace fluxgs::viewer {
 
-/// What the shell shows of a session.
+/// The state of a session, for the app to show.
 struct SessionState {
   LoadState loading;
   bool has_scene = false;   ///< there is one to look at
@@ -32,14 +31,6 @@ struct SessionState {
   int contexts = 0;   ///< how many were made: more than 1 means that some were lost
   std::size_t dropped = 0;    ///< splats of the file that were left out for a NaN or infinity
   double first_frame_ms = 0;  ///< from begin of loading until the first image was shown
-};
-
-struct BenchmarkState {
-  bool running = false;
-  int done = 0, all = 0;  ///< frames
-  std::string rows;       ///< bench::rows_json(), when it has ended
-  std::string stopped;    ///< why, if it ended early
-  std::string error;
 };
 
 /// Every function may be called from one thread, the shell's main thread, and image() and scene()
@@ -85,16 +76,16 @@ class Session {
   /// Or the last one, reduced until its longer side is `longest` pixels. Nothing where there is
   /// none, or where it is not `of` the scene with this number (0: any).
   std::optional<Image<std::uint8_t>> image(int longest = 0, std::uint64_t of = 0);
-  /// What is shown, or nothing; what has been loaded, but not been shown yet, is taken up.
+  /// The scene that is shown, or nothing; one that was loaded but not shown yet is taken up.
   std::shared_ptr<const SplatCloud> scene();
   /// bench::driver_json(), once there is a context; else empty.
   std::string driver() const;
 
-  /// Instead of drawing to the screen; nothing without a scene.
+  /// Measures instead of drawing to the screen; does nothing without a scene.
   void start_benchmark(const bench::SceneBenchmarkPlan& plan);
   /// `why` is what the result says of it: a call, heat.
-  void stop_benchmark(const std::string& why);
-  BenchmarkState benchmark() const;
+  void stop_benchmark(const std::string& why) { benchmark_.stop(why); }
+  BenchmarkState benchmark() const { return benchmark_.state(); }
 
   /// As if the GPU had been reset (tests, debugging).
   void lose_context();
@@ -110,7 +101,6 @@ class Session {
   void take_scene();
   void draw_frame(double seconds);
   void give_up(const Error& error);
-  bool report_progress(int done, int all);
   Expected<bench::SceneBenchmark> measure(const bench::SceneBenchmarkPlan& plan);
   void run_benchmark(const bench::SceneBenchmarkPlan& plan);
   void publish();
@@ -137,8 +127,7 @@ class Session {
   std::chrono::steady_clock::time_point load_began_;
   SessionState state_;
   std::optional<SavedView> saved_;
-  BenchmarkState benchmark_;
-  std::optional<std::string> benchmark_stop_;
+  BenchmarkRun benchmark_;
 
   std::thread thread_;
 };

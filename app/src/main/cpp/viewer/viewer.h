@@ -1,4 +1,4 @@
-// A scene that people look at on a screen: what they do, what is drawn, and how fast.
+// Viewer of a scene: applies inputs to the view, draws it, and measures the speed.
 #pragma once
 
 #include <chrono>
@@ -18,7 +18,7 @@ namespace fluxgs::viewer {
 
 enum class SorterChoice { automatic, gpu, cpu };
 
-/// What people set.
+/// Settings of the user.
 struct ViewerSettings {
   double scale = 0;  ///< of the image that is blended, 0.2…1; 0: what holds the display's rate
   SorterChoice sorter = SorterChoice::automatic;
@@ -33,7 +33,7 @@ struct ViewerSettings {
   bool operator==(const ViewerSettings&) const = default;
 };
 
-/// Of the last second or so.
+/// Statistics over about the last second.
 struct ViewerStats {
   double frames_per_second = 0;       ///< while something moves; 0 at rest
   double frame_ms = 0;                ///< the GPU's, or where it has no clock from frame to frame

@@ -1,4 +1,4 @@
-// Libraries that are looked for while the program runs, so that it starts on machines without them.
+// Loads libraries while the program runs, so that it starts on machines without them.
 #pragma once
 
 #include <initializer_list>

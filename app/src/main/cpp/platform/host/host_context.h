@@ -21,7 +21,7 @@ std::string_view name(HostGl implementation);
 /// The other way round; fails on any other name.
 Expected<HostGl> parse_host_gl(std::string_view name);
 
-/// Where ANGLE's libraries are looked for: the folder in the environment's FLUXGS_ANGLE_DIR, or
+/// The folder of ANGLE's libraries: the one in the environment's FLUXGS_ANGLE_DIR, or
 /// else build/packages/angle, where tools/angle puts them.
 std::string angle_folder();
 

@@ -27,7 +27,7 @@ class WindowScreen : public viewer::Screen {
   virtual void set_title(const std::string& title) = 0;
   /// Whether the user wants it closed.
   virtual bool close_requested() const = 0;
-  /// What has happened since the last call. With nothing to tell, waits up to `seconds` for
+  /// The events since the last call. Without any, waits up to `seconds` for
   /// something.
   virtual std::vector<viewer::WindowEvent> events(double seconds) = 0;
 
