@@ -25,10 +25,10 @@ struct ConvertSettings {
   double step_scale = 1;
   int sh_degree = 3;
   std::optional<std::size_t> max_bytes;
-  std::optional<double> max_loss;
+  std::optional<double> min_psnr;
   DataOptions data;
 
-  bool searches() const { return max_bytes || max_loss; }
+  bool searches() const { return max_bytes || min_psnr; }
 };
 
 std::string shown(const std::string& path) { return one_line(path, std::string::npos); }
@@ -89,7 +89,7 @@ Expected<CompactTrial> search(const ConvertSettings& s, const SceneFile& scene) 
     progress.update(++trials, fmt::format("{} bytes  {}", t.file.size(), decibels(t.psnr())));
   });
   auto found =
-      s.max_bytes ? search.within_bytes(max_bytes(s, scene)) : search.within_loss(*s.max_loss);
+      s.max_bytes ? search.within_bytes(max_bytes(s, scene)) : search.within_loss(*s.min_psnr);
   progress.clear();
   if (!found) return fail(s.out, found.error().field, found.error().what);
   return found;
@@ -133,28 +133,29 @@ Expected<void> convert(const ConvertSettings& s) {
 void check_use(const ConvertSettings& s, const CLI::App& command) {
   for (const char* option : {"--threads", "--background"})
     if (command.count(option) > 0 && !s.searches())
-      throw CLI::ValidationError(option, "is used only by --max-loss and --max-bytes");
+      throw CLI::ValidationError(option, "is used only by --min-psnr and --max-bytes");
   if (command.count("--downscale") > 0 && s.data.folder.empty())
     throw CLI::ValidationError("--downscale", "is used only with --data");
   if (!s.data.folder.empty() && !s.searches())
-    throw CLI::ValidationError("--data", "is used only by --max-loss and --max-bytes");
+    throw CLI::ValidationError("--data", "is used only by --min-psnr and --max-bytes");
   if (s.plain_attributes && !s.compact && !s.searches())
     throw CLI::ValidationError("--plain-attributes",
-                               "is used only with --compact, --max-loss or --max-bytes");
+                               "is used only with --compact, --min-psnr or --max-bytes");
 }
 
 void add_compact_options(CLI::App& command, ConvertSettings& s) {
   const std::string group = "Compact .glb";
-  CLI::Option* compact =
-      command.add_flag("--compact", s.compact, "a fraction of the bytes, with a small error");
-  CLI::Option* step_scale = command.add_option("--coarseness", s.step_scale,
-                                               "with --compact: 0.5 is finer, 2 is smaller");
+  CLI::Option* compact = command.add_flag(
+      "--compact", s.compact, "write a compact file: a fraction of the bytes, with a small error");
+  CLI::Option* step_scale = command.add_option(
+      "--step-scale", s.step_scale,
+      "with --compact: factor of the quantization steps; 0.5 is finer, 2 is smaller");
   step_scale->check(in_range(0.001, 1000))->capture_default_str()->needs(compact);
   CLI::Option* bytes = command.add_option("--max-bytes", s.max_bytes,
                                           "search for the least error in a file of this size");
   bytes->check(CLI::Range(std::size_t{1}, std::size_t{1} << 50));
   CLI::Option* loss = command.add_option(
-      "--max-loss", s.max_loss, "search for the smallest file whose images are this near, in dB");
+      "--min-psnr", s.min_psnr, "search for the smallest file whose renders have this PSNR (dB)");
   loss->check(in_range(1, 120))->excludes(bytes)->excludes(step_scale);
   bytes->excludes(step_scale);
   CLI::Option* plain = command.add_flag(
@@ -171,10 +172,10 @@ void add_convert(CLI::App& app, Action& action) {
   auto settings = std::make_shared<ConvertSettings>();
   CLI::App* command = app.add_subcommand("convert", "Rewrite a scene in another format");
   command->footer(
-      "The format read is found by content, the one written by the file's name. Loss is the PSNR\n"
+      "The format read is found by content, the one written by the file's name. PSNR is that\n"
       "of the mean square error over twelve views, to the scene with the SH coefficients that are "
       "kept.\n"
-      "Example: fluxgs convert garden.ply garden.glb --max-loss 40");
+      "Example: fluxgs convert garden.ply garden.glb --min-psnr 40");
   command->add_option("in", settings->in, "the scene to read")->required();
   command->add_option("out", settings->out, "the scene to write: " + writable_extensions())
       ->required();

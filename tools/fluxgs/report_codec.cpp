@@ -284,7 +284,7 @@ void add_report_codec(CLI::App& app, Action& action) {
       "PSNR is that of the mean square error over views of the data set, or of an orbit, to the\n"
       "images of SCENE itself; with --data also to the test images. \"compact N\" are steps "
       "that\n"
-      "are balanced for this scene, as --max-loss of convert does, times N.\n"
+      "are balanced for this scene, as --min-psnr of convert does, times N.\n"
       "Example: fluxgs report codec garden.ply --data captures/garden --plot codec.png");
   command->add_option("scene", s->scene, "the scene file")->required();
   command->add_option("--data", s->data.folder, "the data set with the images");

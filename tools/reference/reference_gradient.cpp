@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "trainer/raster/projection_gradient.h"
+#include "fluxgs/math/projection_gradient.h"
 
 namespace fluxgs {
 namespace {

@@ -162,7 +162,7 @@ TEST(Command, WrongUsageIsStatusTwoAndHelpHasExamples) {
   EXPECT_EQ(fluxgs("train x -o y.glb --resume z.ckpt --iterations 9").status, 2);
   EXPECT_EQ(fluxgs("train x -o y.glb --float-output ./y.glb").status, 2);
   EXPECT_EQ(fluxgs("convert x.ply y.glb --threads 2").status, 2);
-  EXPECT_EQ(fluxgs("convert x.ply y.glb --max-loss 40 --downscale 2").status, 2);
+  EXPECT_EQ(fluxgs("convert x.ply y.glb --min-psnr 40 --downscale 2").status, 2);
   EXPECT_EQ(fluxgs("render x.glb -o y.png --size 0x9").status, 2);
   EXPECT_EQ(fluxgs("render x.glb -o y.png --size 12").status, 2);
   EXPECT_NE(fluxgs("train x -o y.glb --iterations 0")
@@ -250,7 +250,7 @@ TEST(Command, CompactScenesAreSearchedForAndReportedOn) {
   };
   EXPECT_EQ(run("--compact").status, 0);
   const auto usual = std::filesystem::file_size(folder / "c.glb");
-  EXPECT_EQ(run("--compact --coarseness 2 --sh-degree 0").status, 0);
+  EXPECT_EQ(run("--compact --step-scale 2 --sh-degree 0").status, 0);
   EXPECT_LT(std::filesystem::file_size(folder / "c.glb"), usual);
   const Outcome bytes = run("--max-bytes 5000" + data);
   EXPECT_EQ(bytes.status, 0) << bytes.err;
@@ -264,17 +264,17 @@ TEST(Command, CompactScenesAreSearchedForAndReportedOn) {
             0);
   EXPECT_LE(std::filesystem::file_size(folder / "c.glb"), 5000u);
   EXPECT_TRUE(read_scene(folder / "c.glb")->start);
-  const Outcome loss = run("--max-loss 35" + data);
+  const Outcome loss = run("--min-psnr 35" + data);
   EXPECT_EQ(loss.status, 0) << loss.err;
   EXPECT_NE(loss.out.find(" dB from the images of "), std::string::npos) << loss.err;
   EXPECT_EQ(read_scene(folder / "c.glb")->cloud.size(), 500u);
 
   expect_error(run("--max-bytes 100" + data), {"c.glb: size", "expected 100 at most"});
-  EXPECT_EQ(run("--coarseness 2").status, 2);
-  EXPECT_EQ(run("--max-loss nan").status, 2);
+  EXPECT_EQ(run("--step-scale 2").status, 2);
+  EXPECT_EQ(run("--min-psnr nan").status, 2);
   EXPECT_EQ(run("--compact" + data).status, 2);
   EXPECT_EQ(run("--plain-attributes").status, 2);
-  EXPECT_EQ(run("--max-bytes 100 --max-loss 30").status, 2);
+  EXPECT_EQ(run("--max-bytes 100 --min-psnr 30").status, 2);
   expect_error(
       fluxgs(fmt::format("convert {} {} --compact", quoted(scene), quoted(folder / "c.spz"))),
       {"c.spz: extension", "expected .glb"});

@@ -1,8 +1,8 @@
 // From summed pair gradients to parameter gradients, a pack of splats at a time.
+#include "fluxgs/math/projection_gradient.h"
 #include "trainer/core/lanes.h"
 #include "trainer/core/parameters.h"
 #include "trainer/raster/cpu/kernels/kernels_isa.h"
-#include "trainer/raster/projection_gradient.h"
 
 namespace fluxgs::FLUXGS_ISA {
 namespace {
