@@ -53,7 +53,7 @@ std::uint64_t saturating_add(std::uint64_t a, std::uint64_t b) {
   return a + b < a ? std::numeric_limits<std::uint64_t>::max() : a + b;
 }
 
-std::string quoted(std::string_view text) { return '"' + sanitized(text) + '"'; }
+std::string in_quotes(std::string_view text) { return '"' + sanitized(text) + '"'; }
 
 class HeaderParser {
  public:
@@ -130,7 +130,7 @@ class HeaderParser {
 
   std::unexpected<Error> bad(std::string_view line, std::string_view expected) const {
     return fail(name_, fmt::format("header line {}", line_),
-                fmt::format("{}: {}", quoted(line), expected));
+                fmt::format("{}: {}", in_quotes(line), expected));
   }
 
   const std::string& name_;
@@ -151,7 +151,7 @@ Expected<void> check_promise(const PlyHeader& header, std::uint64_t file_size,
   std::string promised;
   for (const PlyElement& element : header.elements) {
     promised += fmt::format("{}{} {} of {} bytes", promised.empty() ? "" : ", ", element.count,
-                            quoted(element.name), ply_row_bytes(element, header.encoding));
+                            in_quotes(element.name), ply_row_bytes(element, header.encoding));
   }
   return fail(
       name, "header",
