@@ -14,8 +14,8 @@ struct PsiFitOptions {
   double rate = 0.01;        ///< of Adam; falls to 0 along a quarter of a cosine
   /// The same for E; 0 keeps it as it is. E knows nothing of the constant coefficient, which Ψ can
   /// then only guess from the position: on two scans of 91 k and 153 k splats, whose coefficients
-  /// deviate by 0.58 and 0.54, an error of 0.47 and 0.53 is left after 500 iterations. With E moved too
-  /// it is 0.017 and 0.033, after 2,000 iterations 0.0007 and 0.0026.
+  /// deviate by 0.58 and 0.54, an error of 0.47 and 0.53 is left after 500 iterations. With E moved
+  /// too it is 0.017 and 0.033, after 2,000 iterations 0.0007 and 0.0026.
   double latent_rate = 0.02;
   AdamConstants adam = {0.9, 0.999, 1e-15};
   std::uint64_t seed = 1;
