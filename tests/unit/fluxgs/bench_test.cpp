@@ -61,7 +61,8 @@ TEST_F(BenchCommand, SaysWhatTheContractPromises) {
 
 TEST_F(BenchCommand, SettingsReachTheRenderer) {
   EXPECT_EQ(bench("--min-size 90")["splats_drawn"], 0);
-  const json usual = bench(""), half = bench("--record half"), small = bench("--scale 0.5");
+  const json usual = bench(""), half = bench("--splat-precision half"),
+             small = bench("--scale 0.5");
   EXPECT_LT(half["traffic"]["vertices"], usual["traffic"]["vertices"]);
   EXPECT_LT(half["gpu_memory_bytes"], usual["gpu_memory_bytes"]);
   EXPECT_LT(small["fragments"], usual["fragments"]);
@@ -92,8 +93,9 @@ TEST_F(BenchCommand, ReportComparesTheSettings) {
 }
 
 TEST_F(BenchCommand, ReportsOnlyWhatIsAskedFor) {
-  const Outcome o = fluxgs("report render " + quoted(scene_) +
-                           " --size 32x24 --views 2 --rounds 1 --only record,scale --json -");
+  const Outcome o =
+      fluxgs("report render " + quoted(scene_) +
+             " --size 32x24 --views 2 --rounds 1 --only splat-precision,scale --json -");
   ASSERT_EQ(o.status, 0) << o.err;
   const json r = json::parse(o.out);
   std::vector<std::string> groups;
@@ -101,8 +103,8 @@ TEST_F(BenchCommand, ReportsOnlyWhatIsAskedFor) {
     groups.push_back(row["group"]);
     EXPECT_LE(row["psnr_worst"].get<double>(), row["psnr"].get<double>());
   }
-  EXPECT_EQ(groups, (std::vector<std::string>{"defaults", "defaults", "record", "scale", "scale",
-                                              "scale"}));
+  EXPECT_EQ(groups, (std::vector<std::string>{"defaults", "defaults", "splat-precision", "scale",
+                                              "scale", "scale"}));
   EXPECT_EQ(fluxgs("report render " + quoted(scene_) + " --only everything").status, 2);
 }
 
