@@ -221,7 +221,7 @@ TEST(Mlp, GoesThroughAListOfFloats) {
 
   const auto shorter = mlp_from_floats(mlp.sizes, std::span(floats).first(floats.size() - 1));
   ASSERT_FALSE(shorter);
-  EXPECT_EQ(shorter.error().message(), "network: 250 numbers, expected 251");
+  EXPECT_EQ(shorter.error().message(), "network: 250 values, expected 251");
   std::vector<float> bad = floats;
   for (const float steps : {-1.0f, 1e20f, std::nanf("")}) {
     bad[0] = steps;
