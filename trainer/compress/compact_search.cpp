@@ -24,7 +24,7 @@ constexpr double kInvisible = 1e-8;            // 80 dB: more bytes are of no us
 constexpr double kExcessThatIsNone = 1e-3;     // 0.1% of the size or of the error
 
 /// An attribute of the codec: its name in AttributeBits, its step, and its array. Rounding
-/// SH coefficients changes the constant colours (codec/SH coefficients.h): the error of either is
+/// SH coefficients changes the constant colours (codec/sh.h): the error of either is
 /// measured while the other is stored `exactly`, and that of SH coefficients with both.
 struct Part {
   const char* name;

@@ -13,7 +13,7 @@ namespace fluxgs::codec {
 
 /// Means over the splats of a cloud, natural logarithms: the step of scales grows with the mean
 /// scale (scales.h), and that of the others is the one given for a splat of mean importance
-/// (importance.h).
+/// (perceptual_weight.h).
 struct StepMeans {
   double log_scale = 0, opacity = 0, rotation = 0, color = 0;
 };

@@ -30,7 +30,7 @@ void check_round_trip(const codec::Channels& input, const codec::RateDistortion&
   const auto decoded = codec::decode_channels(in, input.channels, input.step_scale, back);
   if (!decoded) broken("what was encoded can be decoded: " + decoded.error().message());
   require(in.left() == 0, "nothing is left over");
-  const float steps = how.rate_weight > 0 ? 1.5f : 0.5f;  // rounding.h
+  const float steps = how.rate_weight > 0 ? 1.5f : 0.5f;  // quantization.h
   float largest = 0;
   for (const float value : input.values) largest = std::max(largest, std::abs(value));
   for (std::size_t i = 0; i < back.size(); ++i) {

@@ -17,7 +17,7 @@ namespace fluxgs {
 
 /// How coarsely each attribute is rounded: smaller steps, more bytes, less error. All > 0. Those of
 /// positions are the same everywhere, the others hold for splats of usual size and opacity; large
-/// and opaque ones are rounded less (importance.h).
+/// and opaque ones are rounded less (perceptual_weight.h).
 struct QuantizationSteps {
   double position = 1e-3;  ///< scene units
   float log_scale = 0.2f;  ///< of the natural logarithm
