@@ -60,7 +60,7 @@ foreach(top IN ITEMS shared-format app trainer tools tests)
   file(GLOB_RECURSE sources RELATIVE "${ROOT}" "${ROOT}/${top}/*.h" "${ROOT}/${top}/*.cpp"
        "${ROOT}/${top}/*.glsl" "${ROOT}/${top}/*.comp" "${ROOT}/${top}/*.vert" "${ROOT}/${top}/*.frag")
   foreach(source IN LISTS sources)
-    if(source MATCHES "/build/|^tools/android/|^tests/app/check-build/")
+    if(source MATCHES "/build/|^tools/android/")
       continue()
     endif()
     folder_of("${source}" folder)

@@ -10,10 +10,11 @@
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <CLI/CLI.hpp>
 
 #include "fluxgs/sanitize.h"
-#include "tools/fluxgs/command.h"
-#include "tools/fluxgs/console.h"
+#include "tools/fluxgs/commands/command.h"
+#include "tools/fluxgs/terminal/console.h"
 
 namespace {
 

@@ -1,8 +1,11 @@
 // Images as the kernels want them: one plane for each channel, rows padded with zeros.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 
+#include "fluxgs/image.h"
 #include "trainer/core/parameters.h"
 
 namespace fluxgs {
@@ -35,5 +38,36 @@ class PlanarImage {
   std::size_t pitch_ = 0;
   PlanarFloats data_;
 };
+
+/// The first three channels of interleaved pixels as planes.
+template <class T>
+PlanarImage planes_of(const Image<T>& image) {
+  PlanarImage out(image.width, image.height, 3);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (int c = 0; c < 3; ++c) out.row(c, y)[x] = static_cast<float>(image.at(x, y)[c]);
+  return out;
+}
+
+/// Planes as interleaved RGB.
+inline Image<float> interleaved(const PlanarImage& planes) {
+  Image<float> image(planes.width(), planes.height(), 3);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (int c = 0; c < 3; ++c) image.at(x, y)[c] = planes.row(c, y)[x];
+  return image;
+}
+
+/// The largest difference of two RGB images of one size, both limited to 0…1.
+inline double largest_difference(const PlanarImage& a, const PlanarImage& b) {
+  double worst = 0;
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < a.height(); ++y)
+      for (int x = 0; x < a.width(); ++x)
+        worst =
+            std::max(worst, static_cast<double>(std::abs(std::clamp(a.row(c, y)[x], 0.0f, 1.0f) -
+                                                         std::clamp(b.row(c, y)[x], 0.0f, 1.0f))));
+  return worst;
+}
 
 }  // namespace fluxgs

@@ -1,14 +1,7 @@
 #include "trainer/data/run_colmap.h"
 
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstdlib>
-#include <cstring>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -16,40 +9,13 @@
 #include <spdlog/spdlog.h>
 
 #include "fluxgs/byte_reader.h"
+#include "trainer/core/process.h"
 #include "trainer/data/file_bytes.h"
-
-extern char** environ;
 
 namespace fluxgs {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Run a program to its end without a shell, its output appended to a log file. Returns its exit
-/// status, or −1 if it could not be started or was killed.
-int run_program(const fs::path& program, std::vector<std::string> arguments, const fs::path& log) {
-  std::vector<char*> argv;
-  std::string name = program.string();
-  argv.push_back(name.data());
-  for (std::string& argument : arguments) argv.push_back(argument.data());
-  argv.push_back(nullptr);
-
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(),
-                                   O_WRONLY | O_CREAT | O_APPEND, 0644);
-  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  pid_t child = 0;
-  const int started = posix_spawn(&child, program.c_str(), &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (started != 0) return -1;
-
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) return -1;
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
 
 /// One step of the reconstruction: its command, and the option that keeps it off the GPU (COLMAP
 /// needs a display or CUDA there), which COLMAP 3.12 renamed.
@@ -63,11 +29,11 @@ Expected<void> run_step(const fs::path& colmap, const Step& step, const fs::path
   spdlog::info("running colmap {} (log: {})", step.command, log.string());
   std::vector<std::string> arguments{step.command};
   arguments.insert(arguments.end(), step.arguments.begin(), step.arguments.end());
-  if (step.cpu_options.empty() && run_program(colmap, arguments, log) == 0) return {};
+  if (step.cpu_options.empty() && run({colmap, arguments, log}) == 0) return {};
   for (const std::string& option : step.cpu_options) {
     auto with_option = arguments;
     with_option.insert(with_option.end(), {option, "0"});
-    if (run_program(colmap, with_option, log) == 0) return {};
+    if (run({colmap, with_option, log}) == 0) return {};
   }
   return fail(log.string(), "", fmt::format("colmap {} failed; this log says why", step.command));
 }
@@ -100,19 +66,6 @@ Expected<void> prepare(const fs::path& work_folder, const fs::path& partial) {
 }
 
 }  // namespace
-
-std::optional<fs::path> find_program(const std::string& name) {
-  const char* path = std::getenv("PATH");
-  std::string_view rest = path ? path : "";
-  while (!rest.empty()) {
-    const std::string_view folder = rest.substr(0, rest.find(':'));
-    rest.remove_prefix(std::min(folder.size() + 1, rest.size()));
-    fs::path candidate = fs::path(folder) / name;
-    if (!folder.empty() && is_file(candidate) && access(candidate.c_str(), X_OK) == 0)
-      return candidate;
-  }
-  return std::nullopt;
-}
 
 std::optional<fs::path> largest_model(const fs::path& sparse) {
   std::optional<fs::path> best;

@@ -8,9 +8,6 @@
 
 namespace fluxgs {
 
-/// The executable of that name on PATH, if any.
-std::optional<std::filesystem::path> find_program(const std::string& name);
-
 /// The model with the most images among `sparse`/0, `sparse`/1, …: COLMAP makes several where the
 /// images do not hang together. Nothing if there is none.
 std::optional<std::filesystem::path> largest_model(const std::filesystem::path& sparse);

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tools/fluxgs/ineffective_options.h"
+#include "tools/fluxgs/options/ineffective_options.h"
 #include "trainer/compress/compression.h"
 #include "trainer/compress/quantization_aware.h"
 #include "trainer/compress/sh_reduction.h"

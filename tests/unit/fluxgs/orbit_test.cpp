@@ -1,5 +1,5 @@
 // Cameras around a scene: a full circle, or the arc that the images cover.
-#include "tools/fluxgs/orbit.h"
+#include "tools/fluxgs/cameras/orbit.h"
 
 #include <gtest/gtest.h>
 

@@ -74,7 +74,7 @@ TEST(HostGlDeathTest, MissingAngleIsAnErrorThatSaysHowToGetIt) {
     std::exit(0);
   };
   EXPECT_EXIT(try_it(), testing::ExitedWithCode(0),
-              "/nowhere/libEGL.so: .*run tools/angle, or .* FLUXGS_ANGLE_DIR");
+              "/nowhere/libEGL.so: .*run tools/deps/angle, or .* FLUXGS_ANGLE_DIR");
 }
 
 class HostContextTest : public GlTest {};

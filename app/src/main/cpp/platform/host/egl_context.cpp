@@ -108,7 +108,7 @@ Expected<Egl> open_mesa() {
 Expected<Egl> open_angle() {
   const std::string folder = angle_folder();
   const std::string advice =
-      "run tools/angle, or name the folder with ANGLE's libEGL.so, libGLESv2.so and "
+      "run tools/deps/angle, or name the folder with ANGLE's libEGL.so, libGLESv2.so and "
       "libvk_swiftshader.so in the variable FLUXGS_ANGLE_DIR";
   Egl egl;
   auto library = DynamicLibrary::open({folder + "/libEGL.so"}, advice);

@@ -1,0 +1,143 @@
+// fluxgs doctor: what this machine has.
+#include <optional>
+#include <string>
+#include <thread>
+
+#include <draco/core/draco_version.h>
+#include <fmt/format.h>
+#include <tbb/version.h>
+#include <zstd.h>
+#include <CLI/CLI.hpp>
+#include <CLI/Version.hpp>
+#include <nlohmann/json.hpp>
+#include <opencv2/core/version.hpp>
+
+#include "fluxgs/networks/onnx_runtime.h"
+#include "platform/host/host_context.h"
+#include "platform/host/window_screen.h"
+#include "tools/fluxgs/commands/command.h"
+#include "tools/fluxgs/commands/flip.h"
+#include "tools/fluxgs/options/renderers.h"
+#include "tools/fluxgs/terminal/json_file.h"
+#include "trainer/core/isa.h"
+#include "trainer/core/process.h"
+
+namespace fluxgs::cli {
+namespace {
+
+using nlohmann::json;
+
+json gl_implementations() {
+  json all = json::object();
+  for (const std::string& name : kGlNames) {
+    const auto context = host::HostContext::create(*host::parse_host_gl(name));
+    if (!context) {
+      all[name] = {{"available", false}, {"reason", context.error().message()}};
+      continue;
+    }
+    const gl::Capabilities& c = (*context)->api().capabilities;
+    all[name] = {{"available", true}, {"renderer", c.renderer}, {"version", c.version}};
+  }
+  return all;
+}
+
+json windows() {
+  const auto version = host::window_library_version();
+  if (!version) return {{"available", false}, {"reason", version.error().message()}};
+  return {{"available", true}, {"version", *version}};
+}
+
+json program_path(const std::string& name) {
+  const auto found = find_program(name);
+  return found ? json(*found) : json(nullptr);
+}
+
+json onnxruntime() {
+  const auto info = networks::onnx_runtime_info();
+  if (!info) return {{"available", false}, {"reason", info.error().message()}};
+  return {{"available", true}, {"version", info->version}, {"path", info->path}};
+}
+
+json flip() {
+  const auto there = check_flip();
+  if (!there) return {{"available", false}, {"reason", there.error().message()}};
+  return {{"available", true}};
+}
+
+json examine() {
+  json sets = json::array();
+  for (Isa isa : available_isas()) sets.push_back(name_of(isa));
+  return {{"fluxgs", FLUXGS_VERSION},
+          {"cores", std::thread::hardware_concurrency()},
+          {"instruction_sets", sets},
+          {"gl", gl_implementations()},
+          {"glfw", windows()},
+          {"cuda", {{"available", false}, {"reason", "this build has no CUDA backend"}}},
+          {"colmap", program_path("colmap")},
+          {"gnuplot", program_path("gnuplot")},
+          {"onnxruntime", onnxruntime()},
+          {"flip", flip()},
+          {"versions",
+           {{"compiler", __VERSION__},
+            {"opencv", CV_VERSION},
+            {"onetbb", fmt::format("{}.{}", TBB_VERSION_MAJOR, TBB_VERSION_MINOR)},
+            {"draco", draco::kDracoVersion},
+            {"zstd", ZSTD_versionString()},
+            {"cli11", CLI11_VERSION}}}};
+}
+
+void print_lines(const json& found) {
+  fmt::print("fluxgs {}\n", found["fluxgs"].get<std::string>());
+  fmt::print("processor   {} cores, kernels for", found["cores"].get<unsigned>());
+  for (const json& set : found["instruction_sets"]) fmt::print(" {}", set.get<std::string>());
+  fmt::print("\n");
+  for (const auto& [name, gl] : found["gl"].items())
+    fmt::print("GL {:<8} {}\n", name,
+               gl["available"].get<bool>()
+                   ? gl["renderer"].get<std::string>() + ", " + gl["version"].get<std::string>()
+                   : "missing: " + gl["reason"].get<std::string>());
+  const json& glfw = found["glfw"];
+  fmt::print("GLFW        {}\n", glfw["available"].get<bool>()
+                                     ? glfw["version"].get<std::string>()
+                                     : "missing: " + glfw["reason"].get<std::string>());
+  fmt::print("CUDA        {}\n", found["cuda"]["reason"].get<std::string>());
+  fmt::print("COLMAP      {}\n", found["colmap"].is_null()
+                                     ? "not found; needed only for images without poses"
+                                     : found["colmap"].get<std::string>());
+  fmt::print("gnuplot     {}\n", found["gnuplot"].is_null()
+                                     ? "not found; needed only for the charts of fluxgs report"
+                                     : found["gnuplot"].get<std::string>());
+  const json& onnx = found["onnxruntime"];
+  fmt::print("onnxruntime {}\n",
+             onnx["available"].get<bool>()
+                 ? onnx["version"].get<std::string>() + " (" + onnx["path"].get<std::string>() + ")"
+                 : "missing: " + onnx["reason"].get<std::string>());
+  const json& flip = found["flip"];
+  fmt::print("FLIP        {}\n", flip["available"].get<bool>()
+                                     ? "there"
+                                     : "missing: " + flip["reason"].get<std::string>());
+  for (const auto& [name, version] : found["versions"].items())
+    fmt::print("{:<11} {}\n", name, version.get<std::string>());
+}
+
+Expected<void> doctor(bool as_json) {
+  const json found = examine();
+  if (as_json)
+    print_json(found);
+  else
+    print_lines(found);
+  return {};
+}
+
+}  // namespace
+
+void add_doctor(CLI::App& app, Action& action) {
+  auto as_json = std::make_shared<bool>(false);
+  CLI::App* command =
+      app.add_subcommand("doctor", "What this machine has: GL, CUDA, COLMAP, versions");
+  command->footer("Example: fluxgs doctor");
+  command->add_flag("--json", *as_json, "print one JSON object");
+  command->callback([=, &action] { action = [=] { return doctor(*as_json); }; });
+}
+
+}  // namespace fluxgs::cli

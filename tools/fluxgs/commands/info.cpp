@@ -1,0 +1,104 @@
+// fluxgs info: what is in a scene file.
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
+#include <glm/common.hpp>
+#include <nlohmann/json.hpp>
+
+#include "bench/self_test.h"
+#include "fluxgs/io/scene.h"
+#include "fluxgs/splat_degree.h"
+#include "tools/fluxgs/commands/command.h"
+#include "tools/fluxgs/terminal/json_file.h"
+
+namespace fluxgs::cli {
+namespace {
+
+using nlohmann::json;
+
+json bounds_of(const SplatCloud& cloud) {
+  if (cloud.size() == 0) return nullptr;
+  glm::vec3 low = cloud.positions[0], high = low;
+  for (const glm::vec3& p : cloud.positions) low = glm::min(low, p), high = glm::max(high, p);
+  return {{"min", {low.x, low.y, low.z}}, {"max", {high.x, high.y, high.z}}};
+}
+
+json initial_view_json(const std::optional<InitialView>& start) {
+  if (!start) return nullptr;
+  const glm::dvec3 &at = start->position, &up = start->up;
+  return {{"position", {at.x, at.y, at.z}}, {"up", {up.x, up.y, up.z}}, {"fov_y", start->fov_y}};
+}
+
+json describe(const SceneFile& scene) {
+  const double splats = static_cast<double>(std::max<std::size_t>(scene.cloud.size(), 1));
+  return {{"format", scene.format},
+          {"splats", scene.cloud.size()},
+          {"dropped", scene.dropped},
+          {"sh_degree", scene.cloud.sh_degree},
+          {"splats_by_degree", count_degrees(scene.cloud)},
+          {"bytes", scene.bytes},
+          {"bits_per_splat", 8.0 * static_cast<double>(scene.bytes) / splats},
+          {"attributes", scene.attribute_bits},
+          {"bounds", bounds_of(scene.cloud)},
+          {"start", initial_view_json(scene.start)},
+          {"extensions", scene.extensions}};
+}
+
+/// How many splats need each degree, where they differ.
+std::string mixture(const json& splats_by_degree) {
+  const auto counts = splats_by_degree.get<DegreeCounts>();
+  if (std::ranges::count_if(counts, [](std::size_t n) { return n > 0; }) < 2) return "";
+  return fmt::format(" (splats of degree 0, 1, 2, 3: {})", fmt::join(counts, ", "));
+}
+
+void print_lines(const std::string& path, const json& d) {
+  fmt::print("{}: {}\n", path, d["format"].get<std::string>());
+  fmt::print("  splats      {} ({} left out for NaN or infinity)\n", d["splats"].get<std::size_t>(),
+             d["dropped"].get<std::size_t>());
+  fmt::print("  SH degree   {}{}\n", d["sh_degree"].get<int>(), mixture(d["splats_by_degree"]));
+  fmt::print("  size        {} bytes, {:.1f} bits a splat\n", d["bytes"].get<std::size_t>(),
+             d["bits_per_splat"].get<double>());
+  for (const auto& [name, bits] : d["attributes"].items())
+    fmt::print("    {:<10}{:.4g} bits\n", name, bits.get<double>());
+  if (!d["bounds"].is_null())
+    fmt::print("  bounds      {} to {}\n", d["bounds"]["min"].dump(), d["bounds"]["max"].dump());
+  if (!d["start"].is_null())
+    fmt::print("  start       at {}, up {}\n", d["start"]["position"].dump(),
+               d["start"]["up"].dump());
+  if (d.contains("self_test")) fmt::print("  self-test   {}\n", d["self_test"].dump());
+  for (const json& e : d["extensions"]) fmt::print("  extension   {}\n", e.get<std::string>());
+}
+
+struct InfoSettings {
+  std::string scene;
+  bool self_test = false, as_json = false;
+};
+
+Expected<void> info(const InfoSettings& s) {
+  const auto scene = read_scene(s.scene);
+  if (!scene) return std::unexpected(scene.error());
+  json facts = describe(*scene);
+  if (s.self_test) facts["self_test"] = json::parse(to_json(bench::self_test(scene->cloud)));
+  if (s.as_json)
+    print_json(facts);
+  else
+    print_lines(s.scene, facts);
+  return {};
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, Action& action) {
+  auto settings = std::make_shared<InfoSettings>();
+  CLI::App* command = app.add_subcommand("info", "What is in a scene file");
+  command->footer("Example: fluxgs info garden.glb --json");
+  command->add_option("scene", settings->scene, "the scene file")->required();
+  command->add_flag("--self-test", settings->self_test,
+                    "what this machine computes of it, to compare with the app's benchmark");
+  command->add_flag("--json", settings->as_json, "print one JSON object");
+  command->callback([=, &action] { action = [=] { return info(*settings); }; });
+}
+
+}  // namespace fluxgs::cli

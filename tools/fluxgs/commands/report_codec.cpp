@@ -1,0 +1,306 @@
+// fluxgs report codec: what a scene takes in each format, against what its images lose.
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "fluxgs/io/compact_glb.h"
+#include "fluxgs/io/file.h"
+#include "fluxgs/io/spz.h"
+#include "tools/fluxgs/cameras/orbit.h"
+#include "tools/fluxgs/commands/command.h"
+#include "tools/fluxgs/commands/plot.h"
+#include "tools/fluxgs/commands/report.h"
+#include "tools/fluxgs/options/data_options.h"
+#include "tools/fluxgs/terminal/console.h"
+#include "tools/fluxgs/terminal/json_file.h"
+#include "tools/fluxgs/terminal/progress.h"
+#include "trainer/compress/compact_search.h"
+#include "trainer/compress/view_sensitivity.h"
+#include "trainer/train/evaluate.h"
+
+namespace fluxgs::cli {
+namespace {
+
+using nlohmann::json;
+
+struct CodecReport {
+  std::string scene, plot, report;
+  std::vector<std::string> compare;
+  DataOptions data;
+  int sh_degree = 3;
+};
+
+/// The step scales of the curve, relative to the usual one.
+constexpr double kCurve[] = {0.25, 0.35, 0.5, 0.71, 1, 1.41, 2, 2.83, 4};
+
+/// Files of plain floats would make the chart of all others flat.
+constexpr double kAsGoodAsExact = 100;
+
+/// One file of the scene.
+struct Row {
+  std::string name;
+  bool compact = false;  ///< on the curve of the compact codec
+  std::size_t splats = 0, bytes = 0;
+  double psnr = 0;                  ///< to the images of the exact scene
+  std::optional<double> view_psnr;  ///< to the test images
+  double encode_ms = 0, decode_ms = 0;
+  AttributeBits attribute_bits;
+
+  double bits_per_splat() const {
+    return 8.0 * static_cast<double>(bytes) / static_cast<double>(std::max<std::size_t>(splats, 1));
+  }
+};
+
+/// What every row is measured with.
+class Bench {
+ public:
+  Bench(const SplatCloud& cloud, const Dataset* data, const RenderOptions& options,
+        const Threads& threads)
+      : data_(data),
+        options_(options),
+        threads_(threads),
+        error_(cloud, evaluation_cameras(cloud, data), options, threads) {}
+
+  const SceneError& error() const { return error_; }
+
+  /// Reads the file, with its time, and looks at it.
+  Expected<Row> measure(std::string name, const std::vector<std::byte>& file, int sh_degree) const {
+    Row row;
+    row.bytes = file.size();
+    const double start = milliseconds();
+    auto scene = read_scene(file, name);
+    if (!scene) return std::unexpected(scene.error());
+    row.decode_ms = milliseconds() - start;
+    row.name = std::move(name);
+    row.attribute_bits = scene->attribute_bits;
+    limit_sh_degree(scene->cloud, sh_degree);
+    return look(std::move(row), scene->cloud);
+  }
+
+  Expected<Row> look(Row row, const SplatCloud& cloud) const {
+    row.splats = cloud.size();
+    const auto mse = error_.mse(cloud);
+    if (!mse) return std::unexpected(mse.error());
+    row.psnr = psnr_of_mse(*mse);
+    if (data_ == nullptr || data_->test.empty()) return row;
+    const auto score =
+        evaluate(data_->test, cpu_view_renderer(cloud, options_, threads_), threads_);
+    if (!score) return std::unexpected(score.error());
+    row.view_psnr = score->psnr;
+    return row;
+  }
+
+  static double milliseconds() {
+    using namespace std::chrono;
+    return std::chrono::duration<double, std::milli>(steady_clock::now().time_since_epoch())
+        .count();
+  }
+
+ private:
+  const Dataset* data_;
+  RenderOptions options_;
+  const Threads& threads_;
+  SceneError error_;
+};
+
+using Encoder = std::function<Expected<std::vector<std::byte>>()>;
+
+Expected<Row> encode_and_measure(const Bench& bench, const std::string& name, int sh_degree,
+                                 const Encoder& encode) {
+  const double start = Bench::milliseconds();
+  const auto file = encode();
+  const double taken = Bench::milliseconds() - start;
+  if (!file) return std::unexpected(file.error());
+  auto row = bench.measure(name, *file, sh_degree);
+  if (row) row->encode_ms = taken;
+  return row;
+}
+
+/// All formats that can be written, at their usual settings.
+std::vector<std::pair<std::string, Encoder>> default_encoders(const SplatCloud& cloud) {
+  std::vector<std::pair<std::string, Encoder>> list;
+  for (const SceneFormat& format : scene_formats())
+    if (format.encode != nullptr && format.max_sh_degree >= cloud.sh_degree)
+      list.emplace_back(std::string(format.name),
+                        [&cloud, &format] { return format.encode(cloud, "scene"); });
+  list.emplace_back("spz 4",
+                    [&cloud] { return encode_spz(cloud, "scene", SpzOptions{.version = 4}); });
+  return list;
+}
+
+/// The curve of the compact codec, balanced once at its usual steps.
+Expected<std::vector<Row>> compact_rows(const CodecReport& s, const Bench& bench,
+                                        const SplatCloud& cloud, const CompactOptions& options,
+                                        Progress& progress, int& done) {
+  const CompactSearch search(cloud, bench.error(), options);
+  auto steps = search.balanced(options.steps);
+  if (steps) steps = search.balanced(*steps);
+  if (!steps) return std::unexpected(steps.error());
+  std::vector<Row> rows;
+  for (const double step_scale : kCurve) {
+    CompactOptions own = options;
+    own.steps = scaled(*steps, step_scale);
+    own.steps.position = std::max(own.steps.position, finest_position_step(cloud));
+    auto row = encode_and_measure(bench, fmt::format("compact {:g}", step_scale), s.sh_degree,
+                                  [&] { return encode_compact_glb(cloud, own, "scene"); });
+    if (!row) return std::unexpected(row.error());
+    row->compact = true;
+    rows.push_back(std::move(*row));
+    progress.update(++done, rows.back().name);
+  }
+  return rows;
+}
+
+Expected<std::vector<Row>> compare_rows(const CodecReport& s, const Bench& bench) {
+  std::vector<Row> rows;
+  for (const std::string& path : s.compare) {
+    const double start = Bench::milliseconds();
+    auto scene = load_scene(path);
+    if (!scene) return std::unexpected(scene.error());
+    Row row;
+    row.decode_ms = Bench::milliseconds() - start;
+    row.name =
+        fmt::format("{} ({})", std::filesystem::path(path).filename().string(), scene->format);
+    row.bytes = scene->bytes;
+    row.attribute_bits = scene->attribute_bits;
+    limit_sh_degree(scene->cloud, s.sh_degree);
+    auto measured = bench.look(std::move(row), scene->cloud);
+    if (!measured) return std::unexpected(measured.error());
+    rows.push_back(std::move(*measured));
+  }
+  return rows;
+}
+
+Expected<std::vector<Row>> all_rows(const CodecReport& s, const Bench& bench,
+                                    const SplatCloud& cloud, const CompactOptions& options) {
+  const auto encoders = default_encoders(cloud);
+  Progress progress("files", static_cast<int>(encoders.size() + std::size(kCurve)), 0);
+  int done = 0;
+  std::vector<Row> rows;
+  for (const auto& [name, encode] : encoders) {
+    progress.update(++done, name);
+    auto row = encode_and_measure(bench, name, s.sh_degree, encode);
+    if (row)
+      rows.push_back(std::move(*row));
+    else  // not every format can hold every scene
+      spdlog::warn("warning: {}: left out: {}", name, row.error().what);
+  }
+  auto compact = compact_rows(s, bench, cloud, options, progress, done);
+  if (!compact) return compact;
+  progress.clear();
+  std::ranges::move(*compact, std::back_inserter(rows));
+  auto compared = compare_rows(s, bench);
+  if (!compared) return compared;
+  std::ranges::move(*compared, std::back_inserter(rows));
+  return rows;
+}
+
+json to_json(const CodecReport& s, const SplatCloud& cloud, const std::vector<Row>& rows) {
+  json list = json::array();
+  for (const Row& row : rows) {
+    list.push_back({{"name", row.name},
+                    {"splats", row.splats},
+                    {"bytes", row.bytes},
+                    {"bits_per_splat", row.bits_per_splat()},
+                    {"psnr", finite_or_null(row.psnr)},
+                    {"view_psnr", row.view_psnr ? json(*row.view_psnr) : json(nullptr)},
+                    {"encode_ms", row.encode_ms},
+                    {"decode_ms", row.decode_ms},
+                    {"attributes", row.attribute_bits}});
+  }
+  return {{"scene", s.scene},
+          {"splats", cloud.size()},
+          {"sh_degree", cloud.sh_degree},
+          {"data", s.data.folder},
+          {"rows", std::move(list)}};
+}
+
+void print_table(const std::vector<Row>& rows) {
+  fmt::print("{:<34}{:>10}{:>8}{:>10}{:>10}{:>9}{:>9}\n", "file", "bytes", "bits", "PSNR", "images",
+             "encode", "decode");
+  for (const Row& row : rows)
+    fmt::print("{:<34}{:>10}{:>8.1f}{:>10}{:>10}{:>7.0f}ms{:>7.0f}ms\n", row.name, row.bytes,
+               row.bits_per_splat(), decibels(row.psnr),
+               row.view_psnr ? decibels(*row.view_psnr) : "", row.encode_ms, row.decode_ms);
+  fmt::print("\nbits a splat of each attribute\n");
+  for (const Row& row : rows) {
+    fmt::print("{:<34}", row.name);
+    for (const auto& [attribute, bits] : row.attribute_bits)
+      fmt::print(" {} {:.1f}", attribute, bits);
+    fmt::print("\n");
+  }
+}
+
+Plot plot_of(const CodecReport& s, const std::vector<Row>& rows) {
+  Plot plot{.title = fmt::format("{}: size against error",
+                                 std::filesystem::path(s.scene).filename().string()),
+            .x_label = "bits a splat",
+            .y_label = "PSNR to the images of the exact scene (dB)",
+            .log_x = true,
+            .series = {{"compact .glb", {}}}};
+  for (const Row& row : rows) {
+    const std::pair point(row.bits_per_splat(), row.psnr);
+    if (row.compact)
+      plot.series[0].points.push_back(point);
+    else if (row.psnr < kAsGoodAsExact)
+      plot.series.push_back({row.name, {point}, false});
+  }
+  return plot;
+}
+
+Expected<void> report(const CodecReport& s) {
+  if (auto ok = check_outputs(s.plot, s.report); !ok) return ok;
+  auto scene = load_scene(s.scene);
+  if (!scene) return std::unexpected(scene.error());
+  SplatCloud& cloud = scene->cloud;
+  if (cloud.size() == 0) return fail(s.scene, "", "has no splats; expected a scene to measure");
+  limit_sh_degree(cloud, s.sh_degree);
+  auto data = load_if_given(s.data);
+  if (!data) return std::unexpected(data.error());
+  const Dataset* views = *data ? &**data : nullptr;
+  const Threads threads(s.data.threads);
+  RenderOptions render;
+  render.background = s.data.background_color();
+  const Bench bench(cloud, views, render, threads);
+  CompactOptions options{.steps = default_quantization_steps(cloud)};
+  if (views != nullptr)
+    options.sensitivity = view_sensitivity(cameras_of(views->train), cloud, false, render, threads,
+                                           show_progress("views"));
+  const auto rows = all_rows(s, bench, cloud, options);
+  if (!rows) return std::unexpected(rows.error());
+  auto given = give_report(s.report, to_json(s, cloud, *rows), [&] { print_table(*rows); });
+  if (!given || s.plot.empty()) return given;
+  return write_plot(s.plot, plot_of(s, *rows));
+}
+
+}  // namespace
+
+void add_report_codec(CLI::App& app, Action& action) {
+  auto s = std::make_shared<CodecReport>();
+  CLI::App* command = app.add_subcommand(
+      "codec", "What a scene takes in each format, against what its images lose");
+  command->footer(
+      "PSNR is that of the mean square error over views of the data set, or of an orbit, to the\n"
+      "images of SCENE itself; with --data also to the test images. \"compact N\" are steps "
+      "that\n"
+      "are balanced for this scene, as --min-psnr of convert does, times N.\n"
+      "Example: fluxgs report codec garden.ply --data captures/garden --plot codec.png");
+  command->add_option("scene", s->scene, "the scene file")->required();
+  command->add_option("--data", s->data.folder, "the data set with the images");
+  command->add_option("--compare", s->compare, "other files of the same scene");
+  command->add_option("--sh-degree", s->sh_degree, "highest SH degree to keep")
+      ->check(CLI::Range(0, 3))
+      ->capture_default_str();
+  command->add_option("--plot", s->plot, "draw size against error here: .png or .svg");
+  command->add_option("--json", s->report, "write the numbers here (-: standard output)");
+  add_data_options(*command, s->data);
+  command->callback([s, &action] { action = [s] { return report(*s); }; });
+}
+
+}  // namespace fluxgs::cli

@@ -1,0 +1,54 @@
+// A training to start, or to go on with from a checkpoint.
+#pragma once
+
+#include <cstdint>
+#include <set>
+#include <string>
+
+#include "fluxgs/error.h"
+#include "tools/fluxgs/commands/train_log.h"
+#include "tools/fluxgs/options/data_options.h"
+#include "tools/fluxgs/options/method_options.h"
+#include "trainer/data/dataset.h"
+#include "trainer/train/trainer.h"
+
+namespace fluxgs::cli {
+
+/// The command line of `fluxgs train`.
+struct TrainSettings {
+  std::string out, float_output, preset = preset_names().front(), backend = "auto", resume, report;
+  DataOptions data;
+  int checkpoint_every = 0;
+  bool plan = false;
+  MethodOptions method;
+  std::set<std::string> given;  ///< names of all options on the command line, without dashes
+};
+
+struct Run {
+  TrainOptions options;
+  Dataset data;
+  TrainState state;
+  std::uint64_t views_hash;
+  TrainHistory history = {};  ///< of the parts before this one
+};
+
+/// The preset with the options of the command line. Errors name the option.
+Expected<TrainOptions> options_from(const TrainSettings& settings);
+
+/// Loads the data set and makes its first splats. Errors: options that are refused, images that
+/// cannot be read or take too much memory.
+Expected<Run> new_run(const TrainSettings& settings, const Threads& threads);
+
+/// What settings.resume holds; its options replace those of the settings. Errors: not a checkpoint,
+/// or one of other images.
+Expected<Run> resume_run(TrainSettings& settings);
+
+std::string checkpoint_of(const TrainSettings& settings);  ///< OUT.ckpt
+/// `history`: of all parts up to now.
+Expected<void> save_checkpoint(const TrainSettings& settings, const Run& run,
+                               const TrainHistory& history, const Trainer& trainer);
+
+/// "Checkpoint saved. Resume with: fluxgs train …", as one would type it.
+std::string how_to_resume(const TrainSettings& settings);
+
+}  // namespace fluxgs::cli

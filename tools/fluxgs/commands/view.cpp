@@ -1,0 +1,310 @@
+// fluxgs view: a scene in a window.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "platform/host/window_screen.h"
+#include "tools/fluxgs/cameras/cameras.h"
+#include "tools/fluxgs/cameras/initial_view.h"
+#include "tools/fluxgs/cameras/view_script.h"
+#include "tools/fluxgs/commands/command.h"
+#include "tools/fluxgs/options/data_options.h"
+#include "tools/fluxgs/options/renderers.h"
+#include "tools/fluxgs/terminal/console.h"
+#include "tools/fluxgs/terminal/json_file.h"
+#include "trainer/data/image_io.h"
+#include "viewer/presenter.h"
+
+namespace fluxgs::cli {
+namespace {
+
+using nlohmann::json;
+using viewer::WindowEvent;
+using Clock = std::chrono::steady_clock;
+
+constexpr double kIdleWait = 5, kFrame = 1.0 / 60;  // seconds
+constexpr double kTitleEvery = 0.25;
+
+/// For --help and the start.
+const std::string kKeys = std::string(viewer::kMouseAndKeysHelp) +
+                          "  P            print the camera, as --camera takes it\n"
+                          "  Escape       close\n";
+
+struct ViewSettings {
+  std::string scene, up = "auto", camera_file, screenshot, input;
+  DataOptions data;
+  ImageSize size{1280, 720};
+  int sh_degree = 3, frames = 0;
+  double memory = 0;  // MB; 0: what there is
+};
+
+/// What the user was told of the graphics memory.
+struct MemoryNotices {
+  std::size_t splats = 0;
+  bool enlarged = false, coarse = false;
+};
+
+/// The window, what is shown in it, and what happens there.
+struct Desktop {
+  viewer::Presenter presenter;
+  host::WindowScreen& window;  // the presenter's screen
+  std::string name;            // for the title
+  std::vector<ScriptedEvent> script;
+  std::size_t next_event = 0;  // of the script
+  MemoryNotices told;
+  int steps = 0, drawn = 0, contexts = 0;
+  bool quit = false;
+  Clock::time_point titled = {};
+};
+
+/// The scene, and where it is looked at from.
+struct Scene {
+  std::shared_ptr<const SplatCloud> cloud;
+  camera::Navigation navigation;
+};
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+json camera_json(const camera::ViewState& view, const host::WindowSize& window) {
+  const glm::dvec2 size(window.width, window.height);
+  const double height = camera::units_per_pixel(view, 1, size) * size.y;
+  const auto list = [](const glm::dvec3& v) { return json{v.x, v.y, v.z}; };
+  return json::array({{{"name", "view"},
+                       {"position", list(camera::eye(view))},
+                       {"target", list(view.target)},
+                       {"up", list(-camera::down(view))},
+                       {"fovY", 2 * std::atan(0.5 * height) * 180 / std::numbers::pi}}});
+}
+
+void fit_window(Desktop& d) {
+  const host::WindowSize size = d.window.size();
+  d.presenter.resize(size.width, size.height);
+}
+
+void handle(Desktop& d, const WindowEvent& event, double seconds) {
+  using Kind = WindowEvent::Kind;
+  if (event.kind == Kind::key && event.key == viewer::kEscape && event.down) d.quit = true;
+  if (event.kind == Kind::text && (event.key == 'p' || event.key == 'P')) {
+    print_json(camera_json(d.presenter.viewer().navigation().view, d.window.size()));
+    std::fflush(stdout);
+  }
+  fit_window(d);
+  d.presenter.viewer().handle(event, seconds);
+}
+
+/// The script's events of this step; afterwards the window has its new size.
+void play(Desktop& d) {
+  for (; d.next_event < d.script.size() && d.script[d.next_event].step <= d.steps; ++d.next_event) {
+    const ScriptedEvent& scripted = d.script[d.next_event];
+    if (scripted.lose_context)
+      d.presenter.lose_context();
+    else if (scripted.resize.width > 0)
+      d.window.resize(scripted.resize);
+    else
+      handle(d, scripted.event, d.steps * kScriptStep);
+  }
+}
+
+/// The events of people, or of the script while it lasts.
+void take_events(Desktop& d, double wait, Clock::time_point start) {
+  const bool scripted = d.next_event < d.script.size();
+  for (const WindowEvent& event : d.window.events(wait)) {
+    if (event.kind == WindowEvent::Kind::uncovered) d.presenter.redraw();
+    if (!scripted) handle(d, event, seconds_since(start));
+  }
+  if (scripted) play(d);
+}
+
+/// Small changes, as every new size of the window brings them, are not worth a line.
+void tell_memory(MemoryNotices& told, const render::SceneView& scene, std::size_t all,
+                 const host::WindowSize& size) {
+  const std::size_t splats = scene.splats();
+  if (std::max(splats, told.splats) - std::min(splats, told.splats) > told.splats / 10) {
+    told.splats = splats;
+    if (scene.shows_all())
+      spdlog::info("all {} splats are shown", splats);
+    else
+      spdlog::warn(
+          "warning: graphics memory is short: {} of {} splats are shown, those that add most",
+          splats, all);
+  }
+  const bool enlarged = scene.target().width() < size.width;
+  if (!std::exchange(told.enlarged, enlarged) && enlarged)
+    spdlog::warn("warning: graphics memory is short: images of {}x{} pixels are enlarged",
+                 scene.target().width(), scene.target().height());
+  const bool coarse = scene.is_reduced() && scene.shows_all() && !enlarged;
+  if (!std::exchange(told.coarse, coarse) && coarse)
+    spdlog::warn("warning: graphics memory is short: colours are blended in half floats");
+}
+
+void tell_title(Desktop& d) {
+  if (seconds_since(d.titled) < kTitleEvery) return;
+  d.titled = Clock::now();
+  const viewer::ViewerStats stats = d.presenter.viewer().stats();
+  std::string title = d.name;
+  if (stats.frames_per_second > 0)
+    title += fmt::format(" - {:.0f} frames/s", stats.frames_per_second);
+  title += fmt::format(" - {} of {} splats", stats.drawn, stats.splats);
+  if (stats.draw_ms > 0)
+    title += fmt::format(" - sort {:.1f} ms, draw {:.1f} ms", stats.sort_ms, stats.draw_ms);
+  d.window.set_title(title);
+}
+
+/// After an image was shown.
+void tell_news(Desktop& d) {
+  render::SceneView& scene = d.presenter.viewer().scene();
+  const bool lost = d.contexts != d.presenter.contexts();
+  if (lost)
+    spdlog::warn("warning: the graphics context was lost; it was made again ({})",
+                 d.window.api()->capabilities.renderer);
+  if (lost || d.drawn == 1) warn_of_undrawable(scene.renderer());
+  d.contexts = d.presenter.contexts();
+  tell_memory(d.told, scene, d.presenter.viewer().stats().splats, d.window.size());
+}
+
+/// Until it is closed. Draws only what has changed, and sleeps otherwise.
+Expected<void> run(Desktop& d, const ViewSettings& s) {
+  const Clock::time_point start = Clock::now();
+  double before = 0;
+  bool drew = false;
+  for (; !d.quit && !d.window.close_requested(); ++d.steps) {
+    // Time goes by steps, not by the clock, where what is drawn shall be the same every time
+    const bool stepping = s.frames > 0 || d.next_event < d.script.size();
+    const bool idle = d.presenter.at_rest();
+    const double wait = stepping || drew ? 0 : idle ? kIdleWait : kFrame;
+    take_events(d, d.steps == 0 ? 0 : wait, start);
+    const double now = seconds_since(start);
+    const double passed = stepping ? kScriptStep : idle ? 0 : now - before;
+    before = now;
+    fit_window(d);
+    if (s.frames > 0) d.presenter.redraw();
+    const bool last = s.frames > 0 && d.steps + 1 >= s.frames;
+    if (last) d.window.capture_next();
+    const auto shown = d.presenter.frame(passed);
+    if (!shown) return std::unexpected(shown.error());
+    drew = *shown;
+    if (drew) ++d.drawn, tell_news(d);
+    tell_title(d);
+    d.quit = d.quit || last;
+  }
+  return {};
+}
+
+Expected<Scene> load(const ViewSettings& s) {
+  auto scene = load_scene(s.scene);
+  if (!scene) return std::unexpected(scene.error());
+  const auto data = load_if_given(s.data);
+  if (!data) return std::unexpected(data.error());
+  std::optional<Camera> camera;
+  if (!s.camera_file.empty()) {
+    const auto cameras = cameras_from_file(s.camera_file, s.size);
+    if (!cameras) return std::unexpected(cameras.error());
+    camera = cameras->front();
+  }
+  const auto up = parse_up(s.up);
+  if (!up) return std::unexpected(up.error());
+  const InitialNavigation initial = initial_navigation(*scene, *data, camera, *up, s.size);
+  const glm::dvec3& axis = initial.navigation.up;
+  spdlog::info("up: {:.2f},{:.2f},{:.2f} ({}; F flips it)", axis.x, axis.y, axis.z,
+               initial.up_source);
+  return Scene{std::make_shared<const SplatCloud>(std::move(scene->cloud)), initial.navigation};
+}
+
+viewer::ViewerSettings viewer_settings(const ViewSettings& s) {
+  viewer::ViewerSettings settings{.scale = 1,
+                                  .sh_degree = s.sh_degree,
+                                  .background = s.data.background_color(),
+                                  .wait_for_sorts = s.frames > 0 || !s.input.empty()};
+  constexpr double kMegabyte = 1e6;
+  if (s.memory > 0) settings.memory = static_cast<std::size_t>(s.memory * kMegabyte);
+  return settings;
+}
+
+Expected<void> view(const ViewSettings& s) {
+  if (!s.screenshot.empty() && std::filesystem::path(s.screenshot).extension() != ".png")
+    return fail(s.screenshot, "", "images are written as PNG, expected a name that ends in .png");
+  std::vector<ScriptedEvent> script;
+  if (!s.input.empty()) {
+    auto read = read_view_script(s.input);
+    if (!read) return std::unexpected(read.error());
+    script = std::move(*read);
+  }
+  const auto scene = load(s);
+  if (!scene) return std::unexpected(scene.error());
+  const std::string name = std::filesystem::path(s.scene).filename().string();
+  auto screen = host::open_window(
+      {.title = name, .size = {s.size.width, s.size.height}, .wait_for_display = s.frames == 0});
+  if (!screen) return std::unexpected(screen.error());
+  host::WindowScreen& window = **screen;
+  spdlog::info("GL renderer: {}", window.api()->capabilities.renderer);
+  Desktop d{.presenter = viewer::Presenter(std::move(*screen)),
+            .window = window,
+            .name = name,
+            .script = std::move(script),
+            .told = {.splats = scene->cloud->size()}};
+  d.presenter.viewer().set(viewer_settings(s));
+  d.presenter.show(scene->cloud, scene->navigation);
+  if (s.frames == 0) say(kKeys);
+  if (auto done = run(d, s); !done) return done;
+  spdlog::info("{} frames drawn in {} steps", d.drawn, d.steps);
+  const auto last = window.take_captured();
+  return last && !s.screenshot.empty() ? write_png(s.screenshot, *last) : Expected<void>();
+}
+
+}  // namespace
+
+void add_view(CLI::App& app, Action& action) {
+  auto s = std::make_shared<ViewSettings>();
+  CLI::App* command = app.add_subcommand("view", "A scene in a window");
+  command->footer(kKeys +
+                  "Example: fluxgs view garden.glb --data captures/garden\n"
+                  "Example: fluxgs view garden.glb --frames 1 --screenshot window.png");
+  command->add_option("scene", s->scene, "the scene file")->required();
+  CLI::Option* data = command->add_option("--data", s->data.folder,
+                                          "a data set: start at its first image, up as there");
+  command
+      ->add_option("--camera", s->camera_file,
+                   "start at the first of a JSON list of {name, position, target, up, fovY}")
+      ->excludes(data);
+  command->add_option("--up", s->up, "x,y,z, or auto: from the images of --data or from the splats")
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            const auto up = parse_up(text);
+            return up ? std::string() : up.error().message();
+          },
+          "x,y,z|auto"))
+      ->capture_default_str();
+  add_size_option(*command, s->size, "WIDTHxHEIGHT of the window (default: 1280x720)");
+  command->add_option("--sh-degree", s->sh_degree, "evaluate no more than this degree")
+      ->check(CLI::Range(0, 3));
+  command
+      ->add_option("--memory", s->memory,
+                   "MB of graphics memory that may be used; the splats that add least are left out")
+      ->check(in_range(0.001, 1e6));
+  add_data_options(*command, s->data);
+  CLI::Option* frames =
+      command->add_option("--frames", s->frames, "draw this many frames of 1/60 s, then close")
+          ->check(CLI::Range(1, 1'000'000));
+  command
+      ->add_option("--screenshot", s->screenshot,
+                   "a PNG of what is in the window in the last frame")
+      ->needs(frames);
+  command->add_option("--input", s->input,
+                      "a JSON list of what the mouse and the keys do (tests, reports of mistakes)");
+  command->callback([s, &action] { action = [s] { return view(*s); }; });
+}
+
+}  // namespace fluxgs::cli

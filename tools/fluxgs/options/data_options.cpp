@@ -1,0 +1,78 @@
+#include "tools/fluxgs/options/data_options.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <CLI/CLI.hpp>
+
+#include "tools/fluxgs/terminal/progress.h"
+
+namespace fluxgs::cli {
+namespace {
+
+void add_background(CLI::App& command, std::vector<double>& background) {
+  command.add_option("--background", background, "colour behind the scene, r,g,b in 0..1")
+      ->delimiter(',')
+      ->expected(3)
+      ->check(in_range(0, 1));
+}
+
+}  // namespace
+
+CLI::Validator in_range(double min, double max) {
+  const std::string name = fmt::format("in [{} - {}]", min, max);
+  return {[=](const std::string& text) {
+            double value = 0;
+            const bool number = CLI::detail::lexical_cast(text, value);
+            if (number && value >= min && value <= max) return std::string();  // not for NaN
+            return fmt::format("{} is not a number {}", text, name);
+          },
+          "FLOAT:" + name};
+}
+
+void add_data_options(CLI::App& command, DataOptions& options) {
+  command.add_option("--downscale", options.downscale, "reduce the images by this factor")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  add_background(command, options.background);
+  command.add_option("--threads", options.threads, "0: all cores; does not change the result")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+}
+
+void add_split_option(CLI::App& command, std::string& split) {
+  command.add_option("--split", split, "test or train")
+      ->check(CLI::IsMember({"test", "train"}))
+      ->capture_default_str();
+}
+
+Expected<Dataset> load(const DataOptions& options) {
+  LoadOptions how;
+  how.downscale = options.downscale;
+  how.threads = options.threads;
+  how.progress = show_progress("images");
+  how.background = glm::vec3(options.background_color());
+  auto data = load_dataset(options.folder, how);
+  if (data)
+    for (const std::string& warning : data->warnings) spdlog::warn("warning: {}", warning);
+  return data;
+}
+
+Expected<std::optional<Dataset>> load_if_given(const DataOptions& options) {
+  if (options.folder.empty()) return std::nullopt;
+  auto data = load(options);
+  if (!data) return std::unexpected(data.error());
+  return std::move(*data);
+}
+
+void add_size_option(CLI::App& command, ImageSize& size, const std::string& help) {
+  command.add_option_function<std::string>(
+      "--size",
+      [&size](const std::string& text) {
+        const auto parsed = parse_size(text);
+        if (!parsed) throw CLI::ValidationError("--size", parsed.error().message());
+        size = *parsed;
+      },
+      help);
+}
+
+}  // namespace fluxgs::cli

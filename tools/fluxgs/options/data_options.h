@@ -1,0 +1,43 @@
+// A data set on the command line: its options, and loading it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <glm/vec3.hpp>
+
+#include "fluxgs/error.h"
+#include "tools/fluxgs/cameras/cameras.h"
+#include "trainer/data/dataset.h"
+
+namespace fluxgs::cli {
+
+struct DataOptions {
+  std::string folder;
+  int downscale = 1, threads = 0;
+  std::vector<double> background{0, 0, 0};
+
+  glm::dvec3 background_color() const { return {background[0], background[1], background[2]}; }
+};
+
+/// For options: a number from `min` to `max` and, unlike with CLI::Range, never NaN.
+CLI::Validator in_range(double min, double max);
+
+/// --downscale, --background ("r,g,b", each from 0 to 1) and --threads.
+void add_data_options(CLI::App& command, DataOptions& options);
+
+/// --split, "test" or "train".
+void add_split_option(CLI::App& command, std::string& split);
+
+/// --size WIDTHxHEIGHT. `size` must live as long as `command`.
+void add_size_option(CLI::App& command, ImageSize& size, const std::string& help);
+
+/// Loads the data set and prints its warnings.
+Expected<Dataset> load(const DataOptions& options);
+
+/// Nothing if no folder was named.
+Expected<std::optional<Dataset>> load_if_given(const DataOptions& options);
+
+}  // namespace fluxgs::cli

@@ -1,0 +1,86 @@
+#include "tools/fluxgs/options/renderers.h"
+
+#include <memory>
+#include <optional>
+
+#include <spdlog/spdlog.h>
+#include <CLI/CLI.hpp>
+
+#include "platform/host/host_context.h"
+#include "tools/reference/reference_renderer.h"
+#include "trainer/core/planar_image.h"
+
+namespace fluxgs::cli {
+namespace {
+
+/// The phone's renderer on this machine. Members in the order in which they depend on each other.
+struct Gles {
+  std::unique_ptr<host::HostContext> context;
+  std::unique_ptr<render::Renderer> renderer;
+  std::optional<render::RenderTarget> target;
+  render::TargetFormat format = render::TargetFormat::rgba8;
+
+  Expected<PlanarImage> image(const Camera& camera, const RenderOptions& options) {
+    if (auto current = context->make_current(); !current) return std::unexpected(current.error());
+    if (!target || target->width() != camera.width || target->height() != camera.height) {
+      auto made = render::RenderTarget::create(context->api(), camera.width, camera.height, format);
+      if (!made) return std::unexpected(made.error());
+      target = std::move(*made);
+    }
+    if (auto drawn = renderer->draw(camera, options, *target); !drawn)
+      return std::unexpected(drawn.error());
+    auto pixels = renderer->read(*target);
+    if (!pixels) return std::unexpected(pixels.error());
+    return planes_of(*pixels);
+  }
+};
+
+Expected<ViewRenderer> make_gles(const RendererChoice& choice, const SplatCloud& cloud,
+                                 const RenderOptions& options) {
+  const auto implementation = host::parse_host_gl(choice.gl);
+  if (!implementation) return std::unexpected(implementation.error());
+  const auto gles = std::make_shared<Gles>();
+  gles->format =
+      choice.format == "rgba16f" ? render::TargetFormat::rgba16f : render::TargetFormat::rgba8;
+  auto context = host::HostContext::create(*implementation);
+  if (!context) return std::unexpected(context.error());
+  gles->context = std::move(*context);
+  auto renderer = render::Renderer::create(gles->context->api());
+  if (!renderer) return std::unexpected(renderer.error());
+  gles->renderer = std::move(*renderer);
+  if (auto uploaded = gles->renderer->upload(cloud); !uploaded)
+    return std::unexpected(uploaded.error());
+  spdlog::info("GL renderer: {}", gles->context->renderer_string());
+  warn_of_undrawable(*gles->renderer);
+  return [gles, options](const Camera& camera) { return gles->image(camera, options); };
+}
+
+}  // namespace
+
+void warn_of_undrawable(const render::Renderer& renderer) {
+  if (renderer.undrawable() == 0) return;
+  spdlog::warn("warning: {} of {} splats are not drawn: an attribute is beyond 1e15 or not finite",
+               renderer.undrawable(), renderer.scene().count);
+}
+
+void add_renderer_options(CLI::App& command, RendererChoice& choice) {
+  command
+      .add_option("--renderer", choice.renderer,
+                  "gles (the phone's), cpu (the trainer's) or reference (float64)")
+      ->check(CLI::IsMember(kRendererNames))
+      ->capture_default_str();
+  command.add_option("--gl", choice.gl, "for gles: egl, osmesa or angle")
+      ->check(CLI::IsMember(kGlNames))
+      ->capture_default_str();
+}
+
+Expected<ViewRenderer> make_renderer(const RendererChoice& choice, const SplatCloud& cloud,
+                                     const RenderOptions& options, const Threads& threads) {
+  if (choice.renderer == "gles") return make_gles(choice, cloud, options);
+  if (choice.renderer == "cpu") return cpu_view_renderer(cloud, options, threads);
+  return [cloud, options](const Camera& camera) -> Expected<PlanarImage> {
+    return planes_of(render_reference(cloud, camera, options).color);
+  };
+}
+
+}  // namespace fluxgs::cli

@@ -1,0 +1,111 @@
+#include "tools/fluxgs/options/tuning_options.h"
+
+#include <numbers>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "tools/fluxgs/options/data_options.h"
+
+namespace fluxgs::cli {
+namespace {
+
+using render::Accumulation;
+using render::SorterKind;
+using render::SplatPrecision;
+using render::TargetFormat;
+
+}  // namespace
+
+void add_tuning_options(CLI::App& command, TuningOptions& t) {
+  const auto shown = [](CLI::Option* option) { option->capture_default_str()->group("Tuning"); };
+  shown(command
+            .add_option("--sorter", t.sorter,
+                        "gpu (radix sort), cpu (a thread beside) or exact (float64)")
+            ->check(CLI::IsMember({"gpu", "cpu", "exact"})));
+  shown(command.add_option("--key-bits", t.key_bits, "bits of a depth key")
+            ->check(CLI::Range(10, 32)));
+  shown(command.add_option("--digit-bits", t.digit_bits, "bits of a pass of the GPU's sort")
+            ->check(CLI::Range(4, 8)));
+  shown(command
+            .add_option("--splat-precision", t.splat_precision,
+                        "full (32 bytes a splat) or half (16)")
+            ->check(CLI::IsMember({"full", "half"})));
+  shown(command.add_option("--batch", t.batch, "quads an instance")->check(CLI::Range(1, 128)));
+  shown(command.add_option("--sh-degree", t.sh_degree, "evaluate no more than this degree")
+            ->check(CLI::Range(0, 3)));
+  shown(command.add_option("--format", t.format, "of the image: rgba8 or rgba16f")
+            ->check(CLI::IsMember({"rgba8", "rgba16f"})));
+  shown(command
+            .add_option("--blend", t.blend,
+                        "in what: accurate (the best the driver has), float, half or direct")
+            ->check(CLI::IsMember({"accurate", "float", "half", "direct"})));
+  shown(command.add_option("--scale", t.scale, "blend in so much smaller an image, enlarged then")
+            ->check(in_range(0.1, 1.0)));
+  shown(command.add_option("--alpha-min", t.alpha_min, "where a splat ends")
+            ->check(in_range(1e-4, 0.5)));
+  shown(command
+            .add_option("--max-deviations", t.max_deviations,
+                        "where a splat ends at the latest, in standard deviations; 0: off")
+            ->check(in_range(0.0, 100.0)));
+  shown(command.add_option("--min-size", t.min_size, "leave out splats smaller than this, px")
+            ->check(in_range(0.0, 100.0)));
+  shown(command
+            .add_option("--resort", t.resort_degrees,
+                        "sort again when the camera has turned by so many degrees, or moved as far")
+            ->check(in_range(0.0, 180.0)));
+  command
+      .add_flag("--texture-fetch", t.texture_fetch,
+                "as on devices without storage buffers in the vertex stage")
+      ->group("Tuning");
+}
+
+render::RendererSettings settings_of(const TuningOptions& t) {
+  return {
+      .sorter = t.sorter == "gpu"   ? SorterKind::gpu_radix
+                : t.sorter == "cpu" ? SorterKind::cpu_async
+                                    : SorterKind::exact,
+      .splat_precision = t.splat_precision == "half" ? SplatPrecision::half : SplatPrecision::full,
+      .batch = t.batch,
+      .sort_digit_bits = t.digit_bits,
+      .timestamps = true,
+      .texture_fetch = t.texture_fetch,
+      .approximation = {.key_bits = t.key_bits,
+                        .min_size = t.min_size,
+                        .max_deviations = t.max_deviations,
+                        .resort_motion = t.resort_degrees * std::numbers::pi / 180}};
+}
+
+RenderOptions tuned(RenderOptions options, const TuningOptions& t) {
+  options.sh_degree = t.sh_degree;
+  options.alpha_min = t.alpha_min;
+  return options;
+}
+
+Expected<render::RenderTarget> target_of(gl::Api& api, int width, int height,
+                                         const TuningOptions& t) {
+  const TargetFormat format = t.format == "rgba16f" ? TargetFormat::rgba16f : TargetFormat::rgba8;
+  const Accumulation accumulation = t.blend == "float"  ? Accumulation::single_float
+                                    : t.blend == "half" ? Accumulation::half_float
+                                    : t.blend == "direct"
+                                        ? Accumulation::direct
+                                        : render::accurate_accumulation(api.capabilities);
+  return render::RenderTarget::create(api, width, height, format, accumulation, t.scale);
+}
+
+std::string name_of(const render::RenderTarget& target) {
+  return fmt::format("{} blended in {} at {}x{}",
+                     render::blend_name(target.format(), Accumulation::direct),
+                     render::blend_name(target.format(), target.accumulation()),
+                     target.blend_width(), target.blend_height());
+}
+
+render::TargetPlan plan_of(const render::RenderTarget& target) {
+  return {.width = target.width(),
+          .height = target.height(),
+          .format = target.format(),
+          .accumulation = target.accumulation(),
+          .scale = static_cast<double>(target.blend_width()) / target.width()};
+}
+
+}  // namespace fluxgs::cli

@@ -1,0 +1,41 @@
+#include "tools/fluxgs/terminal/files.h"
+
+#include <cstdlib>
+#include <string>
+#include <system_error>
+
+namespace fluxgs::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path resolved(const fs::path& path) {
+  std::error_code ignored;
+  const fs::path absolute = fs::absolute(path, ignored);
+  const fs::path canonical = fs::weakly_canonical(absolute, ignored);
+  return ignored ? absolute.lexically_normal() : canonical;
+}
+
+}  // namespace
+
+bool lies_in(const fs::path& inner, const fs::path& folder) {
+  const fs::path way = resolved(inner).lexically_relative(resolved(folder));
+  return !way.empty() && *way.begin() != "..";
+}
+
+bool same_file(const fs::path& a, const fs::path& b) {
+  return !a.empty() && !b.empty() && resolved(a) == resolved(b);
+}
+
+TempFolder::TempFolder() {
+  std::error_code ignored;
+  std::string pattern = (fs::temp_directory_path(ignored) / "fluxgs-XXXXXX").string();
+  if (mkdtemp(pattern.data()) != nullptr) path_ = pattern;
+}
+
+TempFolder::~TempFolder() {
+  std::error_code ignored;
+  if (!path_.empty()) fs::remove_all(path_, ignored);
+}
+
+}  // namespace fluxgs::cli

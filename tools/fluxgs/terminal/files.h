@@ -1,0 +1,28 @@
+// Comparison of paths that follows symbolic links; temporary folders.
+#pragma once
+
+#include <filesystem>
+
+namespace fluxgs::cli {
+
+/// Whether a path is a folder or anything inside of it, existing or not.
+bool lies_in(const std::filesystem::path& inner, const std::filesystem::path& folder);
+
+/// Whether two paths, neither empty, name one file, existing or not.
+bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
+
+/// A folder with an unguessable name that is deleted with this object.
+class TempFolder {
+ public:
+  TempFolder();
+  ~TempFolder();
+  TempFolder(const TempFolder&) = delete;
+  TempFolder& operator=(const TempFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }  ///< empty: it could not be made
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace fluxgs::cli
