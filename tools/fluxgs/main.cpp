@@ -5,9 +5,12 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
 #include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
@@ -15,6 +18,7 @@
 #include "fluxgs/sanitize.h"
 #include "tools/fluxgs/commands/command.h"
 #include "tools/fluxgs/terminal/console.h"
+#include "tools/fluxgs/terminal/nearest_name.h"
 
 namespace {
 
@@ -22,6 +26,44 @@ int report(const fluxgs::Error& error) {
   fluxgs::cli::say(
       fmt::format("fluxgs: error: {}\n", fluxgs::one_line(error.message(), std::string::npos)));
   return 1;
+}
+
+/// The sub-command that was parsed, or the program itself.
+const CLI::App& parsed_command(const CLI::App& app) {
+  const auto chosen = app.get_subcommands();
+  return chosen.empty() ? app : parsed_command(*chosen.front());
+}
+
+std::vector<std::string> names_of_options(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+std::vector<std::string> names_of_commands(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::App* sub : command.get_subcommands({})) names.push_back(sub->get_name());
+  return names;
+}
+
+/// "unknown option --iteratoins; did you mean --iterations?", or what CLI11 says of other errors.
+std::string usage_error(const CLI::App& app, const CLI::Error& error) {
+  const auto kind = static_cast<CLI::ExitCodes>(error.get_exit_code());
+  if (kind != CLI::ExitCodes::ExtrasError && kind != CLI::ExitCodes::RequiredError)
+    return error.what();
+  const CLI::App& command = parsed_command(app);
+  const std::vector<std::string> words = command.remaining(), subs = names_of_commands(command);
+  if (words.empty())
+    return subs.empty() ? error.what()
+                        : fmt::format("expected a sub-command: {}", fmt::join(subs, ", "));
+  const std::string word = words.front().substr(0, words.front().find('='));
+  const bool is_option = word.starts_with('-');
+  const char* what = is_option ? "option" : subs.empty() ? "argument" : "sub-command";
+  const std::string nearest =
+      fluxgs::cli::nearest_name(word, is_option ? names_of_options(command) : subs);
+  return fmt::format("unknown {} {}{}", what, word,
+                     nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest));
 }
 
 /// Ends as usual, but not without a word. Training takes the signal over to save first.
@@ -45,8 +87,8 @@ int main(int argc, char** argv) {
   CLI::App app("Train 3D Gaussian Splatting scenes from posed images and look at them.");
   app.require_subcommand(1);
   app.set_version_flag("--version", FLUXGS_VERSION);
-  app.failure_message([](const CLI::App*, const CLI::Error& error) {
-    return fmt::format("fluxgs: error: {} (see --help)\n", error.what());
+  app.failure_message([](const CLI::App* program, const CLI::Error& error) {
+    return fmt::format("fluxgs: error: {} (see --help)\n", usage_error(*program, error));
   });
   app.footer("Example: fluxgs train captures/garden -o garden.glb");
   fluxgs::cli::Action action;

@@ -148,6 +148,25 @@ TEST(Command, ATrainingWhoseSceneCannotBeWrittenIsSaved) {
   EXPECT_TRUE(std::filesystem::is_regular_file(scene));
 }
 
+TEST(Command, UnknownNamesSuggestTheNearest) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"trian x", "unknown sub-command trian; did you mean train?"},
+      {"report codek x", "unknown sub-command codek; did you mean codec?"},
+      {"train x -o y.glb --iteratoins 3",
+       "unknown option --iteratoins; did you mean --iterations?"},
+      {"train x -o y.glb --late-prun-share=3", "did you mean --late-prune-share?"},
+      {"eval --dta x y.glb", "did you mean --data?"},
+      {"info x.glb y.glb", "unknown argument y.glb (see --help)"},
+      {"frobnicate", "unknown sub-command frobnicate (see --help)"},
+      {"report", "expected a sub-command: codec, render, phone"}};
+  for (const auto& [words, expected] : cases) {
+    const Outcome outcome = fluxgs(words);
+    EXPECT_EQ(outcome.status, 2) << words;
+    EXPECT_THAT(outcome.err, HasSubstr(expected));
+    EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+  }
+}
+
 TEST(Command, WrongUsageIsStatusTwoAndHelpHasExamples) {
   EXPECT_EQ(fluxgs("").status, 2);
   EXPECT_EQ(fluxgs("fly").status, 2);

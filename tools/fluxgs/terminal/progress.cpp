@@ -67,7 +67,7 @@ void Progress::clear() const {
 void Progress::finish(int done) const {
   clear();
   const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-  say(fmt::format("{} steps in {} ({:.1f} {}/s)\n", done - first_, duration(seconds),
+  say(fmt::format("{} iterations in {} ({:.1f} {}/s)\n", done - first_, duration(seconds),
                   seconds > 0 ? (done - first_) / seconds : 0.0, unit_));
 }
 

@@ -14,13 +14,13 @@ class Progress {
   /// `unit`: what is counted, as the rate shows it.
   Progress(std::string unit, int total, int done);
 
-  /// `detail` is shown behind the bar, the rate and the time left. Cheap to call every step.
+  /// `detail` is shown behind the bar, the rate and the time left. Cheap to call every iteration.
   void update(int done, const std::string& detail);
   /// Whether update() would show anything now, so that details need not be made for nothing.
   bool due() const;
   /// Takes the bar off a terminal.
   void clear() const;
-  /// Clears, and says how many steps were done, in what time.
+  /// Clears, and says how many iterations were done, in what time.
   void finish(int done) const;
 
  private:
@@ -32,7 +32,7 @@ class Progress {
   bool terminal_;
   Clock::time_point start_, last_;
   int last_done_;
-  double rate_ = 0;  // steps per second since the last line
+  double rate_ = 0;  // iterations per second since the last line
 };
 
 /// "1h03m", "2m05s".
