@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using test::json;
 
-constexpr std::size_t kSplats = 8;
+constexpr std::size_t kSeedSplats = 8;
 
 /// The first rows of every element, with a header that says so.
 Expected<Bytes> cut_ply(const Bytes& bytes) {
@@ -31,7 +31,7 @@ Expected<Bytes> cut_ply(const Bytes& bytes) {
   std::size_t at = header->size;
   for (const io::PlyElement& element : header->elements) {
     const bool chunks = element.name == "chunk";
-    const std::uint64_t kept = std::min<std::uint64_t>(element.count, chunks ? 1 : kSplats);
+    const std::uint64_t kept = std::min<std::uint64_t>(element.count, chunks ? 1 : kSeedSplats);
     const std::string line = fmt::format("element {} ", element.name);
     const std::string whole = fmt::format("{}{}", line, element.count);
     const std::size_t found = text.find(whole);
@@ -56,7 +56,7 @@ Expected<SpzParts> cut_spz_parts(const Bytes& bytes) {
   if (!header) return std::unexpected(header.error());
   const auto packed = io::unpack_spz(source, *header);
   if (!packed) return std::unexpected(packed.error());
-  const std::size_t count = std::min(kSplats, header->count);
+  const std::size_t count = std::min(kSeedSplats, header->count);
   SpzParts parts;
   parts.header = test::spz_header(header->version, static_cast<std::uint32_t>(count),
                                   header->sh_degree, 0, header->fractional_bits);
@@ -94,10 +94,10 @@ Expected<Bytes> cut_glb(const Bytes& bytes) {
     if (count == 0 || length % count != 0 || accessor.value("byteOffset", 0) != 0) {
       return fail("seed", "accessors", "lie otherwise than expected");
     }
-    const Input data = Input(bin).subspan(offset, length / count * std::min(count, kSplats));
+    const Input data = Input(bin).subspan(offset, length / count * std::min(count, kSeedSplats));
     view["byteOffset"] = kept.size();
     view["byteLength"] = data.size();
-    accessor["count"] = std::min(count, kSplats);
+    accessor["count"] = std::min(count, kSeedSplats);
     kept.insert(kept.end(), data.begin(), data.end());
   }
   root["buffers"][0]["byteLength"] = kept.size();
@@ -108,8 +108,8 @@ Expected<Bytes> cut_glb(const Bytes& bytes) {
 Expected<Bytes> cut_image(const Bytes& bytes) {
   const auto image = io::decode_webp(bytes, 1, 1 << 24, "seed", "image");
   if (!image) return std::unexpected(image.error());
-  std::vector<test::Pixel> pixels(kSplats);
-  for (std::size_t i = 0; i < std::min(kSplats, image->pixels()); ++i) {
+  std::vector<test::Pixel> pixels(kSeedSplats);
+  for (std::size_t i = 0; i < std::min(kSeedSplats, image->pixels()); ++i) {
     for (std::size_t c = 0; c < 4; ++c) pixels[i][c] = (*image)(i, c);
   }
   return test::webp(pixels);
@@ -120,7 +120,7 @@ Expected<Files> cut_sog(const Files& files) {
   Files cut;
   json meta = test::meta_of(files);
   meta.erase("shN");
-  meta["count"] = kSplats;
+  meta["count"] = kSeedSplats;
   for (const char* group : {"means", "scales", "quats", "sh0"}) {
     for (const json& file : meta[group]["files"]) {
       const std::string name = file.get<std::string>();
@@ -208,7 +208,7 @@ void add_real_seeds(Seeds& seeds, const fs::path& data) {
   Adder adder(seeds, data / "splats");
   const auto as_it_is = [](const Bytes& bytes) -> Expected<Bytes> { return bytes; };
   const auto first_records = [](const Bytes& bytes) -> Expected<Bytes> {
-    return Bytes(bytes.begin(), bytes.begin() + 32 * kSplats);
+    return Bytes(bytes.begin(), bytes.begin() + 32 * kSeedSplats);
   };
   const std::string dog = "plush-dog/point_cloud_29999_clean";
   adder.add(dog + ".ply", adder.into("ply", "dog", cut_ply));

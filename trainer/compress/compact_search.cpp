@@ -14,7 +14,6 @@
 namespace fluxgs {
 namespace {
 
-constexpr const char* kName = "compact .glb";
 constexpr double kFinest = 0x1p-12, kCoarsest = 0x1p12;  // of the steps that the search begins with
 constexpr int kBalances = 2, kMaxTrials = 24;
 constexpr double kStride = std::numbers::ln2;  // of the logarithm of the step scale
@@ -75,9 +74,9 @@ struct Stored {
 };
 
 Expected<Stored> store(const SplatCloud& cloud, const CompactOptions& options) {
-  auto file = encode_compact_glb(cloud, options, kName);
+  auto file = encode_compact_glb(cloud, options, "compact .glb");
   if (!file) return std::unexpected(file.error());
-  auto scene = read_glb(*file, kName);
+  auto scene = read_glb(*file, "compact .glb");
   if (!scene) return std::unexpected(scene.error());
   return Stored{std::move(*file), std::move(*scene)};
 }

@@ -9,13 +9,13 @@
 namespace fluxgs {
 namespace {
 
-constexpr std::size_t kPiece = 256;  // splats per piece of parallel work
+constexpr std::size_t kFitPiece = 256;  // splats per piece of parallel work
 constexpr double kLargest = std::numeric_limits<float>::max();
 
 /// Calls work(i) for every splat, in parallel.
 template <class Work>
 void for_splats(std::size_t size, const Threads& threads, const Work& work) {
-  threads.for_pieces(size, kPiece, [&](std::size_t begin, std::size_t end) {
+  threads.for_pieces(size, kFitPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) work(i);
   });
 }

@@ -14,8 +14,6 @@
 namespace fluxgs {
 namespace {
 
-constexpr const char* kName = "compact .glb";
-
 /// to += sign·what.
 void add(PlanarFloats& to, const PlanarFloats& what, float sign) {
   for (int r = 0; r < to.rows(); ++r)
@@ -226,12 +224,12 @@ Expected<std::vector<std::byte>> quantize_parameters(TrainState& state,
   // Offsets must be between quaternions that mean the same of four half turns
   canonicalize_rotations(cloud);
   const CompactOptions options{.steps = steps, .sensitivity = attached_sensitivity(state)};
-  auto file = encode_compact_glb(cloud, options, kName);
+  auto file = encode_compact_glb(cloud, options, "compact .glb");
   if (!file) return std::unexpected(file.error());
-  const auto stored = read_glb(*file, kName);
+  const auto stored = read_glb(*file, "compact .glb");
   if (!stored) return std::unexpected(stored.error());
   if (stored->cloud.size() != cloud.size())
-    return fail(kName, "splats", "not all of them are finite");
+    return fail("compact .glb", "splats", "not all of them are finite");
   follow_rotations(exact, cloud.rotations, state.adam);
   const std::vector<std::uint32_t> order = compact_order(cloud);
   rearrange(state, order, order);

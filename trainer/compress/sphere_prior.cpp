@@ -11,7 +11,7 @@ namespace fluxgs {
 namespace {
 
 constexpr std::size_t kMaxSplats = 4096;
-constexpr std::size_t kPiece = 64;  // splats per piece of parallel work
+constexpr std::size_t kPriorPiece = 64;  // splats per piece of parallel work
 
 double loss_of(const PlanarFloats& parameters, const ViewWeights& views, std::size_t i,
                double prior) {
@@ -31,7 +31,7 @@ double left_out_loss(const PlanarFloats& parameters, const ViewWeights& views, d
                      const Threads& threads) {
   const std::size_t stride = parameters.size() / kMaxSplats + 1;
   std::vector<double> losses((parameters.size() + stride - 1) / stride);
-  threads.for_pieces(losses.size(), kPiece, [&](std::size_t begin, std::size_t end) {
+  threads.for_pieces(losses.size(), kPriorPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)
       losses[k] = loss_of(parameters, views, k * stride, prior);
   });

@@ -12,7 +12,7 @@
 namespace fluxgs {
 namespace {
 
-constexpr std::size_t kPiece = 256;  // splats per piece of parallel work
+constexpr std::size_t kSensitivityPiece = 256;  // splats per piece of parallel work
 
 /// Views that span few directions leave a Gram matrix that is not positive definite, which the
 /// sphere mends. Alone it makes the identity.
@@ -37,7 +37,7 @@ std::vector<float> sh_factors(const PlanarFloats& parameters, const ViewWeights&
   const int degree = sh_degree_of(parameters);
   const std::size_t each = sh_factor_size(degree);
   std::vector<float> result(each * parameters.size());
-  threads.for_pieces(parameters.size(), kPiece, [&](std::size_t begin, std::size_t end) {
+  threads.for_pieces(parameters.size(), kSensitivityPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const ShGram factor = factor_of(splat_views(views, parameters, i));
       float* to = &result[i * each];

@@ -5,7 +5,7 @@
 namespace fluxgs {
 namespace {
 
-constexpr std::size_t kPiece = 2048;  // splats
+constexpr std::size_t kAdamPiece = 2048;  // splats
 
 double rate_of(const LearningRates& rates, int r) {
   if (r < row::log_scale) return rates.position;
@@ -34,7 +34,7 @@ void AdamStep::run(const Row& row, std::size_t begin, std::size_t end) const {
 void adam_step(PlanarFloats& parameters, AdamState& state, const PlanarFloats& gradient,
                const std::vector<std::uint8_t>& visible, const LearningRates& rates,
                const AdamStep& adam, RowRange rows, const Threads& threads) {
-  threads.for_pieces(parameters.size(), kPiece, [&](std::size_t begin, std::size_t end) {
+  threads.for_pieces(parameters.size(), kAdamPiece, [&](std::size_t begin, std::size_t end) {
     for (int r = rows.first; r < rows.end; ++r)
       adam.run({parameters.row(r), state.first.row(r), state.second.row(r), gradient.row(r),
                 visible.data(), rate_of(rates, r)},

@@ -50,7 +50,7 @@ Expected<void> expect_end(const ByteReader& reader, const RecordFile& file,
               fmt::format("{} bytes too many after the last of its {}", reader.left(), records));
 }
 
-Expected<void> read_cameras(const std::filesystem::path& path, ColmapModel& model) {
+Expected<void> read_binary_cameras(const std::filesystem::path& path, ColmapModel& model) {
   const auto file = open_records(path);
   if (!file) return std::unexpected(file.error());
   ByteReader reader(file->bytes);
@@ -112,7 +112,7 @@ Expected<ColmapImage> read_image_record(ByteReader& reader, const RecordFile& fi
   return image;
 }
 
-Expected<void> read_images(const std::filesystem::path& path, ColmapModel& model) {
+Expected<void> read_binary_images(const std::filesystem::path& path, ColmapModel& model) {
   const auto file = open_records(path);
   if (!file) return std::unexpected(file.error());
   ByteReader reader(file->bytes);
@@ -126,7 +126,7 @@ Expected<void> read_images(const std::filesystem::path& path, ColmapModel& model
   return expect_end(reader, *file, "images");
 }
 
-Expected<void> read_points(const std::filesystem::path& path, ColmapModel& model) {
+Expected<void> read_binary_points(const std::filesystem::path& path, ColmapModel& model) {
   const auto file = open_records(path);
   if (!file) return std::unexpected(file.error());
   ByteReader reader(file->bytes);
@@ -154,13 +154,13 @@ Expected<void> read_points(const std::filesystem::path& path, ColmapModel& model
 
 Expected<ColmapModel> read_colmap_binary(const std::filesystem::path& folder) {
   ColmapModel model;
-  if (const auto ok = read_cameras(folder / "cameras.bin", model); !ok)
+  if (const auto ok = read_binary_cameras(folder / "cameras.bin", model); !ok)
     return std::unexpected(ok.error());
-  if (const auto ok = read_images(folder / "images.bin", model); !ok)
+  if (const auto ok = read_binary_images(folder / "images.bin", model); !ok)
     return std::unexpected(ok.error());
   model.has_points_file = is_file(folder / "points3D.bin");
   if (!model.has_points_file) return model;
-  if (const auto ok = read_points(folder / "points3D.bin", model); !ok)
+  if (const auto ok = read_binary_points(folder / "points3D.bin", model); !ok)
     return std::unexpected(ok.error());
   return model;
 }

@@ -108,7 +108,7 @@ bool take_all(std::string_view& line, T&... values) {
   return (take(line, values) && ...);
 }
 
-Expected<void> read_cameras(const std::filesystem::path& path, ColmapModel& model) {
+Expected<void> read_text_cameras(const std::filesystem::path& path, ColmapModel& model) {
   auto file = open_lines(path);
   if (!file) return std::unexpected(file.error());
   while (auto line = file->next_record()) {
@@ -146,7 +146,7 @@ bool read_observations(std::string_view line, std::vector<ColmapObservation>& ob
   return true;
 }
 
-Expected<void> read_images(const std::filesystem::path& path, ColmapModel& model) {
+Expected<void> read_text_images(const std::filesystem::path& path, ColmapModel& model) {
   auto file = open_lines(path);
   if (!file) return std::unexpected(file.error());
   while (auto line = file->next_record()) {
@@ -166,7 +166,7 @@ Expected<void> read_images(const std::filesystem::path& path, ColmapModel& model
   return file->check_count(model.images.size());
 }
 
-Expected<void> read_points(const std::filesystem::path& path, ColmapModel& model) {
+Expected<void> read_text_points(const std::filesystem::path& path, ColmapModel& model) {
   auto file = open_lines(path);
   if (!file) return std::unexpected(file.error());
   while (auto line = file->next_record()) {
@@ -188,13 +188,13 @@ Expected<void> read_points(const std::filesystem::path& path, ColmapModel& model
 
 Expected<ColmapModel> read_colmap_text(const std::filesystem::path& folder) {
   ColmapModel model;
-  if (const auto ok = read_cameras(folder / "cameras.txt", model); !ok)
+  if (const auto ok = read_text_cameras(folder / "cameras.txt", model); !ok)
     return std::unexpected(ok.error());
-  if (const auto ok = read_images(folder / "images.txt", model); !ok)
+  if (const auto ok = read_text_images(folder / "images.txt", model); !ok)
     return std::unexpected(ok.error());
   model.has_points_file = is_file(folder / "points3D.txt");
   if (!model.has_points_file) return model;
-  if (const auto ok = read_points(folder / "points3D.txt", model); !ok)
+  if (const auto ok = read_text_points(folder / "points3D.txt", model); !ok)
     return std::unexpected(ok.error());
   return model;
 }

@@ -13,7 +13,7 @@ namespace fluxgs {
 namespace {
 
 constexpr std::size_t kMaxCameras = 32, kMaxPoints = 1000;  // enough for a median
-constexpr double kMaxPixels = 0.1;
+constexpr double kMaxBlur = 0.1;
 constexpr double kMinNearPlanes = 5;
 
 std::optional<double> median(std::vector<double> values) {
@@ -84,7 +84,7 @@ std::vector<std::string> scale_warnings(const Dataset& data) {
   const double size = depth ? *depth : parallel_spread(cameras_of(data.train));
   const double pixels = rounding_at(distance) / size * median(std::move(focal_lengths)).value();
   std::vector<std::string> lines;
-  if (size > 0 && pixels > kMaxPixels)
+  if (size > 0 && pixels > kMaxBlur)
     lines.push_back(fmt::format(
         "the cameras are {:.3g} units from the origin, where numbers of 32 bits are wrong by up to "
         "{:.2g} pixels of an image; move poses and points to the origin",

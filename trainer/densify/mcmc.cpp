@@ -11,8 +11,8 @@
 namespace fluxgs {
 namespace {
 
-constexpr std::size_t kPiece = 1024;  // splats
-constexpr int kMaxCopies = 51;        // in one place; as the first release of the method does
+constexpr std::size_t kNoisePiece = 1024;  // splats
+constexpr int kMaxCopies = 51;             // in one place; as the first release of the method does
 
 double opacity_of(const PlanarFloats& p, std::size_t i) {
   return sigmoid(static_cast<double>(p.row(row::opacity)[i]));
@@ -114,7 +114,7 @@ void add_noise(TrainState& state, const DensificationOptions& options, double ra
   constexpr double kSteepness = 100;
   PlanarFloats& p = state.parameters;
   const std::uint64_t seed = state.random();
-  threads.for_pieces(p.size(), kPiece, [&](std::size_t begin, std::size_t end) {
+  threads.for_pieces(p.size(), kNoisePiece, [&](std::size_t begin, std::size_t end) {
     Random random(seed + begin);
     for (std::size_t i = begin; i < end; ++i) {
       const double amount = sigmoid(kSteepness * (options.prune_opacity - opacity_of(p, i)));

@@ -10,7 +10,7 @@
 namespace fluxgs {
 namespace {
 
-constexpr std::size_t kPiece = 1024;  // splats
+constexpr std::size_t kPenaltyPiece = 1024;  // splats
 
 class Penalties final : public Phase {
  public:
@@ -47,7 +47,7 @@ void add_penalties(const PlanarFloats& parameters, const std::vector<std::uint8_
   const double n = static_cast<double>(parameters.size());
   const auto opacity = static_cast<float>(options.opacity_weight / n);
   const auto scale = static_cast<float>(options.scale_weight / (3 * n));
-  threads.for_pieces(parameters.size(), kPiece, [&](std::size_t begin, std::size_t end) {
+  threads.for_pieces(parameters.size(), kPenaltyPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (!visible[i]) continue;
       const float o = sigmoid(parameters.row(row::opacity)[i]);

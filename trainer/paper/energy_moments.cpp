@@ -5,7 +5,7 @@
 namespace fluxgs {
 namespace {
 
-constexpr std::size_t kPiece = 1024;  // splats per piece of parallel work
+constexpr std::size_t kMomentPiece = 1024;  // splats per piece of parallel work
 
 std::vector<EnergySample> samples_of(const SphereRule& rule) {
   std::vector<EnergySample> samples(rule.directions.size());
@@ -43,7 +43,7 @@ PlanarFloats energy_moments(const PlanarFloats& parameters, Residual residual,
     for (int k = args.first; k < args.end; ++k)
       args.coefficients[k] = parameters.row(row::sh_rest + 3 * k + channel);
     for (int m = 0; m < 4; ++m) args.moments[m] = result.row(3 * m + channel);
-    threads.for_pieces(parameters.size(), kPiece, [&](std::size_t begin, std::size_t end) {
+    threads.for_pieces(parameters.size(), kMomentPiece, [&](std::size_t begin, std::size_t end) {
       kernels.energy(args, begin, end);
     });
   }

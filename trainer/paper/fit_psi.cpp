@@ -11,7 +11,7 @@
 namespace fluxgs {
 namespace {
 
-constexpr int kSh = networks::kShColumns;
+constexpr int kShCount = networks::kShColumns;
 
 bool finite_in_rows(const PlanarFloats& planes, int begin, int end, std::size_t i) {
   for (int r = begin; r < end; ++r)
@@ -24,7 +24,7 @@ std::vector<std::uint32_t> usable_splats(const PlanarFloats& parameters,
   std::vector<std::uint32_t> splats;
   for (std::size_t i = 0; i < parameters.size(); ++i)
     if (finite_in_rows(parameters, row::position, row::position + 3, i) &&
-        finite_in_rows(latents, 0, kSh, i) && finite_in_rows(target, 0, kSh, i))
+        finite_in_rows(latents, 0, kShCount, i) && finite_in_rows(target, 0, kShCount, i))
       splats.push_back(static_cast<std::uint32_t>(i));
   return splats;
 }
@@ -44,12 +44,12 @@ std::span<const std::uint32_t> draw(std::vector<std::uint32_t>& splats, std::siz
 double rms_error(const PlanarFloats& colors, const PlanarFloats& target,
                  const std::vector<std::uint32_t>& splats) {
   double squares = 0;
-  for (int k = 0; k < kSh; ++k)
+  for (int k = 0; k < kShCount; ++k)
     for (const std::uint32_t i : splats) {
       const double error = double{colors.row(row::sh_dc + k)[i]} - double{target.row(k)[i]};
       squares += error * error;
     }
-  return splats.empty() ? 0 : std::sqrt(squares / (kSh * static_cast<double>(splats.size())));
+  return splats.empty() ? 0 : std::sqrt(squares / (kShCount * static_cast<double>(splats.size())));
 }
 
 }  // namespace
@@ -63,8 +63,8 @@ PsiFitReport fit_psi(AppearanceModel& model, const PlanarFloats& parameters, Pla
   const std::vector<std::uint32_t> all = splats;
   const std::size_t size = parameters.size();
   PlanarFloats colors(row::count(1), size), gradient(row::count(1), size);
-  PlanarFloats latent_gradient(kSh, size);
-  AdamState latent_state{PlanarFloats(kSh, size), PlanarFloats(kSh, size)};
+  PlanarFloats latent_gradient(kShCount, size);
+  AdamState latent_state{PlanarFloats(kShCount, size), PlanarFloats(kShCount, size)};
   std::vector<std::uint8_t> visible(latents.stride(), 0);
 
   AppearanceModel only_psi{.normalisation = model.normalisation, .psi = std::move(model.psi)};
@@ -76,9 +76,9 @@ PsiFitReport fit_psi(AppearanceModel& model, const PlanarFloats& parameters, Pla
   for (int step = 0; step < options.steps && !all.empty(); ++step) {
     const auto batch = draw(splats, options.batch, random);
     pass.shade(only_psi, parameters, latents, batch, colors);
-    const float weight = 2 / (static_cast<float>(kSh) * static_cast<float>(batch.size()));
+    const float weight = 2 / (static_cast<float>(kShCount) * static_cast<float>(batch.size()));
     for (const std::uint32_t i : batch) visible[i] = 1;
-    for (int k = 0; k < kSh; ++k)
+    for (int k = 0; k < kShCount; ++k)
       for (const std::uint32_t i : batch)
         gradient.row(row::sh_dc + k)[i] =
             weight * (colors.row(row::sh_dc + k)[i] - target.row(k)[i]);

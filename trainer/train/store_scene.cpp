@@ -11,10 +11,8 @@
 namespace fluxgs {
 namespace {
 
-constexpr const char* kName = "compact .glb";
-
 Expected<StoredScene> opened(std::vector<std::byte> file) {
-  auto scene = read_glb(file, kName);
+  auto scene = read_glb(file, "compact .glb");
   if (!scene) return std::unexpected(scene.error());
   return StoredScene{.file = std::move(file), .cloud = std::move(scene->cloud)};
 }
@@ -54,7 +52,7 @@ Expected<StoredScene> store_scene(const Trainer& trainer, const std::vector<View
                                   const std::function<void(const CompactTrial&)>& on_trial) {
   const TrainState& state = trainer.state;
   if (state.parameters.size() == 0) {
-    auto empty = encode_compact_glb(trainer.cloud(), {}, kName);
+    auto empty = encode_compact_glb(trainer.cloud(), {}, "compact .glb");
     return empty ? opened(std::move(*empty)) : std::unexpected(empty.error());
   }
   for (const auto& phase : trainer.schedule().phases)

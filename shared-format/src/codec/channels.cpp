@@ -20,7 +20,7 @@ constexpr std::size_t kMaxChannels = 64;
 constexpr float kLargestInHeader = 1e30f;  // so that no sum of products overflows
 
 /// Multiples of the step, not yet whole, channel by channel.
-using Planes = std::vector<std::vector<double>>;
+using ChannelPlanes = std::vector<std::vector<double>>;
 
 Eigen::MatrixXd matrix_of(const Channels& input) {
   using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -44,9 +44,9 @@ std::vector<float> principal_axes(const Eigen::MatrixXd& x) {
   return {axes.data(), axes.data() + axes.size()};
 }
 
-Expected<Planes> in_steps(const Channels& input, const Layout& t) {
+Expected<ChannelPlanes> in_steps(const Channels& input, const Layout& t) {
   const std::size_t n = input.channels, splats = input.splats();
-  Planes planes(n, std::vector<double>(splats));
+  ChannelPlanes planes(n, std::vector<double>(splats));
   std::vector<double> centered(n);
   for (std::size_t i = 0; i < splats; ++i) {
     const double step = double{t.step} * input.step_scale_of(i);
@@ -90,7 +90,7 @@ std::pair<bool, double> shorter_code(const std::vector<double>& plane) {
 
 struct Choice {
   Layout layout;
-  Planes planes;
+  ChannelPlanes planes;
   double bits = 0;
 };
 

@@ -109,7 +109,7 @@ std::vector<float> values_of(Attribute attribute, Content& content) {
 }
 
 /// Numbers that lie channel by channel.
-struct Planes {
+struct AttributePlanes {
   const std::vector<float>& values;
   std::size_t splats;
 
@@ -121,7 +121,7 @@ struct Planes {
   }
 };
 
-void store(Attribute attribute, const Planes& from, Content& content) {
+void store(Attribute attribute, const AttributePlanes& from, Content& content) {
   SplatCloud& cloud = content.cloud;
   if (attribute == kOpacity) {
     for (std::size_t i = 0; i < from.splats; ++i)

@@ -53,11 +53,11 @@ std::vector<std::uint32_t> frequencies_of(std::span<const std::uint32_t> levels,
   std::vector<std::uint32_t> scaled(levels.size(), 0);
   std::uint64_t total = 0;
   for (const std::uint32_t level : levels) total += weight_of(level, mantissa);
-  std::int64_t left = kScale;
+  std::int64_t left = kFrequencySum;
   for (std::size_t s = 0; s < levels.size(); ++s) {
     if (levels[s] == 0) continue;
     const std::uint64_t weight = weight_of(levels[s], mantissa);
-    scaled[s] = std::max(1u, static_cast<std::uint32_t>(weight * kScale / total));
+    scaled[s] = std::max(1u, static_cast<std::uint32_t>(weight * kFrequencySum / total));
     left -= scaled[s];
   }
   // What rounding left over or overspent is taken where it costs least: at the largest

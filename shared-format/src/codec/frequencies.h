@@ -11,10 +11,10 @@
 namespace fluxgs::codec {
 
 inline constexpr unsigned kScaleBits = 14;
-inline constexpr std::uint32_t kScale = 1u << kScaleBits;
+inline constexpr std::uint32_t kFrequencySum = 1u << kScaleBits;
 inline constexpr std::size_t kMaxSymbols = 4096;
 
-/// Frequencies that sum to kScale, for coding symbols that occur so often: at least 1 for each that
+/// Frequencies that sum to kFrequencySum, for coding symbols that occur so often: at least 1 for each that
 /// does. Two symbols or more occur, of at most kMaxSymbols.
 ///
 /// What is stored are weights with a mantissa of few bits, in proportion to the counts. Of the

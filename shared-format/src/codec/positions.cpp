@@ -17,7 +17,7 @@ namespace {
 // Draco's encoder counts every number up to the largest: 2²⁴ steps take it 130 MB for a moment, 2³⁰
 // would take 8 GB.
 constexpr double kMaxSteps = 0x1p24;
-constexpr std::size_t kFewest = 1, kMax = std::size_t{1} << 30;
+constexpr std::size_t kMinSplats = 1, kMaxSplats = std::size_t{1} << 30;
 
 using Cell = std::array<std::int32_t, 3>;
 
@@ -52,7 +52,7 @@ Expected<draco::PointCloudBuilder> builder_of(const std::vector<glm::vec3>& posi
 // Draco bitstream specification, sections 4.1 (header) and 5.1; version 2.2 is what 1.4 and later
 // write. All that comes before the coded values, byte by byte.
 constexpr std::uint8_t kPointCloud = 0, kSequential = 0;
-constexpr std::uint8_t kPosition = 0, kInt32 = 5, kThree = 3, kNotNormalized = 0;
+constexpr std::uint8_t kPositionKind = 0, kInt32 = 5, kThree = 3, kNotNormalized = 0;
 
 Expected<void> check_draco_header(std::span<const std::byte> bytes, std::size_t count) {
   ByteReader in(bytes);
@@ -73,7 +73,7 @@ Expected<void> check_draco_header(std::span<const std::byte> bytes, std::size_t 
     return fail("", "positions",
                 fmt::format("hold {} points in their Draco header, expected {}", *points, count));
   if (*decoders != 1 || *attributes != 1 ||
-      *kind != std::array{kPosition, kInt32, kThree, kNotNormalized})
+      *kind != std::array{kPositionKind, kInt32, kThree, kNotNormalized})
     return fail("", "positions", "are not one Draco attribute of three 32-bit integers");
   return {};
 }
@@ -81,9 +81,10 @@ Expected<void> check_draco_header(std::span<const std::byte> bytes, std::size_t 
 }  // namespace
 
 Expected<void> encode_positions(const std::vector<glm::vec3>& positions, double step, Bytes& out) {
-  if (positions.size() < kFewest || positions.size() > kMax)
-    return fail("", "positions",
-                fmt::format("{} splats, expected {} to {}", positions.size(), kFewest, kMax));
+  if (positions.size() < kMinSplats || positions.size() > kMaxSplats)
+    return fail(
+        "", "positions",
+        fmt::format("{} splats, expected {} to {}", positions.size(), kMinSplats, kMaxSplats));
   const glm::dvec3 origin = lowest(positions);
   auto builder = builder_of(positions, origin, step);
   if (!builder) return std::unexpected(builder.error());

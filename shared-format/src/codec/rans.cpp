@@ -89,7 +89,7 @@ void put_raw_bits(Values values, const Split& split, Bytes& out) {
 struct Slot {
   std::uint16_t symbol, frequency, offset;  // offset: position inside the symbol's interval
 };
-using Table = std::array<Slot, kScale>;
+using Table = std::array<Slot, kFrequencySum>;
 
 std::unique_ptr<Table> table_of(const std::vector<std::uint32_t>& frequencies) {
   auto table = std::make_unique<Table>();
@@ -200,7 +200,7 @@ Expected<void> ValueDecoder::decode_symbols(const Channel& channel,
   std::array<std::uint32_t, kStates> states = states_;
   for (std::size_t i = 0; i < values.size(); ++i) {
     std::uint32_t& x = states[i % kStates];
-    const Slot& slot = (*table)[x % kScale];
+    const Slot& slot = (*table)[x % kFrequencySum];
     x = slot.frequency * (x >> kScaleBits) + slot.offset;
     if (x < kLow) {
       if (word == end) return damaged("the coded values are cut off or damaged");

@@ -15,8 +15,8 @@ namespace {
 
 using Eigen::Matrix3d;
 
-constexpr double kMinRoot = 0.02;  // of the mean
-constexpr double kMax = 1e30;      // whatever comes in, sums are finite
+constexpr double kMinRoot = 0.02;    // of the mean
+constexpr double kMaxWeight = 1e30;  // whatever comes in, sums are finite
 
 /// Jᵀ·H·J for the triangles of H, where errors of what is stored become J times as much of what
 /// they cost for.
@@ -27,7 +27,7 @@ std::vector<float> turned(std::span<const float> sensitivity, const Jacobian& ja
   for (std::size_t i = 0; i < sensitivity.size() / kSymmetric3; ++i) {
     const Matrix3d j = jacobian(i);
     const Matrix3d h = j.transpose() * symmetric(symmetric3_of(sensitivity, i)) * j;
-    const Symmetric3 own = lower_triangle(h.cwiseMax(-kMax).cwiseMin(kMax));
+    const Symmetric3 own = lower_triangle(h.cwiseMax(-kMaxWeight).cwiseMin(kMaxWeight));
     result.insert(result.end(), own.begin(), own.end());
   }
   return result;

@@ -14,6 +14,10 @@
 
 namespace fluxgs::networks {
 
+// onnx.proto3: TensorProto.DataType and AttributeProto.AttributeType
+inline constexpr std::int64_t kFloat = 1;
+inline constexpr std::int64_t kAttributeFloat = 1, kAttributeInt = 2;
+
 /// Where in which file something was found, for error messages.
 struct Place {
   std::string file, field;

@@ -136,9 +136,6 @@ constexpr Rule kDimRules[] = {
     {3, Wire::bytes, "denotation", Use::skipped},
 };
 
-constexpr std::int64_t kFloat = 1;  // TensorProto.DataType
-constexpr std::int64_t kAttributeFloat = 1, kAttributeInt = 2;
-
 /// Calls take(field) for every field of `message` that is used. Fields that are written twice
 /// though they occur once, unknown ones and those of another type are refused: two programs could
 /// read such a message in two ways.

@@ -4,10 +4,6 @@
 namespace fluxgs::networks {
 namespace {
 
-// Numbers of fields and types: onnx.proto3.
-constexpr std::int64_t kFloat = 1;
-constexpr std::int64_t kAttributeFloat = 1, kAttributeInt = 2;
-
 FieldWriter tensor_message(const Tensor& tensor) {
   FieldWriter out;
   for (const std::int64_t dim : tensor.dims) out.integer(1, dim);

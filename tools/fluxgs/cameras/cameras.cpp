@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kLargestSide = 16384;
+constexpr int kMaxImageSide = 16384;
 constexpr double kDegree = std::numbers::pi / 180;
 
 Expected<Camera> camera_from_json(const json& entry, const std::string& path, std::size_t index,
@@ -75,10 +75,10 @@ Expected<ImageSize> parse_size(const std::string& text) {
   const auto [rest, second] = more ? std::from_chars(x + 1, end, size.height)
                                    : std::from_chars_result{x, std::errc::invalid_argument};
   if (second != std::errc() || rest != end || size.width < 1 || size.height < 1 ||
-      size.width > kLargestSide || size.height > kLargestSide)
-    return fail(
-        "", "",
-        fmt::format("'{}' is not a size, expected WIDTHxHEIGHT, 1 to {} each", text, kLargestSide));
+      size.width > kMaxImageSide || size.height > kMaxImageSide)
+    return fail("", "",
+                fmt::format("'{}' is not a size, expected WIDTHxHEIGHT, 1 to {} each", text,
+                            kMaxImageSide));
   return size;
 }
 

@@ -17,7 +17,7 @@ using nlohmann::json;
 using Kind = viewer::WindowEvent::Kind;
 
 constexpr double kLargest = 1e5;
-constexpr int kLargestSide = 16384, kLastStep = 1'000'000;
+constexpr int kMaxWindowSide = 16384, kMaxStep = 1'000'000;
 
 std::optional<glm::dvec2> pair_of(const json& entry, const char* key) {
   const auto it = entry.find(key);
@@ -78,12 +78,12 @@ std::optional<viewer::WindowEvent> event_of(const json& entry) {
 std::optional<ScriptedEvent> scripted_event(const json& entry) {
   if (!entry.is_object()) return std::nullopt;
   const auto step = entry.find("step");
-  if (step == entry.end() || !step->is_number_integer() || *step < 0 || *step > kLastStep)
+  if (step == entry.end() || !step->is_number_integer() || *step < 0 || *step > kMaxStep)
     return std::nullopt;
   ScriptedEvent scripted;
   scripted.step = step->get<int>();
   if (const auto size = pair_of(entry, "resize")) {
-    if (!(std::min(size->x, size->y) >= 1 && std::max(size->x, size->y) <= kLargestSide))
+    if (!(std::min(size->x, size->y) >= 1 && std::max(size->x, size->y) <= kMaxWindowSide))
       return std::nullopt;
     scripted.resize = {static_cast<int>(size->x), static_cast<int>(size->y)};
     return scripted;

@@ -98,7 +98,7 @@ json traffic_json(const bench::FrameTraffic& t) {
           {"resolve", t.resolve}};
 }
 
-void print_lines(const json& r) {
+void print_bench(const json& r) {
   const auto line = [&](const char* label, const json& ms) {
     fmt::print("{:<15} median {:.2f} ms, mean {:.2f}, 95% within {:.2f}  ({:.1f} frames/s)\n",
                label, ms["median"].get<double>(), ms["mean"].get<double>(), ms["p95"].get<double>(),
@@ -212,7 +212,7 @@ Expected<void> bench_scene(const BenchSettings& s) {
   if (s.as_json)
     print_json(report);
   else
-    print_lines(report);
+    print_bench(report);
   return {};
 }
 

@@ -86,7 +86,7 @@ json examine() {
             {"cli11", CLI11_VERSION}}}};
 }
 
-void print_lines(const json& found) {
+void print_doctor(const json& found) {
   fmt::print("fluxgs {}\n", found["fluxgs"].get<std::string>());
   fmt::print("processor   {} cores, kernels for", found["cores"].get<unsigned>());
   for (const json& set : found["instruction_sets"]) fmt::print(" {}", set.get<std::string>());
@@ -125,7 +125,7 @@ Expected<void> doctor(bool as_json) {
   if (as_json)
     print_json(found);
   else
-    print_lines(found);
+    print_doctor(found);
   return {};
 }
 

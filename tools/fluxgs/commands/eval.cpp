@@ -42,7 +42,8 @@ nlohmann::json to_json(const Evaluation& score, const std::vector<double>& flip,
   return object;
 }
 
-void print_lines(const Evaluation& score, const std::vector<double>& flip, const SceneFile& scene) {
+void print_scores(const Evaluation& score, const std::vector<double>& flip,
+                  const SceneFile& scene) {
   const auto shown = [](double error) { return fmt::format("  FLIP {:.4f}", error); };
   for (std::size_t i = 0; i < score.views.size(); ++i) {
     const ViewScore& v = score.views[i];
@@ -84,7 +85,7 @@ Expected<void> eval(const EvalSettings& s) {
   if (s.as_json)
     print_json(to_json(*score, flip, *scene));
   else
-    print_lines(*score, flip, *scene);
+    print_scores(*score, flip, *scene);
   return {};
 }
 

@@ -53,7 +53,7 @@ std::string mixture(const json& splats_by_degree) {
   return fmt::format(" (splats of degree 0, 1, 2, 3: {})", fmt::join(counts, ", "));
 }
 
-void print_lines(const std::string& path, const json& d) {
+void print_info(const std::string& path, const json& d) {
   fmt::print("{}: {}\n", path, d["format"].get<std::string>());
   fmt::print("  splats      {} ({} left out for NaN or infinity)\n", d["splats"].get<std::size_t>(),
              d["dropped"].get<std::size_t>());
@@ -84,7 +84,7 @@ Expected<void> info(const InfoSettings& s) {
   if (s.as_json)
     print_json(facts);
   else
-    print_lines(s.scene, facts);
+    print_info(s.scene, facts);
   return {};
 }
 

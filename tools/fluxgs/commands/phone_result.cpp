@@ -13,8 +13,8 @@ using nlohmann::json;
 constexpr int kVersion = 1;  // BenchmarkResult.VERSION
 constexpr int kHottest = 6;  // PowerManager.THERMAL_STATUS_SHUTDOWN
 
-constexpr double kMaxMs = 1e7;        // hours
-constexpr double kLargestSide = 1e5;  // px
+constexpr double kMaxMs = 1e7;         // hours
+constexpr double kMaxPhoneSide = 1e5;  // px
 constexpr std::size_t kMaxRows = 10'000, kLongestText = 200;
 
 /// As a terminal can be shown it: what came from elsewhere might draw on it.
@@ -73,8 +73,8 @@ PhoneRow row_of(Fields& f, std::size_t i) {
   constexpr double kShortest = 1e-6;  // ms
   const std::string at = fmt::format("rows/{}/", i);
   PhoneRow row;
-  row.width = static_cast<int>(f.number(at + "width", 1, kLargestSide));
-  row.height = static_cast<int>(f.number(at + "height", 1, kLargestSide));
+  row.width = static_cast<int>(f.number(at + "width", 1, kMaxPhoneSide));
+  row.height = static_cast<int>(f.number(at + "height", 1, kMaxPhoneSide));
   row.views = f.text(at + "views");
   row.sorter = f.text(at + "sorter");
   row.draw_ms = f.number(at + "draw_ms/median", kShortest, kMaxMs);

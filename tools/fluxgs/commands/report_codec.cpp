@@ -43,7 +43,7 @@ constexpr double kCurve[] = {0.25, 0.35, 0.5, 0.71, 1, 1.41, 2, 2.83, 4};
 constexpr double kAsGoodAsExact = 100;
 
 /// One file of the scene.
-struct Row {
+struct FormatRow {
   std::string name;
   bool compact = false;  ///< on the curve of the compact codec
   std::size_t splats = 0, bytes = 0;
@@ -70,8 +70,9 @@ class Bench {
   const SceneError& error() const { return error_; }
 
   /// Reads the file, with its time, and looks at it.
-  Expected<Row> measure(std::string name, const std::vector<std::byte>& file, int sh_degree) const {
-    Row row;
+  Expected<FormatRow> measure(std::string name, const std::vector<std::byte>& file,
+                              int sh_degree) const {
+    FormatRow row;
     row.bytes = file.size();
     const double start = milliseconds();
     auto scene = read_scene(file, name);
@@ -83,7 +84,7 @@ class Bench {
     return look(std::move(row), scene->cloud);
   }
 
-  Expected<Row> look(Row row, const SplatCloud& cloud) const {
+  Expected<FormatRow> look(FormatRow row, const SplatCloud& cloud) const {
     row.splats = cloud.size();
     const auto mse = error_.mse(cloud);
     if (!mse) return std::unexpected(mse.error());
@@ -111,8 +112,8 @@ class Bench {
 
 using Encoder = std::function<Expected<std::vector<std::byte>>()>;
 
-Expected<Row> encode_and_measure(const Bench& bench, const std::string& name, int sh_degree,
-                                 const Encoder& encode) {
+Expected<FormatRow> encode_and_measure(const Bench& bench, const std::string& name, int sh_degree,
+                                       const Encoder& encode) {
   const double start = Bench::milliseconds();
   const auto file = encode();
   const double taken = Bench::milliseconds() - start;
@@ -135,14 +136,15 @@ std::vector<std::pair<std::string, Encoder>> default_encoders(const SplatCloud& 
 }
 
 /// The curve of the compact codec, balanced once at its usual steps.
-Expected<std::vector<Row>> compact_rows(const CodecReport& s, const Bench& bench,
-                                        const SplatCloud& cloud, const CompactOptions& options,
-                                        Progress& progress, int& done) {
+Expected<std::vector<FormatRow>> compact_rows(const CodecReport& s, const Bench& bench,
+                                              const SplatCloud& cloud,
+                                              const CompactOptions& options, Progress& progress,
+                                              int& done) {
   const CompactSearch search(cloud, bench.error(), options);
   auto steps = search.balanced(options.steps);
   if (steps) steps = search.balanced(*steps);
   if (!steps) return std::unexpected(steps.error());
-  std::vector<Row> rows;
+  std::vector<FormatRow> rows;
   for (const double step_scale : kCurve) {
     CompactOptions own = options;
     own.steps = scaled(*steps, step_scale);
@@ -157,13 +159,13 @@ Expected<std::vector<Row>> compact_rows(const CodecReport& s, const Bench& bench
   return rows;
 }
 
-Expected<std::vector<Row>> compare_rows(const CodecReport& s, const Bench& bench) {
-  std::vector<Row> rows;
+Expected<std::vector<FormatRow>> compare_rows(const CodecReport& s, const Bench& bench) {
+  std::vector<FormatRow> rows;
   for (const std::string& path : s.compare) {
     const double start = Bench::milliseconds();
     auto scene = load_scene(path);
     if (!scene) return std::unexpected(scene.error());
-    Row row;
+    FormatRow row;
     row.decode_ms = Bench::milliseconds() - start;
     row.name =
         fmt::format("{} ({})", std::filesystem::path(path).filename().string(), scene->format);
@@ -177,12 +179,12 @@ Expected<std::vector<Row>> compare_rows(const CodecReport& s, const Bench& bench
   return rows;
 }
 
-Expected<std::vector<Row>> all_rows(const CodecReport& s, const Bench& bench,
-                                    const SplatCloud& cloud, const CompactOptions& options) {
+Expected<std::vector<FormatRow>> all_rows(const CodecReport& s, const Bench& bench,
+                                          const SplatCloud& cloud, const CompactOptions& options) {
   const auto encoders = default_encoders(cloud);
   Progress progress("files", static_cast<int>(encoders.size() + std::size(kCurve)), 0);
   int done = 0;
-  std::vector<Row> rows;
+  std::vector<FormatRow> rows;
   for (const auto& [name, encode] : encoders) {
     progress.update(++done, name);
     auto row = encode_and_measure(bench, name, s.sh_degree, encode);
@@ -201,9 +203,9 @@ Expected<std::vector<Row>> all_rows(const CodecReport& s, const Bench& bench,
   return rows;
 }
 
-json to_json(const CodecReport& s, const SplatCloud& cloud, const std::vector<Row>& rows) {
+json to_json(const CodecReport& s, const SplatCloud& cloud, const std::vector<FormatRow>& rows) {
   json list = json::array();
-  for (const Row& row : rows) {
+  for (const FormatRow& row : rows) {
     list.push_back({{"name", row.name},
                     {"splats", row.splats},
                     {"bytes", row.bytes},
@@ -221,15 +223,15 @@ json to_json(const CodecReport& s, const SplatCloud& cloud, const std::vector<Ro
           {"rows", std::move(list)}};
 }
 
-void print_table(const std::vector<Row>& rows) {
+void print_table(const std::vector<FormatRow>& rows) {
   fmt::print("{:<34}{:>10}{:>8}{:>10}{:>10}{:>9}{:>9}\n", "file", "bytes", "bits", "PSNR", "images",
              "encode", "decode");
-  for (const Row& row : rows)
+  for (const FormatRow& row : rows)
     fmt::print("{:<34}{:>10}{:>8.1f}{:>10}{:>10}{:>7.0f}ms{:>7.0f}ms\n", row.name, row.bytes,
                row.bits_per_splat(), decibels(row.psnr),
                row.view_psnr ? decibels(*row.view_psnr) : "", row.encode_ms, row.decode_ms);
   fmt::print("\nbits a splat of each attribute\n");
-  for (const Row& row : rows) {
+  for (const FormatRow& row : rows) {
     fmt::print("{:<34}", row.name);
     for (const auto& [attribute, bits] : row.attribute_bits)
       fmt::print(" {} {:.1f}", attribute, bits);
@@ -237,14 +239,14 @@ void print_table(const std::vector<Row>& rows) {
   }
 }
 
-Plot plot_of(const CodecReport& s, const std::vector<Row>& rows) {
+Plot plot_of(const CodecReport& s, const std::vector<FormatRow>& rows) {
   Plot plot{.title = fmt::format("{}: size against error",
                                  std::filesystem::path(s.scene).filename().string()),
             .x_label = "bits a splat",
             .y_label = "PSNR to the images of the exact scene (dB)",
             .log_x = true,
             .series = {{"compact .glb", {}}}};
-  for (const Row& row : rows) {
+  for (const FormatRow& row : rows) {
     const std::pair point(row.bits_per_splat(), row.psnr);
     if (row.compact)
       plot.series[0].points.push_back(point);

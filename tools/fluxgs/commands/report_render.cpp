@@ -42,7 +42,7 @@ struct RenderReport {
 };
 
 /// One setting: what differs from the exact defaults.
-struct Row {
+struct SettingRow {
   std::string group, name;
   TuningOptions tuning;
   bool kept_order = false;  ///< drawn with the order of a view as far away as tuning allows
@@ -59,8 +59,8 @@ struct Row {
 };
 
 template <class Change>
-Row row(std::string group, std::string name, const Change& change) {
-  Row made{.group = std::move(group), .name = std::move(name), .tuning = {}, .times = {}};
+SettingRow row(std::string group, std::string name, const Change& change) {
+  SettingRow made{.group = std::move(group), .name = std::move(name), .tuning = {}, .times = {}};
   made.tuning.format = "rgba16f";
   change(made.tuning);
   return made;
@@ -73,9 +73,9 @@ constexpr std::array kGroups = {kDefaults,         "target",  "key-bits", "sh-de
                                 "splat-precision", "cut-off", "extent",   "size",
                                 "scale",           "sorter",  "re-sort"};
 
-std::vector<Row> all_rows(int sh_degree) {
+std::vector<SettingRow> all_rows(int sh_degree) {
   using T = TuningOptions;
-  std::vector<Row> rows;
+  std::vector<SettingRow> rows;
   const auto add = [&](const char* group, std::string name, auto change) {
     rows.push_back(row(group, std::move(name), change));
   };
@@ -110,10 +110,10 @@ std::vector<Row> all_rows(int sh_degree) {
 }
 
 /// The defaults, which the others are compared with, and the groups that were asked for.
-std::vector<Row> chosen_rows(int sh_degree, const std::vector<std::string>& only) {
-  std::vector<Row> rows = all_rows(sh_degree);
+std::vector<SettingRow> chosen_rows(int sh_degree, const std::vector<std::string>& only) {
+  std::vector<SettingRow> rows = all_rows(sh_degree);
   if (only.empty()) return rows;
-  std::erase_if(rows, [&](const Row& r) {
+  std::erase_if(rows, [&](const SettingRow& r) {
     return r.group != kDefaults && std::ranges::find(only, r.group) == only.end();
   });
   return rows;
@@ -135,7 +135,7 @@ class Gallery {
   const std::string& renderer_string() const { return context_->renderer_string(); }
 
   /// A frame of that row and view; the time of it in milliseconds.
-  Expected<double> draw(const Row& row, const Camera& view) {
+  Expected<double> draw(const SettingRow& row, const Camera& view) {
     auto ready =
         gl::chain([&] { return choose(row.tuning); }, [&] { return fit(row.tuning, view); },
                   [&] { return prepare(row, view); });
@@ -155,7 +155,7 @@ class Gallery {
     if (!image) return std::unexpected(image.error());
     return planes_of(*image);
   }
-  Expected<double> bytes(const Row& row, const Camera& view) const {
+  Expected<double> bytes(const SettingRow& row, const Camera& view) const {
     const auto counts =
         bench::count_frame(*renderer_, cloud_, view, tuned(options_, row.tuning), target_);
     if (!counts) return std::unexpected(counts.error());
@@ -188,7 +188,7 @@ class Gallery {
   }
 
   /// An order of a view that lies just as far away as the row allows; for other rows nothing.
-  Expected<void> prepare(const Row& row, const Camera& view) {
+  Expected<void> prepare(const SettingRow& row, const Camera& view) {
     if (!row.kept_order) return {};
     const double angle = renderer_->settings().approximation.resort_motion / 1.001;
     const glm::dmat3 turn(std::cos(angle), 0, -std::sin(angle), 0, 1, 0, std::sin(angle), 0,
@@ -211,15 +211,16 @@ class Gallery {
   std::tuple<std::string, std::string, double, int, int> fitted_;
 };
 
-Expected<void> measure_errors(std::vector<Row>& rows, Gallery& gallery, const SplatCloud& cloud,
-                              const std::vector<Camera>& views, const RenderOptions& options,
-                              const Threads& threads, const ProgressReport& bar) {
+Expected<void> measure_errors(std::vector<SettingRow>& rows, Gallery& gallery,
+                              const SplatCloud& cloud, const std::vector<Camera>& views,
+                              const RenderOptions& options, const Threads& threads,
+                              const ProgressReport& bar) {
   const auto reference = *make_renderer({.renderer = "reference"}, cloud, options, threads);
   PhotometricLoss metrics(threads);
   for (std::size_t v = 0; v < views.size(); ++v) {
     const auto exact = reference(views[v]);
     if (!exact) return std::unexpected(exact.error());
-    for (Row& row : rows) {
+    for (SettingRow& row : rows) {
       const auto ms = gallery.draw(row, views[v]);
       if (!ms) return std::unexpected(ms.error());
       const auto image = gallery.image();
@@ -241,11 +242,11 @@ Expected<void> measure_errors(std::vector<Row>& rows, Gallery& gallery, const Sp
 }
 
 /// Every row in every round, so that a slow moment of the machine does not fall on one of them.
-Expected<void> measure_times(std::vector<Row>& rows, Gallery& gallery,
+Expected<void> measure_times(std::vector<SettingRow>& rows, Gallery& gallery,
                              const std::vector<Camera>& views, int rounds,
                              const ProgressReport& bar) {
   for (int round = 0; round < rounds; ++round) {
-    for (Row& row : rows) {
+    for (SettingRow& row : rows) {
       const auto ms = gallery.draw(row, views[static_cast<std::size_t>(round) % views.size()]);
       if (!ms) return std::unexpected(ms.error());
       row.times.push_back(*ms);
@@ -256,22 +257,22 @@ Expected<void> measure_times(std::vector<Row>& rows, Gallery& gallery,
 }
 
 /// By how much the time of the same work, the defaults', differs: a ratio of 1 or more.
-double noise_of_times(const std::vector<Row>& rows) {
+double noise_of_times(const std::vector<SettingRow>& rows) {
   const double once = rows[0].ms(), again = rows[1].ms();
   return std::max(once, again) / std::min(once, again);
 }
 
 /// No other row is at least as exact and faster by more than times differ anyway.
-void mark_front(std::vector<Row>& rows) {
+void mark_front(std::vector<SettingRow>& rows) {
   const double noise = noise_of_times(rows);
-  for (Row& a : rows)
-    a.on_front = std::ranges::none_of(rows, [&](const Row& b) {
+  for (SettingRow& a : rows)
+    a.on_front = std::ranges::none_of(rows, [&](const SettingRow& b) {
       const bool faster = b.ms() * noise < a.ms(), as_fast = b.ms() < a.ms() * noise;
       return (faster && b.psnr() >= a.psnr()) || (as_fast && b.psnr() > a.psnr() + kSamePsnr);
     });
 }
 
-json json_of(const Row& r) {
+json json_of(const SettingRow& r) {
   return {{"group", r.group},
           {"name", r.name},
           {"ms", r.ms()},
@@ -284,22 +285,22 @@ json json_of(const Row& r) {
           {"on_front", r.on_front}};
 }
 
-void print_table(const std::vector<Row>& rows, const std::string& gl) {
+void print_table(const std::vector<SettingRow>& rows, const std::string& gl) {
   fmt::print("{}\n{:<26} {:>9} {:>7} {:>9} {:>8} {:>8} {:>8} {:>9}\n", gl, "setting", "ms", "ratio",
              "MB/frame", "PSNR", "worst", "SSIM", "max error");
-  for (const Row& r : rows)
+  for (const SettingRow& r : rows)
     fmt::print("{:<26} {:>9.2f} {:>7.2f} {:>9.1f} {:>8.2f} {:>8.2f} {:>8.5f} {:>9.5f}{}\n", r.name,
                r.ms(), r.ms() / rows.front().ms(), 1e-6 * r.bytes, r.psnr(), r.worst,
                r.ssim / r.images, r.largest, r.on_front ? "  Pareto" : "");
 }
 
-Plot plot_of(const std::vector<Row>& rows, const std::string& scene, const std::string& gl) {
+Plot plot_of(const std::vector<SettingRow>& rows, const std::string& scene, const std::string& gl) {
   Plot plot{.title = fmt::format("{} on {}", scene, gl),
             .x_label = "milliseconds a frame, sorted for its own view (median)",
             .y_label = "PSNR to the float64 reference, dB",
             .series = {}};
   PlotSeries front{.name = "Pareto front", .points = {}};
-  for (const Row& r : rows) {
+  for (const SettingRow& r : rows) {
     if (plot.series.empty() || plot.series.back().name != r.group)
       plot.series.push_back({.name = r.group, .points = {}, .line = false});
     plot.series.back().points.emplace_back(r.ms(), r.psnr());
@@ -334,7 +335,7 @@ Expected<void> report(const RenderReport& s) {
   const auto gallery = Gallery::open(s.gl, cloud, options);
   if (!gallery) return std::unexpected(gallery.error());
   const Threads threads(s.data.threads);
-  std::vector<Row> rows = chosen_rows(cloud.sh_degree, s.only);
+  std::vector<SettingRow> rows = chosen_rows(cloud.sh_degree, s.only);
   auto done = gl::chain(
       [&] {
         return measure_errors(rows, **gallery, cloud, views, options, threads,
@@ -349,7 +350,7 @@ Expected<void> report(const RenderReport& s) {
                   {"gl_renderer", gl},        {"size", {s.size.width, s.size.height}},
                   {"views", views.size()},    {"rounds", s.rounds},
                   {"settings", json::array()}};
-  for (const Row& r : rows) numbers["settings"].push_back(json_of(r));
+  for (const SettingRow& r : rows) numbers["settings"].push_back(json_of(r));
   if (auto given = give_report(s.report, numbers, [&] { print_table(rows, gl); }); !given)
     return given;
   if (s.plot.empty()) return {};

@@ -56,9 +56,9 @@ Expected<tinygltf::Model> load_model(const std::string& reduced, const std::stri
 // Reads the primitives of one document; every failure names the primitive.
 class PrimitiveReader {
  public:
-  PrimitiveReader(const tinygltf::Model& model, const GltfJson& json,
+  PrimitiveReader(const tinygltf::Model& model, const GltfJson& parsed,
                   std::span<const std::byte> buffer, const std::string& name)
-      : model_(model), json_(json), buffer_(buffer), name_(name) {}
+      : model_(model), json_(parsed), buffer_(buffer), name_(name) {}
 
   Expected<GltfSplats> read(const tinygltf::Primitive& primitive, const std::string& field) const {
     if (auto ok = check_kind(primitive, field); !ok) return std::unexpected(ok.error());

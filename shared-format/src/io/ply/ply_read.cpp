@@ -25,18 +25,18 @@ constexpr std::array<const char*, kPlain> kNames{
     "scale_0", "scale_1", "scale_2", "rot_0",  "rot_1",  "rot_2",  "rot_3"};
 
 // Where the values of a splat stand in a row of the file: kNames, then f_rest_0 ….
-struct Columns {
+struct SplatColumns {
   int sh_degree = 0;
   std::vector<std::size_t> property;  // index among the element's properties
 };
 
-Expected<Columns> find_columns(const PlyElement& vertex, const std::string& name) {
+Expected<SplatColumns> find_splat_columns(const PlyElement& vertex, const std::string& name) {
   if (vertex.has_lists()) {
     return fail(name, "element vertex", "holds a list property; expected only scalars");
   }
   const auto degree = ply_sh_degree(vertex, name);
   if (!degree) return std::unexpected(degree.error());
-  Columns columns;
+  SplatColumns columns;
   columns.sh_degree = *degree;
   const std::size_t count = kPlain + 3 * static_cast<std::size_t>(sh_rest_count(*degree));
   for (std::size_t i = 0; i < count; ++i) {
@@ -71,7 +71,7 @@ Expected<SplatCloud> read_elements(std::span<const std::byte> bytes, const PlyHe
   if (vertex == header.elements.end()) {
     return fail(name, "header", "has no element \"vertex\"; expected one row of it per splat");
   }
-  const auto columns = find_columns(*vertex, name);
+  const auto columns = find_splat_columns(*vertex, name);
   if (!columns) return std::unexpected(columns.error());
   PlyData data(bytes.subspan(header.size), header.encoding, name);
   Expected<SplatCloud> cloud;

@@ -10,16 +10,16 @@
 namespace fluxgs::render {
 namespace {
 
-constexpr std::uint64_t kVec4 = 16;
-constexpr std::uint64_t kWord = sizeof(PackedSplats::sh[0]);
-constexpr std::uint64_t kMaxSh = kWord << 30;  // what sh_word() can point into
+constexpr std::uint64_t kVec4Bytes = 16;
+constexpr std::uint64_t kWordBytes = sizeof(PackedSplats::sh[0]);
+constexpr std::uint64_t kMaxSh = kWordBytes << 30;  // what sh_word() can point into
 
 /// How many of largest_of() have all their coefficients in that many bytes.
 std::uint64_t with_sh_in(std::uint64_t bytes, const DegreeCounts& scene) {
   std::uint64_t count = 0;
   for (int degree = 3; degree >= 0; --degree) {
     const std::uint64_t all = scene[static_cast<std::size_t>(degree)];
-    const std::uint64_t each = kWord * sh_stride(degree);
+    const std::uint64_t each = kWordBytes * sh_stride(degree);
     const std::uint64_t fit = each > 0 ? std::min(all, bytes / each) : all;
     count += fit;
     bytes -= fit * each;
@@ -63,7 +63,7 @@ Expected<void> check_cloud(const SplatCloud& cloud) {
 std::uint64_t max_splats(const gl::Capabilities& driver, const DegreeCounts& scene) {
   const auto block = static_cast<std::uint64_t>(driver.max_storage_block_bytes);
   const auto by_groups = static_cast<std::uint64_t>(driver.max_work_groups_x) * 128 - 1;
-  return std::min({block / (4 * kVec4), by_groups, std::uint64_t{0xFFFF0000},
+  return std::min({block / (4 * kVec4Bytes), by_groups, std::uint64_t{0xFFFF0000},
                    with_sh_in(std::min(block, kMaxSh), scene)});
 }
 
@@ -84,7 +84,7 @@ Expected<SceneBuffers> SceneBuffers::create(gl::Api& api, ScenePacker& packer,
   const auto make = [&](std::uint64_t bytes, gl::Buffer& buffer) {
     return buffer.remake(api, bytes, nullptr, GL_STATIC_DRAW);
   };
-  auto made = gl::chain([&] { return make(4 * kVec4 * count, buffers.geometry); },
+  auto made = gl::chain([&] { return make(4 * kVec4Bytes * count, buffers.geometry); },
                         [&] { return make(sh_bytes(packer.degrees()), buffers.sh); });
   if (!made) return std::unexpected(made.error());
   if (positions != nullptr) positions->reserve(count);

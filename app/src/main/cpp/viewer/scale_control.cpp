@@ -7,7 +7,7 @@ namespace fluxgs::viewer {
 namespace {
 
 constexpr double kTooLong = 1.2, kFits = 1.1;  // of the display's frame
-constexpr double kSmoothing = 0.15;
+constexpr double kTimeSmoothing = 0.15;
 constexpr int kFramesToJudge = 12;                   // after a change
 constexpr double kLongestPatience = 60, kProof = 2;  // seconds
 constexpr double kLongestFrame = 0.5;                // beyond, something else was going on
@@ -36,7 +36,7 @@ double ScaleControl::scale() const { return std::min(kScales.at(step_), most_); 
 double ScaleControl::frame(double seconds) {
   if (!(seconds > 0) || seconds > kLongestFrame) return scale();
   resigned_ = std::max(resigned_ - seconds, 0.0);
-  mean_ = counted_ <= 0 ? seconds : std::lerp(mean_, seconds, kSmoothing);
+  mean_ = counted_ <= 0 ? seconds : std::lerp(mean_, seconds, kTimeSmoothing);
   if (++counted_ < kFramesToJudge) return scale();
   if (mean_ > kTooLong * frame_seconds_) {
     fitting_ = 0;

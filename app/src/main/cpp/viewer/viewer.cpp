@@ -10,7 +10,7 @@
 namespace fluxgs::viewer {
 namespace {
 
-constexpr double kSmoothing = 0.1;
+constexpr double kStatsSmoothing = 0.1;
 constexpr double kMeasureEvery = 0.4;  // seconds
 constexpr double kRest = 0.25;         // seconds without movement: less is a finger that hesitates
 constexpr double kMaxCoordinate = 1e12;  // of a saved view
@@ -23,7 +23,7 @@ double seconds_between(std::chrono::steady_clock::time_point from,
 }
 
 void smooth(double& mean, double value) {
-  mean = mean > 0 ? std::lerp(mean, value, kSmoothing) : value;
+  mean = mean > 0 ? std::lerp(mean, value, kStatsSmoothing) : value;
 }
 
 /// A saved view with directions of unit length, if it is a view at all.
