@@ -1,5 +1,5 @@
-// What this process asks operator new for, outside of calls of the driver, by all threads; if a
-// thread of a driver did, it would count.
+// Counts calls of operator new by all threads, outside of calls of the driver. A driver's own
+// threads would count, too.
 #pragma once
 
 #include <atomic>

@@ -1,4 +1,4 @@
-// What the fuzz targets share: their list, and the promises that every reader of bytes from a
+// The list of fuzz targets, and the promises that every reader of bytes from a
 // stranger makes (CONTRIBUTING.md, "Fuzzing"). A promise that is broken ends the program.
 #pragma once
 

@@ -1,4 +1,4 @@
-// What fuzzing starts from: small sound inputs for every target, made when they are needed.
+// Seeds for fuzzing: small valid inputs for every target, made when they are needed.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
-// What Mesa's compiler for Adreno says of a shader, and how to find it in what adreno_statistics
-// wrote.
+// Statistics of a shader by Mesa's compiler for Adreno, parsed from the output of
+// adreno_statistics.
 #pragma once
 
 #include <string>

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <new>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -14,7 +15,7 @@
 #include "fluxgs/io/file.h"
 #include "trainer/data/file_bytes.h"
 #include "trainer/data/image_header.h"
-#include "trainer/data/jpeg_check.h"
+#include "trainer/data/jpeg.h"
 #include "trainer/data/lens.h"
 
 namespace fluxgs {
@@ -57,17 +58,13 @@ cv::Mat to_rgb8(cv::Mat decoded) {
   return rgb;
 }
 
-Expected<Image<std::uint8_t>> decode(std::vector<std::byte>& bytes, const ImageHeader& header,
-                                     const std::string& file) {
+/// A PNG by OpenCV.
+Expected<Image<std::uint8_t>> decode_png(std::vector<std::byte>& bytes, const std::string& file) {
   try {
-    // IMREAD_UNCHANGED keeps alpha and does not turn the image by its EXIF orientation.
+    // IMREAD_UNCHANGED keeps alpha
     const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U, bytes.data());
     const cv::Mat rgb = to_rgb8(cv::imdecode(encoded, cv::IMREAD_UNCHANGED));
     if (rgb.empty()) return fail(file, "", "the image is corrupt: it cannot be decoded");
-    if (rgb.cols != header.width || rgb.rows != header.height)
-      return fail(file, "",
-                  fmt::format("decoded to {}x{}, expected {}x{} as its header says", rgb.cols,
-                              rgb.rows, header.width, header.height));
     Image<std::uint8_t> image(rgb.cols, rgb.rows, rgb.channels());
     rgb.copyTo(cv::Mat(rgb.rows, rgb.cols, rgb.type(), image.pixels.data()));
     return image;
@@ -75,6 +72,23 @@ Expected<Image<std::uint8_t>> decode(std::vector<std::byte>& bytes, const ImageH
     if (e.code == cv::Error::StsNoMem) throw std::bad_alloc();
     return fail(file, "", "the image is corrupt: it cannot be decoded");
   }
+}
+
+Expected<Image<std::uint8_t>> decode(std::vector<std::byte>& bytes, const ImageHeader& header,
+                                     const std::string& file) {
+  Expected<Image<std::uint8_t>> image;
+  if (header.format == ImageFormat::kPng) {
+    image = decode_png(bytes, file);
+  } else {
+    auto decoded = decode_jpeg(bytes);
+    if (!decoded) return fail(file, "", "the image is corrupt: " + decoded.error());
+    image = std::move(*decoded);
+  }
+  if (image && (image->width != header.width || image->height != header.height))
+    return fail(file, "",
+                fmt::format("decoded to {}x{}, expected {}x{} as its header says", image->width,
+                            image->height, header.width, header.height));
+  return image;
 }
 
 std::uint8_t to_byte(float value) {
@@ -96,9 +110,6 @@ Expected<Image<std::uint8_t>> read_image(const std::filesystem::path& file) {
                   header->format == ImageFormat::kJpeg
                       ? "the image is truncated: JPEG without its end marker (EOI)"
                       : "the image is truncated: PNG without its end chunk (IEND)");
-    if (header->format == ImageFormat::kJpeg)
-      if (const auto damage = jpeg_damage(*bytes))
-        return fail(file.string(), "", "the image is corrupt: " + *damage);
     return decode(*bytes, *header, file.string());
   } catch (const std::bad_alloc&) {
     return fail(file.string(), "", "not enough memory to read the image");

@@ -1,10 +1,24 @@
 #include "trainer/data/initial_points.h"
 
-#include "trainer/data/random_points.h"
+#include <algorithm>
+
+#include "trainer/core/random.h"
+#include "trainer/data/scene_focus.h"
 #include "trainer/data/triangulate_features.h"
 
 namespace fluxgs {
 namespace {
+
+// Not the pixel's: over a black background half of the splats would be black curtains before the
+// cameras, which cost nothing there and hide the scene (chesscat, 2,000 iterations: 16 against 27
+// dB)
+constexpr glm::vec3 kGrey(0.5f);
+
+constexpr double kNear = 0.4, kFar = 2.0;  // times the focus distance
+
+int uniform_index(Random& random, int count) {
+  return std::min(static_cast<int>(uniform(random) * count), count - 1);
+}
 
 PointCloud sparse_points(const Dataset& dataset) {
   PointCloud cloud{.positions = dataset.points, .colors = {}, .source = "sparse points"};
@@ -15,6 +29,25 @@ PointCloud sparse_points(const Dataset& dataset) {
 }
 
 }  // namespace
+
+PointCloud random_points(const std::vector<View>& views, std::size_t count, std::uint64_t seed) {
+  const std::vector<double> distances = focus_distances(views);
+  Random random(seed);
+  PointCloud cloud{.positions = {}, .colors = {}, .source = "random"};
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto index =
+        static_cast<std::size_t>(uniform_index(random, static_cast<int>(views.size())));
+    const View& view = views[index];
+    const int x = uniform_index(random, view.rgb.width);
+    const int y = uniform_index(random, view.rgb.height);
+    const double depth = distances[index] * (kNear + (kFar - kNear) * uniform(random));
+    const Ray ray = pixel_ray(view.camera, {x + 0.5, y + 0.5});
+    const double along = depth / glm::dot(ray.direction, view.camera.forward());
+    cloud.positions.emplace_back(ray.origin + along * ray.direction);
+    cloud.colors.push_back(kGrey);
+  }
+  return cloud;
+}
 
 Expected<PointCloud> initial_points(const Dataset& dataset, std::uint64_t seed,
                                     const Threads& threads, const ProgressReport& progress) {

@@ -1,4 +1,4 @@
-// Where the first splats go.
+// Initial points of a training: sparse points, triangulated features or random points.
 #pragma once
 
 #include <cstdint>
@@ -24,5 +24,10 @@ struct PointCloud {
 /// Deterministic for a seed, whatever the number of threads. Errors: no training images.
 Expected<PointCloud> initial_points(const Dataset& dataset, std::uint64_t seed,
                                     const Threads& threads, const ProgressReport& progress = {});
+
+/// Points in the view of training images: a random image, a random pixel of it, and a depth uniform
+/// between 0.4 and 2 times the image's focus distance (see scene_focus.h). All are mid-grey, as in
+/// 3DGS. The same for the same seed on every platform.
+PointCloud random_points(const std::vector<View>& views, std::size_t count, std::uint64_t seed);
 
 }  // namespace fluxgs

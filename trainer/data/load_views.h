@@ -1,4 +1,4 @@
-// From the frames of a data set to images in memory.
+// Loads the frames of a data set as images in memory.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// From an image with a real lens to the image that a pinhole camera would have taken.
+// Removes lens distortion: the image that a pinhole camera would have taken.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Whether a data set's coordinates are of a size that single precision and the renderer's near
-// plane can do with.
+// Warnings about coordinates of a data set that are too large for single precision or too small for
+// the renderer's near plane.
 #pragma once
 
 #include <optional>

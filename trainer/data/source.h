@@ -1,4 +1,4 @@
-// What the readers of data sets agree on: which images, taken from where through which lens.
+// A data set as its readers return it: images with poses and lenses.
 #pragma once
 
 #include <cstddef>

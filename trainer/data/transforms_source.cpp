@@ -6,13 +6,29 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "fluxgs/io/file.h"
+#include "fluxgs/io/ply_points.h"
 #include "fluxgs/sanitize.h"
 #include "trainer/data/file_bytes.h"
-#include "trainer/data/ply_points.h"
 #include "trainer/data/transforms_intrinsics.h"
 
 namespace fluxgs {
 namespace {
+
+/// Adds the vertices of a .ply to the points of the source.
+Expected<void> add_ply_points(const std::filesystem::path& file, Source& source) {
+  const auto bytes = read_file(file);
+  if (!bytes) return std::unexpected(bytes.error());
+  const auto points = read_ply_points(*bytes, file.string());
+  if (!points) return std::unexpected(points.error());
+  std::size_t dropped = 0;
+  for (std::size_t i = 0; i < points->positions.size(); ++i)
+    dropped += !add_point(source, points->positions[i], points->colors[i]);
+  if (dropped > 0)
+    source.warnings.push_back(
+        fmt::format("{}: {} points that are not finite were dropped", file.string(), dropped));
+  return {};
+}
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;

@@ -1,5 +1,4 @@
-// What all readers and writers need around a SplatCloud: allocation as a value, and a cloud that is
-// fit to be written.
+// Allocation of a SplatCloud with errors as values, and checks before it is written.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// How often each symbol occurs, in few bits: as exactly as it pays.
+// Symbol frequencies in few bits, as exactly as it pays.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@ inline constexpr unsigned kScaleBits = 14;
 inline constexpr std::uint32_t kFrequencySum = 1u << kScaleBits;
 inline constexpr std::size_t kMaxSymbols = 4096;
 
-/// Frequencies that sum to kFrequencySum, for coding symbols that occur so often: at least 1 for each that
-/// does. Two symbols or more occur, of at most kMaxSymbols.
+/// Frequencies that sum to kFrequencySum, for coding symbols that occur so often: at least 1 for
+/// each that does. Two symbols or more occur, of at most kMaxSymbols.
 ///
 /// What is stored are weights with a mantissa of few bits, in proportion to the counts. Of the
 /// exactnesses it takes the one with which table and symbols together are shortest.

@@ -1,4 +1,4 @@
-// How exactly each splat is worth storing, told from attributes that are decoded before.
+// Perceptual weight of each splat, computed from attributes that are decoded before.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// What a whole number is expected to be, from the ones before it.
+// Prediction of integers from those before them.
 #pragma once
 
 #include <cstddef>

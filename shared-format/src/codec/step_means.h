@@ -1,5 +1,5 @@
-// What the steps and the weights of a scene are relative to, so that a part of it can be encoded by
-// itself and yet as exactly as within the whole.
+// Mean steps and weights of a scene. A part of a scene that is encoded with the means of the whole
+// is as exact as within the whole.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What errors of the numbers cost that are stored for scales and rotations.
+// Sensitivity to errors of stored scales and rotations.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// Whether an ONNX model is a small network of the expected shape, before anything runs it.
+// Checks that an ONNX model is a small network of the expected shape, before it runs.
 #pragma once
 
 #include <cstdint>

@@ -11,7 +11,7 @@ import org.robolectric.RuntimeEnvironment
 import org.robolectric.annotation.Config
 import org.robolectric.annotation.GraphicsMode
 
-/** From nothing to the sample on the screen. In a Java machine of its own, that has loaded nothing yet. */
+/** Start of the app until the sample is on the screen, in a Java machine that has loaded nothing yet. */
 @RunWith(RobolectricTestRunner::class)
 @Config(qualifiers = "w640dp-h480dp-land-mdpi", shadows = [RealDescriptors::class])
 @GraphicsMode(GraphicsMode.Mode.NATIVE)

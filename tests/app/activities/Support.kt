@@ -32,7 +32,7 @@ import org.robolectric.annotation.RealObject
 import org.robolectric.shadows.ShadowChoreographer
 import org.robolectric.shadows.ShadowParcelFileDescriptor
 
-/** What tests/app/activities/run has made: scenes and images of the desktop. */
+/** Scenes and images that tests/app/activities/run has made on the desktop. */
 internal val material = File(System.getProperty("fluxgs.material")!!)
 
 /** Where images of the screens are left. */

@@ -1,4 +1,4 @@
-// What fluxgs/io/gltf.h promises about memory.
+// Memory limit that fluxgs/io/gltf.h promises.
 #pragma once
 
 #include "spz_allowance.h"

@@ -1,4 +1,4 @@
-// What fluxgs/io/sog.h and src/io/sog_decode.h promise about memory.
+// Memory limit that fluxgs/io/sog.h and src/io/sog/sog_decode.h promise.
 #pragma once
 
 #include "fluxgs/io/scene_file.h"

@@ -1,4 +1,4 @@
-// What fluxgs/io/spz.h promises about memory.
+// Memory limit that fluxgs/io/spz.h promises.
 #pragma once
 
 #include "fluxgs/io/scene_file.h"

@@ -1,4 +1,4 @@
-// What the tests of the scene formats share.
+// Helpers of the tests of scene formats.
 #pragma once
 
 #include <unistd.h>

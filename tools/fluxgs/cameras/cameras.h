@@ -1,4 +1,4 @@
-// Which images to take: their size, and cameras from a file.
+// Cameras from a file, image sizes, and cameras that look at a point.
 #pragma once
 
 #include <string>

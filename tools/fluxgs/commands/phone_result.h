@@ -1,4 +1,4 @@
-// What the app's benchmark saves (BenchmarkResult.kt), read.
+// Reads results of the app's benchmark (BenchmarkResult.kt).
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// How far a long piece of work has come, for people.
+// Progress bars with the time left.
 #pragma once
 
 #include <chrono>

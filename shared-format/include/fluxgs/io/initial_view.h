@@ -1,4 +1,4 @@
-// Where a scene is looked at from first: a camera of the .glb.
+// Initial view of a scene: a camera of the .glb.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// What opening a scene will take, from what its file says before anything is decoded.
+// Estimate of the memory that opening a scene takes, from the header of its file.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// What every scene reader returns.
+// A scene as every reader returns it.
 #pragma once
 
 #include <cstddef>

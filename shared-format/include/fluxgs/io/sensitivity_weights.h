@@ -1,5 +1,4 @@
-// What it costs that the numbers of a splat are stored with errors: how much worse the images
-// become that show it.
+// Rate-distortion weights: sensitivity of rendered images to quantization errors of each splat.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// From a 3D Gaussian to its footprint on the image (EWA splatting: Zwicker et al. 2001; 3DGS:
-// Kerbl et al. 2023, section 4), in forms that stay accurate in single precision.
+// Projection of a 3D Gaussian to its footprint on the image (EWA splatting: Zwicker et al. 2001;
+// 3DGS: Kerbl et al. 2023, section 4), in forms that stay accurate in single precision.
 #pragma once
 
 #include "fluxgs/camera.h"

@@ -1,5 +1,5 @@
-// What the formulas need from a scalar type T: float, double, or a pack of SIMD lanes that brings
-// its own overloads of these functions (found by argument-dependent lookup).
+// Functions that formulas need of a scalar type T: float, double, or a pack of SIMD lanes that
+// brings its own overloads of these functions (found by argument-dependent lookup).
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Where onnxruntime is. It is loaded when a scene with networks is opened for the first time, and
+// Loading of onnxruntime. It is loaded when a scene with networks is opened for the first time, and
 // never for other scenes.
 //
 // The library named by the variable FLUXGS_ONNXRUNTIME, if that is set; otherwise the one that

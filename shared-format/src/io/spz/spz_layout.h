@@ -1,4 +1,4 @@
-// What stands where in SPZ, the same for its reader and its writer (README of nianticlabs/spz).
+// Layout of SPZ, the same for its reader and its writer (README of nianticlabs/spz).
 #pragma once
 
 #include <array>

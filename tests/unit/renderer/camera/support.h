@@ -1,4 +1,4 @@
-// What the tests of the camera share.
+// Helpers of the camera tests.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What the tests of networks share: random networks, models written field by field, and whether
+// Helpers of the network tests: random networks, models written field by field, and whether
 // onnxruntime is here.
 #pragma once
 

@@ -1,7 +1,13 @@
 // Image files: what comes back, and what is refused.
 #include <sys/stat.h>
 
+#include <algorithm>
+#include <cstdio>  // jpeglib.h needs it first
+#include <cstdlib>
+
+#include <jpeglib.h>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "test_files.h"
 #include "trainer/data/image_io.h"
@@ -17,6 +23,60 @@ std::string jpeg(int width, int height, std::vector<int> parameters = {}) {
   std::vector<std::uint8_t> bytes;
   cv::imencode(".jpg", cv::Mat(height, width, CV_8UC3, image.pixels.data()), bytes, parameters);
   return {bytes.begin(), bytes.end()};
+}
+
+/// A CMYK JPEG, as programs for print write them.
+std::string cmyk_jpeg(int width, int height) {
+  jpeg_compress_struct info;
+  jpeg_error_mgr errors;
+  info.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&info);
+  unsigned char* bytes = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&info, &bytes, &size);
+  info.image_width = static_cast<JDIMENSION>(width);
+  info.image_height = static_cast<JDIMENSION>(height);
+  info.input_components = 4;
+  info.in_color_space = JCS_CMYK;
+  jpeg_set_defaults(&info);
+  jpeg_start_compress(&info, TRUE);
+  const auto image = pattern(width, height, 4);
+  std::vector<JSAMPLE> row(4 * static_cast<std::size_t>(width));
+  for (int y = 0; y < height; ++y) {
+    std::copy_n(image.at(0, y), row.size(), row.begin());
+    JSAMPROW rows[] = {row.data()};
+    jpeg_write_scanlines(&info, rows, 1);
+  }
+  jpeg_finish_compress(&info);
+  jpeg_destroy_compress(&info);
+  const std::string text(bytes, bytes + size);
+  std::free(bytes);
+  return text;
+}
+
+std::string grey_jpeg(int width, int height) {
+  cv::Mat grey(height, width, CV_8UC1);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) grey.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(x * y);
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".jpg", grey, bytes);
+  return {bytes.begin(), bytes.end()};
+}
+
+TEST(ImageIo, JpegsHaveThePixelsOfOpenCv) {
+  const TempFolder folder;
+  const std::string file = (folder.path() / "a.jpg").string();
+  for (const std::string& bytes :
+       {jpeg(61, 47), jpeg(61, 47, {cv::IMWRITE_JPEG_QUALITY, 30}),
+        jpeg(61, 47, {cv::IMWRITE_JPEG_PROGRESSIVE, 1}), grey_jpeg(61, 47), cmyk_jpeg(61, 47)}) {
+    write_text(file, bytes);
+    const auto image = read_image(file);
+    ASSERT_TRUE(image) << image.error().message();
+    cv::Mat expected = cv::imread(file, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+    cv::cvtColor(expected, expected, cv::COLOR_BGR2RGB);
+    ASSERT_EQ(image->width, expected.cols);
+    EXPECT_TRUE(std::equal(image->pixels.begin(), image->pixels.end(), expected.data));
+  }
 }
 
 TEST(ImageIo, PngRoundTrip) {

@@ -10,7 +10,6 @@
 #include "tools/capture/capture.h"
 #include "trainer/data/features.h"
 #include "trainer/data/initial_points.h"
-#include "trainer/data/random_points.h"
 #include "trainer/data/scene_focus.h"
 #include "trainer/data/triangulate_features.h"
 

@@ -1,4 +1,4 @@
-/* What makes a header know that it is Android's. */
+/* Marks headers as Android's. */
 #pragma once
 
 #define __BIONIC__ 1

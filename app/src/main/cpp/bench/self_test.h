@@ -1,5 +1,5 @@
-// What a processor makes of a scene, in numbers that are the same on every one: to find compilers,
-// C libraries and cores that compute differently.
+// Self-test: values computed from a scene that must be the same on every processor. Finds
+// compilers, C libraries and cores that compute differently.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// How many bytes a frame moves between the GPU and its memory: on a phone bandwidth is what frames
-// are made of, and heat.
+// Estimate of the bytes that a frame moves between the GPU and its memory. On a phone bandwidth
+// sets frame rate and heat.
 #pragma once
 
 #include <cstdint>

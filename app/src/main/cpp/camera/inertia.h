@@ -1,4 +1,4 @@
-// What goes on after the finger has left: a drag that dies away.
+// Inertia: a drag that fades after the finger has left.
 #pragma once
 
 #include <array>

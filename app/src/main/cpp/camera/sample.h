@@ -1,4 +1,4 @@
-// Which splats of a cloud to look at when its size and shape are estimated.
+// A sample of the splats of a cloud, for estimates of its size and shape.
 #pragma once
 
 #include <cmath>

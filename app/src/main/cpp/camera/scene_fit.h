@@ -1,5 +1,4 @@
-// How large a scene is and where: robust bounds, the view that shows it all, and the units of
-// moving through it.
+// Robust bounds of a scene, the view that shows all of it, and the units of moving through it.
 #pragma once
 
 #include <utility>

@@ -1,4 +1,4 @@
-// From one view to another, smoothly.
+// Smooth transition between two views.
 #pragma once
 
 #include "camera/view_state.h"

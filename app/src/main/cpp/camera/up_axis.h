@@ -1,5 +1,5 @@
-// Which way is up in a scene. Captures come in any frame; whoever shows them should let people flip
-// or choose the axis, because no rule is right for all.
+// Estimate of the up axis of a scene. Captures come in any frame and no rule is right for all: a
+// viewer should let people flip or choose the axis.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// Where the viewer stands, as the gestures see it: a point looked at, and from where.
+// The view as gestures change it: a target, and the eye that looks at it.
 #pragma once
 
 #include <numbers>

@@ -1,4 +1,4 @@
-// What the driver says it can do. Asked once, right after the context was made.
+// Capabilities of the driver, queried once after the context was made.
 #pragma once
 
 #include <cstdint>

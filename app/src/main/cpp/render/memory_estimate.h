@@ -1,4 +1,4 @@
-// What a scene will take of the GPU's memory, before anything is allocated.
+// Estimate of the graphics memory of a scene, before anything is allocated.
 #pragma once
 
 #include <cstdint>

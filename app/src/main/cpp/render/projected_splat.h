@@ -1,4 +1,4 @@
-// What the draw knows of a splat, read back: for tests and measurements.
+// Projected splats read back from the GPU, for tests and measurements.
 #pragma once
 
 #include <cstdint>

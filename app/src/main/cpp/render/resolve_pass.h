@@ -1,4 +1,4 @@
-// From the accumulated image to the target's format.
+// Resolve pass: converts the accumulated image to the target's format.
 #pragma once
 
 #include "gl/program.h"

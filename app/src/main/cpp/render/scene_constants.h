@@ -1,4 +1,4 @@
-// What a frame needs to know of a scene besides its splats.
+// Constants of a scene that every frame needs besides its splats.
 #pragma once
 
 #include <cstdint>

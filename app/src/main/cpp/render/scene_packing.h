@@ -1,4 +1,4 @@
-// How a splat cloud is laid out in the GPU's memory. No GL is needed for that.
+// Layout of a splat cloud in graphics memory, without GL calls.
 #pragma once
 
 #include <array>

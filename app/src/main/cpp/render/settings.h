@@ -1,5 +1,5 @@
-// What the renderer trades for speed. Every setting is exact, or off, by default; what each costs
-// and brings is measured by `fluxgs report render`.
+// Settings that trade accuracy for speed. Every setting is exact, or off, by default; `fluxgs
+// report render` measures the cost and gain of each.
 #pragma once
 
 #include <cstddef>

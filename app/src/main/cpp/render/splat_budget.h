@@ -1,4 +1,4 @@
-// Which splats stay when there is no room for all of them.
+// Selection of splats where memory does not hold all of them.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// How far a camera moved, to know when an order of the splats is out of date.
+// Distance between two cameras, which decides when splats are sorted again.
 #pragma once
 
 #include "sort/sorter.h"

@@ -1,4 +1,4 @@
-// What the draw needs of one splat. α = 2^(level − u² − v²) with u = xx·d.x + xy·d.y, v = yy·d.y,
+// A projected splat. α = 2^(level − u² − v²) with u = xx·d.x + xy·d.y, v = yy·d.y,
 // d = pixel − centre: the footprint of projection.glsl in units that save the fragment shader a
 // multiplication.
 struct ProjectedSplat {

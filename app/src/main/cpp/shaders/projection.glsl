@@ -1,4 +1,4 @@
-// From a 3D Gaussian to its footprint: the twin of fluxgs/math/projection.h, which explains it.
+// Projection of a 3D Gaussian to its footprint: twin of fluxgs/math/projection.h, which explains it.
 
 // u = xx·d.x + xy·d.y, v = yy·d.y with d = pixel − centre; α = opacity·exp(−½(u² + v²))
 struct Footprint {

@@ -1,4 +1,4 @@
-// Where a pass reads its keys.
+// Source of the keys of a sorting pass.
 #ifdef FIRST_PASS
 layout(std430, binding = 1) readonly buffer Source { uint source_keys[]; };
 uint source_key(uint i) { return i < key_count ? source_keys[i] : DROPPED; }

@@ -1,4 +1,4 @@
-// What differs between a phone and a Java machine on the desktop.
+// Differences between a phone and a Java machine on the desktop.
 #pragma once
 
 #include <jni.h>

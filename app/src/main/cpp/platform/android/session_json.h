@@ -1,4 +1,4 @@
-// What the shell reads of a session, as text.
+// The state of a session as JSON text, for the shell.
 #pragma once
 
 #include <string>

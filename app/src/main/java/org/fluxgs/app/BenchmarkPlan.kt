@@ -2,7 +2,7 @@ package org.fluxgs.app
 
 import android.content.Intent
 
-/** What is measured. From the command line: `-e sizes 1280x720,640x480 -e frames 50 -e warmup 10`. */
+/** Measurements of a benchmark. On the command line: `-e sizes 1280x720,640x480 -e frames 50 -e warmup 10`. */
 data class BenchmarkPlan(
     /** Width and height of each. */
     val sizes: IntArray = intArrayOf(1280, 720, 1920, 1080),

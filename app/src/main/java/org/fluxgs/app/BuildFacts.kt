@@ -3,7 +3,7 @@ package org.fluxgs.app
 import android.content.Context
 import org.json.JSONObject
 
-/** Of this app, and of the library inside it. */
+/** Versions and build settings of this app and of the library inside it. */
 internal object BuildFacts {
     val native: JSONObject by lazy { JSONObject(Native.about()) }
 

@@ -3,7 +3,7 @@ package org.fluxgs.app
 import android.app.ActivityManager
 import android.content.Context
 
-/** How much a scene may take, so that the system does not end the app. */
+/** Memory that a scene may take without the system ending the app. */
 internal object FreeMemory {
     /** What is left to everything else. */
     private const val KEPT = 150L shl 20

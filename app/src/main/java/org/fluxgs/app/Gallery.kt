@@ -14,7 +14,7 @@ import java.text.SimpleDateFormat
 import java.util.Date
 import java.util.Locale
 
-/** Where screenshots go. */
+/** Saves screenshots to the gallery. */
 internal object Gallery {
     private const val LONGEST_NAME = 60
 

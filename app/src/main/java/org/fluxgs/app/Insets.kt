@@ -8,7 +8,7 @@ import android.view.WindowInsets
 import android.view.WindowInsetsController
 import android.view.WindowManager
 
-/** Where the system's bars and cameras are, and hiding them. */
+/** Insets of system bars and display cutouts, and hiding the bars. */
 internal object Insets {
     /** Keeps the view's content out from under bars and cameras. */
     fun pad(view: View) {

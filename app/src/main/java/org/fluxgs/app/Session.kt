@@ -4,7 +4,7 @@ import android.graphics.Bitmap
 import android.view.Surface
 import org.json.JSONObject
 
-/** What is being loaded, as the native side tells it. */
+/** State of the native session, parsed. */
 data class Loading(
     val phase: String,
     val read: Long,

@@ -2,7 +2,7 @@ package org.fluxgs.app
 
 import android.content.Context
 
-/** What people set for all scenes. */
+/** Settings of the viewer for all scenes. */
 data class Settings(
     /** Of the image that is blended, 0.2 to 1; 0: what holds the display's rate. */
     val scale: Float = 0f,

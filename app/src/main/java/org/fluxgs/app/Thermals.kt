@@ -6,7 +6,7 @@ import android.os.Build
 import android.os.PowerManager
 import org.json.JSONObject
 
-/** How warm the device is. */
+/** Thermal status of the device. */
 data class Heat(
     /** PowerManager.THERMAL_STATUS_…, 0 to 6; -1 where it is not known. */
     val status: Int = -1,
