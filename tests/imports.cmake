@@ -2,6 +2,7 @@
 #   cmake -DROOT=FOLDER -P tests/imports.cmake
 # ROOT holds docs/architecture.md and the sources. Fails and names file, line and rule.
 cmake_minimum_required(VERSION 3.25)
+get_filename_component(ROOT "${ROOT}" ABSOLUTE)
 
 # Reads the table: `folders`, and for each folder `allowed_FOLDER`.
 file(STRINGS "${ROOT}/docs/architecture.md" lines)
@@ -96,4 +97,7 @@ foreach(error IN LISTS errors)
   string(REPLACE ";" ", " error "${error}")
   message(SEND_ERROR "${error}")
 endforeach()
+if(checked EQUAL 0)
+  message(FATAL_ERROR "no #include found below ${ROOT}")
+endif()
 message(STATUS "${checked} includes checked")
