@@ -3,8 +3,13 @@ option(FLUXGS_SANITIZE "Build with AddressSanitizer and UndefinedBehaviorSanitiz
 option(FLUXGS_FUZZ "Build the fuzz targets (clang), with the sanitizers" OFF)
 option(FLUXGS_WARNINGS_AS_ERRORS "Off for compilers that we have not tried" ON)
 option(FLUXGS_TIDY "Run clang-tidy on every file while compiling" OFF)
-# A build from nothing takes half the time; after a change of one file more is compiled again
-option(FLUXGS_UNITY "Compile several files of a target as one" ON)
+# A build from nothing takes half the time; after a change of one file more is compiled again. Only
+# with GCC: clang's -Wshadow also warns of names of other files.
+set(unity_default OFF)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  set(unity_default ON)
+endif()
+option(FLUXGS_UNITY "Compile several files of a target as one" ${unity_default})
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
