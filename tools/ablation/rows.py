@@ -174,24 +174,18 @@ def chosen_rows(only, preset):
     ]
 
 
-def merged(common, changes):
-    """The options of both lists; an option in `changes` replaces that in `common`."""
-    changed = {word.split("=")[0] for word in changes if word.startswith("--")}
-    kept, keep = [], True
-    for word in common:
-        if word.startswith("--"):
-            keep = word.split("=")[0] not in changed
-        if keep:
-            kept.append(word)
-    return [*kept, *changes]
-
-
-def picked(options, names):
-    """Those of the options that have one of these names, with their values."""
-    kept, keep = [], False
+def picked(options, wanted):
+    """The options whose names `wanted` accepts, with their values."""
+    kept, keep = [], wanted("")
     for word in options:
         if word.startswith("--"):
-            keep = word.split("=")[0] in names
+            keep = wanted(word.split("=")[0])
         if keep:
             kept.append(word)
     return kept
+
+
+def merged(common, changes):
+    """The options of both lists; an option in `changes` replaces that in `common`."""
+    changed = {word.split("=")[0] for word in changes if word.startswith("--")}
+    return [*picked(common, lambda name: name not in changed), *changes]

@@ -15,14 +15,13 @@ from pathlib import Path
 
 from rows import merged, picked
 
+RESUME_OPTIONS = ("--threads", "--backend", "--checkpoint-every")  # a checkpoint has the others
 DATA_OPTIONS = ("--downscale", "--background", "--threads")
 
 
 @dataclass
 class Run:
-    scene: str
     data: str
-    row: str
     seed: int
     preset: str
     options: list  # of `fluxgs train`, without preset and seed
@@ -130,7 +129,7 @@ def train(fluxgs, run, folder):
     options = merged(["--checkpoint-every", "1000"], run.options)  # little is lost with the power
     if checkpoint.exists():
         start = ["--resume", str(checkpoint),
-                 *picked(options, ("--threads", "--backend", "--checkpoint-every"))]
+                 *picked(options, RESUME_OPTIONS.__contains__)]
     else:
         start = ["--preset", run.preset, "--seed", str(run.seed), *options]
     for old in ("score.json", "frames.json"):
@@ -141,7 +140,7 @@ def train(fluxgs, run, folder):
 
 def measure(fluxgs, run, folder, frames, flip, result):
     """Scores and times the compact scene; what fails is a note and not a failed run."""
-    data = ["--data", run.data, *picked(run.options, DATA_OPTIONS)]
+    data = ["--data", run.data, *picked(run.options, DATA_OPTIONS.__contains__)]
     steps = []
     if "psnr" in read_json(folder / "train.json"):
         steps.append(("score.json", ["eval", str(folder / "scene.glb"), "--json", *data]

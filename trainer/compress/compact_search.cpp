@@ -74,9 +74,9 @@ struct Stored {
 };
 
 Expected<Stored> store(const SplatCloud& cloud, const CompactOptions& options) {
-  auto file = encode_compact_glb(cloud, options, "compact .glb");
+  auto file = encode_compact_glb(cloud, options, kCompactFileName);
   if (!file) return std::unexpected(file.error());
-  auto scene = read_glb(*file, "compact .glb");
+  auto scene = read_glb(*file, kCompactFileName);
   if (!scene) return std::unexpected(scene.error());
   return Stored{std::move(*file), std::move(*scene)};
 }

@@ -18,6 +18,9 @@
 
 namespace fluxgs {
 
+/// Name of compact files that exist in memory only, in error messages.
+inline constexpr const char* kCompactFileName = "compact .glb";
+
 /// A scene stored once.
 struct CompactTrial {
   CompactOptions options;

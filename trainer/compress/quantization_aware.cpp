@@ -8,6 +8,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "fluxgs/io/gltf.h"
+#include "trainer/compress/compact_search.h"
 #include "trainer/compress/compression.h"
 #include "trainer/data/dataset.h"
 
@@ -224,12 +225,12 @@ Expected<std::vector<std::byte>> quantize_parameters(TrainState& state,
   // Offsets must be between quaternions that mean the same of four half turns
   canonicalize_rotations(cloud);
   const CompactOptions options{.steps = steps, .sensitivity = attached_sensitivity(state)};
-  auto file = encode_compact_glb(cloud, options, "compact .glb");
+  auto file = encode_compact_glb(cloud, options, kCompactFileName);
   if (!file) return std::unexpected(file.error());
-  const auto stored = read_glb(*file, "compact .glb");
+  const auto stored = read_glb(*file, kCompactFileName);
   if (!stored) return std::unexpected(stored.error());
   if (stored->cloud.size() != cloud.size())
-    return fail("compact .glb", "splats", "not all of them are finite");
+    return fail(kCompactFileName, "splats", "not all of them are finite");
   follow_rotations(exact, cloud.rotations, state.adam);
   const std::vector<std::uint32_t> order = compact_order(cloud);
   rearrange(state, order, order);

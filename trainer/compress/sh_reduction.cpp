@@ -7,6 +7,7 @@
 
 #include "fluxgs/io/compact_glb.h"
 #include "trainer/compress/adaptive_degree.h"
+#include "trainer/compress/compact_search.h"
 #include "trainer/compress/fit_splats.h"
 #include "trainer/compress/sphere_prior.h"
 #include "trainer/core/psnr.h"
@@ -35,7 +36,7 @@ void reduce_to_one_degree(TrainState& state, const TrainOptions& options, const 
 /// Bytes of a compact file with default quantization; 0 where the scene cannot be stored.
 std::size_t compact_bytes(const SplatCloud& scene) {
   const auto file =
-      encode_compact_glb(scene, {.steps = default_quantization_steps(scene)}, "compact .glb");
+      encode_compact_glb(scene, {.steps = default_quantization_steps(scene)}, kCompactFileName);
   return file ? file->size() : 0;
 }
 

@@ -15,8 +15,11 @@
 namespace fluxgs {
 namespace {
 
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
 /// Adds the vertices of a .ply to the points of the source.
-Expected<void> add_ply_points(const std::filesystem::path& file, Source& source) {
+Expected<void> add_ply_points(const fs::path& file, Source& source) {
   const auto bytes = read_file(file);
   if (!bytes) return std::unexpected(bytes.error());
   const auto points = read_ply_points(*bytes, file.string());
@@ -29,9 +32,6 @@ Expected<void> add_ply_points(const std::filesystem::path& file, Source& source)
         fmt::format("{}: {} points that are not finite were dropped", file.string(), dropped));
   return {};
 }
-
-namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
 constexpr std::uint64_t kLargestJson = 1ULL << 28;  // Parsed, it takes ten times as much.
 

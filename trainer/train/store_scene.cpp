@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "fluxgs/io/gltf.h"
+#include "trainer/compress/compact_search.h"
 #include "trainer/compress/compression.h"
 #include "trainer/data/dataset.h"
 #include "trainer/paper/export_networks.h"
@@ -12,7 +13,7 @@ namespace fluxgs {
 namespace {
 
 Expected<StoredScene> opened(std::vector<std::byte> file) {
-  auto scene = read_glb(file, "compact .glb");
+  auto scene = read_glb(file, kCompactFileName);
   if (!scene) return std::unexpected(scene.error());
   return StoredScene{.file = std::move(file), .cloud = std::move(scene->cloud)};
 }
@@ -52,7 +53,7 @@ Expected<StoredScene> store_scene(const Trainer& trainer, const std::vector<View
                                   const std::function<void(const CompactTrial&)>& on_trial) {
   const TrainState& state = trainer.state;
   if (state.parameters.size() == 0) {
-    auto empty = encode_compact_glb(trainer.cloud(), {}, "compact .glb");
+    auto empty = encode_compact_glb(trainer.cloud(), {}, kCompactFileName);
     return empty ? opened(std::move(*empty)) : std::unexpected(empty.error());
   }
   for (const auto& phase : trainer.schedule().phases)

@@ -5,10 +5,8 @@
 #include <system_error>
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
 #include "tools/fluxgs/commands/plot.h"
-#include "tools/fluxgs/terminal/json_file.h"
 
 namespace fluxgs::cli {
 
@@ -20,16 +18,6 @@ Expected<void> check_outputs(const std::string& plot, const std::string& json) {
       return fail(path, "", "its folder does not exist");
   }
   return plot.empty() ? Expected<void>() : check_plot(plot);
-}
-
-Expected<void> give_report(const std::string& path, const nlohmann::json& numbers,
-                           const std::function<void()>& print_table) {
-  if (path == "-") {
-    print_json(numbers);
-    return {};
-  }
-  print_table();
-  return path.empty() ? Expected<void>() : write_json(path, numbers);
 }
 
 void add_report(CLI::App& app, Action& action) {

@@ -102,11 +102,7 @@ class TrainCommand {
   }
 
   Expected<void> write_report() {
-    if (settings_.report == "-")
-      print_json(report_);
-    else if (!settings_.report.empty())
-      return write_json(settings_.report, report_);
-    return {};
+    return give_report(settings_.report, report_, [] {});
   }
 
  private:
@@ -320,13 +316,8 @@ Expected<void> print_plan(const TrainSettings& settings) {
   const auto options = options_from(settings);
   if (!options) return std::unexpected(options.error());
   const Schedule schedule = plan_schedule(*options);
-  const json resolved = {{"options", options_json(schedule.options)}};
-  if (settings.report == "-")
-    print_json(resolved);
-  else
-    fmt::print("{}", plan_table(schedule));
-  return settings.report.empty() || settings.report == "-" ? Expected<void>()
-                                                           : write_json(settings.report, resolved);
+  return give_report(settings.report, {{"options", options_json(schedule.options)}},
+                     [&] { fmt::print("{}", plan_table(schedule)); });
 }
 
 Expected<void> train(TrainSettings settings) {

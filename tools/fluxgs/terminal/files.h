@@ -5,10 +5,10 @@
 
 namespace fluxgs::cli {
 
-/// Whether a path is a folder or anything inside of it, existing or not.
+/// True for a path that is a folder or lies inside of it; neither needs to exist.
 bool lies_in(const std::filesystem::path& inner, const std::filesystem::path& folder);
 
-/// Whether two paths, neither empty, name one file, existing or not.
+/// True for two paths of one file, which need not exist; false for an empty path.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
 /// A folder with an unguessable name that is deleted with this object.

@@ -25,6 +25,16 @@ Expected<void> write_json(const std::string& path, const nlohmann::json& object)
   return write_file_atomic(path, std::as_bytes(std::span(text)));
 }
 
+Expected<void> give_report(const std::string& path, const nlohmann::json& report,
+                           const std::function<void()>& print_table) {
+  if (path == "-") {
+    print_json(report);
+    return {};
+  }
+  print_table();
+  return path.empty() ? Expected<void>() : write_json(path, report);
+}
+
 Expected<nlohmann::json> read_json(const std::filesystem::path& path) {
   const auto bytes = read_file(path);
   if (!bytes) return std::unexpected(bytes.error());
