@@ -22,7 +22,7 @@ Expected<std::vector<GpuStatistics>> from_json(const std::string& text, const st
 std::vector<std::string> regressions(std::span<const GpuStatistics> baseline,
                                      std::span<const GpuStatistics> now);
 
-/// Whether both come from the same release of Mesa, e.g. 26.1.6, whatever the package's revision:
+/// True if both come from the same release of Mesa, e.g. 26.1.6, whatever the package's revision:
 /// numbers of different compilers say nothing about a change of ours.
 bool same_compiler(const GpuStatistics& a, const GpuStatistics& b);
 

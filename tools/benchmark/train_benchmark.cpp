@@ -43,7 +43,7 @@ double pairs_per_pixel(const Dataset& data, const TrainState& state, const Train
   return pairs / pixels;
 }
 
-/// Where a checkpoint was, or the start of a run.
+/// State of a checkpoint, or of the start of a run.
 Expected<TrainState> starting_state(const Settings& settings, const Dataset& data,
                                     const TrainOptions& options, const Threads& threads) {
   if (!settings.checkpoint.empty()) {

@@ -66,7 +66,7 @@ vec3 highlight(const vec3& normal, const vec3& view, const vec3& light, float ro
   return fresnel * (distribution * visibility * nl);
 }
 
-/// How much a surface mirrors, at this angle; rough ones less (after Karis 2013).
+/// Share of light that a surface mirrors at this angle; rough ones less (after Karis 2013).
 vec3 mirror_part(const vec3& f0, float roughness, float nv) {
   const vec3 grazing = glm::max(vec3(1 - roughness), f0);
   return f0 + (grazing - f0) * std::pow(1 - nv, 5.0F);

@@ -7,7 +7,7 @@
 
 namespace fluxgs::capture {
 
-/// What a ray that leaves the scene sees, linear RGB: a sky over a dark ground, with two softboxes
+/// Light of a ray that leaves the scene, linear RGB: a sky over a dark ground, with two softboxes
 /// and a window that show in reflections.
 glm::vec3 environment(const glm::vec3& direction);
 
@@ -15,7 +15,7 @@ glm::vec3 environment(const glm::vec3& direction);
 glm::vec3 radiance(const Scene& scene, const glm::vec3& origin, const glm::vec3& direction,
                    int bounces);
 
-/// From light to a display's linear range 0…1: highlights roll off instead of being cut.
+/// Maps light to a display's linear range 0…1: highlights roll off instead of being cut.
 glm::vec3 tone_map(const glm::vec3& light);
 
 /// The sRGB transfer function (IEC 61966-2-1) on 0…1.

@@ -26,7 +26,7 @@ int floor_to_int(float x) {
   return truncated - (static_cast<float>(truncated) > x ? 1 : 0);
 }
 
-/// Whether the floor of x is odd.
+/// True if the floor of x is odd.
 bool is_odd(float x) { return (floor_to_int(x) & 1) != 0; }
 
 glm::vec3 checker_marble(const glm::vec3& color, const glm::vec3& p, std::uint32_t seed) {

@@ -8,14 +8,14 @@
 namespace fluxgs {
 namespace {
 
-/// Where one splat counts in one pixel.
+/// Contribution of one splat to one pixel.
 struct Contribution {
   std::uint32_t splat;  // position in the sorted list
   double u, v, alpha, transmittance;
   bool limited;  // by α_max
 };
 
-/// What the pixels ask of one splat.
+/// Sums of the pixels' gradients for one splat.
 struct Sums {
   math::FootprintMoments<double> moments{};
   double h = 0;  // Σ α·∂L/∂α

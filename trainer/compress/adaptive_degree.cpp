@@ -16,7 +16,7 @@ std::uint8_t min_degree(const Unexplained& u, double threshold, std::size_t i) {
   return 3;
 }
 
-/// From `threshold` on a splat has a lower degree, and loses `more`.
+/// A lower degree of a splat: taken from `threshold` on, at a loss of `more`.
 struct Step {
   double threshold, more;
 };

@@ -42,7 +42,7 @@ class CompactSearch {
   CompactSearch(const SplatCloud& cloud, const SplatCloud& shown, const SceneError& error,
                 CompactOptions options, std::function<void(const CompactTrial&)> on_trial = {});
 
-  /// Of a cloud that has its colours.
+  /// Takes a cloud that has its colours.
   CompactSearch(const SplatCloud& cloud, const SceneError& error, CompactOptions options,
                 std::function<void(const CompactTrial&)> on_trial = {})
       : CompactSearch(cloud, cloud, error, std::move(options), std::move(on_trial)) {}

@@ -11,7 +11,7 @@
 
 namespace fluxgs {
 
-/// How much the whole sphere counts beside the views (sh_fit.h), at least. On two trained captures
+/// Least weight of the whole sphere beside the views (sh_fit.h). On two trained captures
 /// (fox: 43 images; snowmiku: 84) the loss over images that were not fitted to is least between
 /// 3e-4 and 3e-3, for degree 1 and 2 alike; at 1e-6 it is up to 35% larger (fox, degree 2).
 inline constexpr double kSpherePrior = 1e-3;
@@ -36,7 +36,7 @@ PlanarFloats fit_to_views(const PlanarFloats& parameters, int degree, const View
 PlanarFloats fit_to_sphere(const PlanarFloats& parameters, int degree, const SphereRule& rule,
                            const Threads& threads);
 
-/// What lower degrees cannot tell apart from the views, for each splat.
+/// The part of each splat's colour that lower degrees cannot show in the views.
 struct Unexplained {
   std::vector<float> weights = {};  ///< Σ w_v: pixels
   /// Row d, 0…3 (row 3: zeros): Σ (w_v/W)·|c(d_v) − a(d_v)|², the three channels added up, for a

@@ -36,7 +36,7 @@ void put_quaternion(PlanarFloats& rows, std::size_t i, const glm::dquat& q) {
   for (int c = 0; c < 4; ++c) rows.row(row::rotation + c)[i] = static_cast<float>(parts[c]);
 }
 
-/// Where rotations q of a state became |q|⁻¹·q·h with a half turn h, their gradients become
+/// After rotations q of a state became |q|⁻¹·q·h with a half turn h, their gradients become
 /// |q|·g·h: moments of quaternions that came before follow them.
 void follow_rotations(const PlanarFloats& before, const std::vector<glm::quat>& after,
                       AdamState& adam) {

@@ -34,7 +34,7 @@ inline constexpr int kShCount = 16;  ///< functions of degree 3 or less, the con
 using ShGram = Eigen::Matrix<double, kShCount, kShCount>;
 using ShCoefficients = Eigen::Matrix<double, kShCount, 3>;  ///< columns: red, green, blue
 
-/// How a splat is seen.
+/// Views of a splat.
 struct SplatViews {
   double weight = 0;             ///< W; 0: not seen
   ShGram gram = ShGram::Zero();  ///< G; its trace is 16/4π, or 0 where the splat is not seen

@@ -44,7 +44,7 @@ struct ShReductionOptions {
 /// The degree that every splat ends with; adaptive: the highest.
 int target_sh_degree(const TrainOptions& options);
 
-/// Whether degrees are reduced at some iteration.
+/// True if degrees are reduced at some iteration.
 bool reduces_sh(const TrainOptions& options);
 
 /// The degree that every splat starts with.

@@ -9,11 +9,11 @@
 
 namespace fluxgs {
 
-/// Of trained captures chesscat takes the second, banana (12 images) the third, fox, snowmiku and a
-/// rendered glossy one the first. At the SH reduction of banana, 0.14 and 0.29 dB of test PSNR that
-/// the first would lose are gained or kept. Larger ones would lose even less there, but splats that
-/// are fitted less well keep more SH coefficients instead: with 0.1 its file is 4% larger in the
-/// end, and no better.
+/// Candidates. Of trained captures chesscat takes the second, banana (12 images) the third, fox,
+/// snowmiku and a rendered glossy one the first. At the SH reduction of banana, 0.14 and 0.29 dB of
+/// test PSNR that the first would lose are gained or kept. Larger ones would lose even less there,
+/// but splats that are fitted less well keep more SH coefficients instead: with 0.1 its file is 4%
+/// larger in the end, and no better.
 inline constexpr double kSpherePriors[] = {kSpherePrior, 0.01, 0.03};
 
 /// Σ w_v·|c(d_v) − a(d_v)|² over views, colour channels, degrees 0 to 2 and splats (4096 of them at
@@ -21,7 +21,7 @@ inline constexpr double kSpherePriors[] = {kSpherePrior, 0.01, 0.03};
 double left_out_loss(const PlanarFloats& parameters, const ViewWeights& views, double prior,
                      const Threads& threads);
 
-/// That of kSpherePriors with the least left_out_loss(), of equals the smaller.
+/// The candidate with the least left_out_loss(), of equals the smaller.
 double best_sphere_prior(const PlanarFloats& parameters, const ViewWeights& views,
                          const Threads& threads);
 

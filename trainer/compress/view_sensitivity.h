@@ -18,7 +18,7 @@ namespace fluxgs {
 /// images (the contribution of the paper's section on compression).
 std::vector<float> total_weights(const ViewWeights& views);
 
-/// How much the whole sphere counts beside the views (appearance/sh_fit.h) in errors of SH
+/// Weight of the whole sphere beside the views (compress/sh_fit.h) in errors of SH
 /// coefficients. At the same error in training views, 0.01 instead of 1e-3 makes files of five
 /// captures up to 1.7% larger and other views better by 0.02 to 0.06 dB, by 0.18 and 0.23 where
 /// training views are few (banana: 12); with 0.1 files grow faster than errors fall.
@@ -28,7 +28,7 @@ inline constexpr double kSphereShare = 0.01;
 std::vector<float> sh_factors(const PlanarFloats& parameters, const ViewWeights& views,
                               const Threads& threads);
 
-/// What errors cost in the images of the cameras; where networks make the colours, only weights.
+/// Costs of errors in the images of the cameras; where networks make the colours, only weights.
 SensitivityWeights view_sensitivity(const std::vector<Camera>& cameras, const SplatCloud& cloud,
                                     bool has_networks, const RenderOptions& render,
                                     const Threads& threads, const ProgressReport& progress = {});

@@ -44,7 +44,7 @@ struct ColmapModel {
   bool has_points_file = false;  ///< points3D may be missing; cameras and images may not
 };
 
-/// Whether a folder holds cameras.bin or cameras.txt.
+/// True if a folder holds cameras.bin or cameras.txt.
 bool is_colmap_model(const std::filesystem::path& folder);
 
 /// Read a model; the binary files where cameras.bin exists, otherwise the text files.

@@ -11,7 +11,7 @@
 
 namespace fluxgs {
 
-/// Whether a path names a regular file that exists; false, too, for names no file can have.
+/// True if a path names a regular file that exists; false, too, for names no file can have.
 bool is_file(const std::filesystem::path& path);
 
 /// The content of a file as text; the errors of read_file().

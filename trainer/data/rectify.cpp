@@ -26,7 +26,7 @@ Lens to_pinhole(const cv::Matx33d& matrix, const Lens& lens) {
           .cy = matrix(1, 2) + kCornerToCentre};
 }
 
-/// Whether a pinhole found by OpenCV is a camera at all, and one like the lens: an image stretched
+/// True if a pinhole found by OpenCV is a camera, and one like the lens: an image stretched
 /// more than tenfold comes from coefficients that are wrong.
 bool is_plausible(const Lens& pinhole, const Lens& lens) {
   const auto near = [](double a, double b) { return a > b / 10 && a < b * 10; };

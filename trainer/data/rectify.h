@@ -11,7 +11,7 @@
 
 namespace fluxgs {
 
-/// Where each pixel of the undistorted image comes from. For a lens without distortion the maps
+/// Source of each pixel of the undistorted image. For a lens without distortion the maps
 /// are empty and the pinhole is the lens.
 struct Rectification {
   Lens pinhole;          ///< same size, no distortion

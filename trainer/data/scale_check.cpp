@@ -23,7 +23,7 @@ std::optional<double> median(std::vector<double> values) {
   return *middle;
 }
 
-/// Of some points, evenly spread, in front of a camera.
+/// Median depth of some points, evenly spread, in front of a camera.
 std::optional<double> depth_of_points(const Camera& camera, const std::vector<glm::vec3>& points) {
   std::vector<double> depths;
   const std::size_t stride = points.size() / kMaxPoints + 1;
@@ -34,7 +34,8 @@ std::optional<double> depth_of_points(const Camera& camera, const std::vector<gl
   return median(std::move(depths));
 }
 
-/// Of the point that views meet in. A panorama's lie among its cameras, behind many of them.
+/// Median depth of the point that views meet in. A panorama's lies among its cameras, behind many
+/// of them.
 std::optional<double> depth_of_focus(const std::vector<Camera>& cameras) {
   constexpr double kMinInFront = 0.75, kMinSpreads = 0.2;
   const std::vector<Ray> views = view_rays(cameras);
@@ -51,7 +52,7 @@ std::optional<double> depth_of_focus(const std::vector<Camera>& cameras) {
   return depth > kMinSpreads * camera_spread(cameras) ? depth : std::nullopt;
 }
 
-/// How far apart cameras are that look the same way, such as those of a flight over a map; 0 of
+/// Distance of cameras that look the same way, such as those of a flight over a map; 0 of
 /// others, and of those in one place but for rounding.
 double parallel_spread(const std::vector<Camera>& cameras) {
   if (nearest_point_to_rays(view_rays(cameras))) return 0;
@@ -60,7 +61,7 @@ double parallel_spread(const std::vector<Camera>& cameras) {
   return spread > kRounding * (1 + glm::length(cameras[0].center())) ? spread : 0.0;
 }
 
-/// What rounding to 32 bits moves a position by, at most.
+/// Largest error of a position by rounding to 32 bits.
 double rounding_at(double distance) { return std::ldexp(distance, -24); }
 
 }  // namespace

@@ -18,7 +18,7 @@ struct Ray {
 /// parallel to within about half a degree, so that it could be anywhere.
 std::optional<glm::dvec3> nearest_point_to_rays(const std::vector<Ray>& rays);
 
-/// From the centre of each camera along its view direction.
+/// Rays from the centre of each camera along its view direction.
 std::vector<Ray> view_rays(const std::vector<Camera>& cameras);
 
 /// The ray through a pixel of an image, e.g. (i + ½, j + ½).

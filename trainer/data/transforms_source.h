@@ -15,7 +15,7 @@ namespace fluxgs {
 /// Frames without an image file are skipped and counted.
 Expected<Source> read_transforms_source(const std::filesystem::path& folder);
 
-/// Whether the folder holds one of these files.
+/// True if the folder holds one of these files.
 bool has_transforms(const std::filesystem::path& folder);
 
 }  // namespace fluxgs

@@ -27,7 +27,7 @@ double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
   return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
 }
 
-/// How unsuitable a pair is: 0 at 10° of parallax between parallel views; infinite where features
+/// Unsuitability of a pair: 0 at 10° of parallax between parallel views; infinite where features
 /// no longer match.
 double pair_cost(const View& a, const View& b, const glm::dvec3& focus) {
   const double parallax = angle_between(focus - a.camera.center(), focus - b.camera.center());

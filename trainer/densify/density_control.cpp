@@ -26,7 +26,7 @@ float mean_gradient(const TrainState& state, std::uint32_t i) {
          std::max(state.statistics.row(statistic::views)[i], 1.0f);
 }
 
-/// How many splats may be added now. With a target, what goes is made up for.
+/// Number of splats that may be added now. With a target, what goes is made up for.
 std::size_t room(const TrainState& state, const TrainOptions& options, std::size_t pruned) {
   const auto& own = options.get<DensificationOptions>();
   const double size = static_cast<double>(state.parameters.size());
@@ -43,7 +43,7 @@ std::size_t room(const TrainState& state, const TrainOptions& options, std::size
   return static_cast<std::size_t>(std::max(limit, 0.0));
 }
 
-/// Of the splats that stay those that are to grow, the first by rank if there is room for some
+/// The splats that stay and are to grow, the first by rank if there is room for some
 /// only.
 std::vector<std::uint32_t> select_for_growth(const TrainState& state, const TrainOptions& options,
                                              const SplatScores* scores,

@@ -52,7 +52,7 @@ void share_all(TrainState& state, const std::vector<std::uint32_t>& drawn,
   }
 }
 
-/// How many moved.
+/// Returns the number of splats that moved.
 std::size_t relocate(TrainState& state, const DensificationOptions& options) {
   std::vector<std::uint32_t> dead, alive;
   for (std::uint32_t i = 0; i < state.parameters.size(); ++i)
@@ -69,7 +69,7 @@ std::size_t relocate(TrainState& state, const DensificationOptions& options) {
   return dead.size();
 }
 
-/// How many were added.
+/// Returns the number of splats that were added.
 std::size_t grow(TrainState& state, const TrainOptions& options) {
   const auto& own = options.get<DensificationOptions>();
   const std::size_t size = state.parameters.size();

@@ -16,7 +16,7 @@ struct OpacityResetOptions {
   OptionFields fields(const TrainOptions& all);
 };
 
-/// Whether opacities are reset at all; of resolved options.
+/// True if opacities are reset at all; of resolved options.
 bool resets_opacity(const TrainOptions& options);
 
 /// Limits every opacity to `to` and clears the optimiser's memory of it.

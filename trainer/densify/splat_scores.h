@@ -51,7 +51,7 @@ struct ScoreOptions {
   ScoreNormalization normalization = ScoreNormalization::pixel;
   double tau_plus = 0.1, tau_minus = 0.01;           ///< τ⁺, τ⁻, in `unit`
   double quantile_plus = 0.6, quantile_minus = 0.1;  ///< Q⁺, Q⁻, 0…1
-  /// Whether a phase of the schedule looks at S⁺, at S⁻; set when the schedule is made.
+  /// True if a phase of the schedule looks at S⁺, at S⁻; set when the schedule is made.
   bool uses_plus = false, uses_minus = false;
 
   OptionFields fields(const TrainOptions& all);

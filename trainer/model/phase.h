@@ -32,7 +32,7 @@ struct Change {
   T before = {}, after = {};
 };
 
-/// What an event of a phase cost and gained. The trainer measures name, iteration, PSNR and splats;
+/// Cost and gain of an event of a phase. The trainer measures name, iteration, PSNR and splats;
 /// the phase adds the rest.
 struct PhaseReport {
   std::string name;
@@ -52,7 +52,7 @@ struct PlanRow {
   int interval = 1;   ///< 0: once, at `from`
   std::string what;   ///< a sentence without a full stop
   int first() const;  ///< the first iteration at which it is due, if any is
-  /// Whether anything takes place within so many iterations.
+  /// True if anything takes place within so many iterations.
   bool takes_place(int iterations) const;
   bool due(int iteration) const;
 };
@@ -116,7 +116,7 @@ class Phase {
 
   virtual const char* name() const = 0;
   virtual PlanRow plan() const = 0;
-  /// Why the phase will not do what was asked for; empty: it will.
+  /// Reason why the phase will not do what was asked for; empty: it will.
   virtual std::string warning() const { return {}; }
 
   // The points of an iteration. state.iteration counts the iterations done; it grows after begin().
@@ -129,13 +129,13 @@ class Phase {
   virtual void before_render(Training&) {}
   /// Uses or changes gradients; parameters have not moved yet.
   virtual void after_backward(Training&) {}
-  /// Whether after_step() is an event of this iteration, whose effect is measured.
+  /// True if after_step() is an event of this iteration, whose effect is measured.
   virtual bool reports(const TrainState&) const { return false; }
   /// Changes the scene, after the optimiser has moved the parameters. Returns a report of what
   /// happened, if anything did that a user wants to know.
   virtual std::optional<PhaseReport> after_step(Training&) { return {}; }
 
-  /// Whether the phase makes colours that the parameters do not hold.
+  /// True if the phase makes colours that the parameters do not hold.
   virtual bool has_colors() const { return false; }
   /// Writes such colours of all splats into rows sh_dc and sh_rest of the parameters, or a copy.
   virtual void bake_colors(const TrainState&, PlanarFloats& /*parameters*/) const {}
@@ -145,8 +145,8 @@ class Phase {
   }
   virtual std::uint64_t rejected_gradients() const { return 0; }  ///< that were not finite
 
-  /// What a checkpoint holds of the phase beside the splats. load() refuses what save() cannot have
-  /// made in a training with that state; it is given nothing where nothing was saved.
+  /// Values that a checkpoint holds of the phase beside the splats. load() refuses what save()
+  /// cannot have made in a training with that state; it is given nothing where nothing was saved.
   virtual std::vector<double> save() const { return {}; }
   virtual Expected<void> load(const std::vector<double>&, const TrainState&) { return {}; }
 };

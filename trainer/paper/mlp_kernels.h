@@ -9,7 +9,7 @@
 
 namespace fluxgs {
 
-/// What happens to A·B before it is stored.
+/// Operation on A·B before it is stored.
 enum class MlpEpilogue {
   bias,       ///< C = A·B + extra, a row of `columns` floats
   bias_relu,  ///< C = max(0, A·B + extra)

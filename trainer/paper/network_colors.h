@@ -26,7 +26,7 @@ struct NetworkColorOptions {
   Expected<void> validate(const TrainOptions& all) const;
 };
 
-/// Whether Ψ, and Φ, make colours; of valid options.
+/// True if Ψ, and Φ, make colours; of valid options.
 bool makes_psi(const TrainOptions& options);
 bool makes_phi(const TrainOptions& options);
 

@@ -28,7 +28,7 @@ void put_psi_row(const networks::Normalisation& normalisation, const PlanarFloat
 void put_phi_row(const networks::Normalisation& normalisation, const PlanarFloats& parameters,
                  const ShRow& sh, std::size_t i, float* row);
 
-/// Whether an entry of a row is inside of the limits; at them its derivative is 0.
+/// True if an entry of a row is inside of the limits; at them its derivative is 0.
 inline bool moves(float entry) { return std::abs(entry) < networks::kInputLimit; }
 
 }  // namespace fluxgs

@@ -49,7 +49,7 @@ void apply_layer(const TrainableMlp& mlp, std::size_t layer, const Rows& in, std
                    .extra = bias_of(w)});
 }
 
-/// What layer `layer` is given in rows [begin, end) of a batch.
+/// Inputs of layer `layer` in rows [begin, end) of a batch.
 Rows inputs_of(const TrainableMlp& mlp, std::size_t layer, const MlpBatch& batch, std::size_t begin,
                std::size_t end, const MlpKernels& kernels) {
   const PlanarFloats& kept = batch.values[layer];

@@ -43,9 +43,9 @@ TrainableMlp make_mlp(std::vector<int> sizes, bool zero_last_layer, Random& rand
 /// Matrices of the network's shape, all zero.
 MlpMatrices make_matrices(const std::vector<int>& sizes);
 
-/// What the backward pass needs of the forward pass, by layer: the inputs, and the values of hidden
-/// layers. Those of the first hidden layer are computed again: they are the largest part, and cost
-/// as much to fetch from memory.
+/// Values of the forward pass that the backward pass needs, by layer: the inputs, and the values of
+/// hidden layers. Those of the first hidden layer are computed again: they are the largest part,
+/// and cost as much to fetch from memory.
 struct MlpBatch {
   MlpMatrices values;  ///< [layer] → [row][column]; values[1] is empty
 };

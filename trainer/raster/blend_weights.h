@@ -19,7 +19,7 @@ class BlendWeights {
 
   /// One finite weight ≥ 0 a splat, 0 where it is not seen; valid until the next call.
   const std::vector<float>& of(const Camera& camera);
-  /// How many pixels of that view each splat reaches.
+  /// Number of pixels of that view that each splat reaches.
   const std::vector<float>& pixels() const { return pixels_; }
 
  private:

@@ -27,7 +27,7 @@ class Rasterizer {
  public:
   virtual ~Rasterizer() = default;
 
-  /// Which splats a camera can see, without rendering: visible() as forward() would leave it, but
+  /// Splats that a camera can see, without rendering: visible() as forward() would leave it, but
   /// for colours that are not finite.
   virtual const std::vector<std::uint8_t>& find_visible(const PlanarFloats& parameters,
                                                         const Camera& camera,

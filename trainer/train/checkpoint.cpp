@@ -138,7 +138,7 @@ std::optional<std::pair<const char*, std::string>> impossible(const Checkpoint& 
   return {};
 }
 
-/// Whether every phase can go on from its values.
+/// True if every phase can go on from its values.
 Expected<void> check_phases(const TrainState& state, const TrainOptions& options) {
   const Schedule schedule = plan_schedule(options);
   for (const auto& phase : schedule.phases) {

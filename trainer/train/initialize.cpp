@@ -11,7 +11,7 @@
 namespace fluxgs {
 namespace {
 
-/// What nanoflann asks of a set of points.
+/// Interface that nanoflann asks of a set of points.
 struct Points {
   const std::vector<glm::vec3>& all;
   std::size_t kdtree_get_point_count() const { return all.size(); }

@@ -18,7 +18,7 @@ Expected<StoredScene> opened(std::vector<std::byte> file) {
   return StoredScene{.file = std::move(file), .cloud = std::move(scene->cloud)};
 }
 
-/// What is to be stored, with what else goes into the file.
+/// A scene to be stored, with everything else that goes into the file.
 struct Candidate {
   SplatCloud cloud;
   CompactOptions options;

@@ -18,8 +18,8 @@ struct StoredScene {
   /// Bytes of files with the same error: with networks, and with the colours that they make. None
   /// where nothing was made by networks, or where there is an error.
   std::optional<std::size_t> with_networks = {}, without_networks = {};
-  /// Why there is no file with networks: they cannot be run (no onnxruntime), or no steps are fine
-  /// enough. Colours are then stored.
+  /// Reason why there is no file with networks: they cannot be run (no onnxruntime), or no steps
+  /// are fine enough. Colours are then stored.
   std::optional<Error> networks_error = {};
 };
 

@@ -16,7 +16,7 @@
 
 namespace fluxgs {
 
-/// What one iteration did.
+/// Result of one iteration.
 struct IterationReport {
   double loss = 0;  ///< without penalties, of the image at its size in this iteration
   PhotometricSums sums;

@@ -46,10 +46,10 @@ SplatCloud in_order(const SplatCloud& cloud, std::span<const std::uint32_t> orde
 /// Leaves out the SH coefficients beyond a degree; a cloud of that degree or less stays as it is.
 void limit_sh_degree(SplatCloud& cloud, int degree);
 
-/// Whether every attribute of splat i is a finite number.
+/// True if every attribute of splat i is a finite number.
 bool is_finite(const SplatCloud& cloud, std::size_t i);
 
-/// How many splats have a NaN or infinity in any attribute.
+/// Number of splats with a NaN or infinity in any attribute.
 std::size_t count_non_finite(const SplatCloud& cloud);
 
 /// Remove every splat that has a NaN or infinity in any attribute; the order of the others stays.

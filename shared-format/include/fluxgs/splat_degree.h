@@ -13,7 +13,7 @@ namespace fluxgs {
 /// does without are zeros; compact files and the renderer leave them out.
 int sh_degree_of(const SplatCloud& cloud, std::size_t i);
 
-/// How many splats need each degree, 0…3.
+/// Number of splats that need each degree, 0…3.
 using DegreeCounts = std::array<std::size_t, 4>;
 DegreeCounts count_degrees(const SplatCloud& cloud);
 

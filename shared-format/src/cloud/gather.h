@@ -8,7 +8,7 @@
 
 namespace fluxgs::io {
 
-/// The first `kept` of the `each` numbers that each of these splats has in `from`; nothing of
+/// The first `kept` of the `each` values that each of these splats has in `from`; nothing of
 /// nothing.
 inline std::vector<float> gather(std::span<const float> from, std::span<const std::uint32_t> splats,
                                  std::size_t each, std::size_t kept) {

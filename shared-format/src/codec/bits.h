@@ -21,7 +21,7 @@ class BitWriter {
       out_.push_back(static_cast<std::byte>(buffer_));
   }
 
-  /// Exponential Golomb code of order `order`, of a value below 2³¹: small numbers in few bits.
+  /// Exponential Golomb code of order `order`, of a value below 2³¹: small values in few bits.
   void put_golomb(std::uint32_t value, unsigned order) {
     const std::uint32_t high = (value >> order) + 1;
     const unsigned length = static_cast<unsigned>(std::bit_width(high)) - 1;

@@ -24,7 +24,7 @@ inline void put_varint(Bytes& out, std::uint64_t value) {
   out.push_back(static_cast<std::byte>(value));
 }
 
-/// Signed numbers of small size as small unsigned ones: 0, −1, 1, −2, …
+/// Signed integers of small size as small unsigned ones: 0, −1, 1, −2, …
 constexpr std::uint64_t zigzag(std::int64_t v) {
   return (static_cast<std::uint64_t>(v) << 1) ^ static_cast<std::uint64_t>(v >> 63);
 }

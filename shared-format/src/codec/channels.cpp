@@ -59,11 +59,11 @@ Expected<ChannelPlanes> in_steps(const Channels& input, const Layout& t) {
         for (std::size_t k = 0; k < n; ++k) z += double{t.basis[c * n + k]} * centered[k];
       }
       z /= step;
-      if (!(std::abs(z) < kLargestNumber))
+      if (!(std::abs(z) < kMaxInteger))
         return fail("", "",
                     fmt::format("splat {}: its value over the step of {:g} is {:g}, expected less "
                                 "than {:g}",
-                                i, t.step, z, kLargestNumber));
+                                i, t.step, z, kMaxInteger));
       planes[c][i] = z;
     }
   }
@@ -80,7 +80,7 @@ void undo_differences(std::span<std::int32_t> values) {
   }
 }
 
-/// Whether differences from the prediction take fewer bits, and how many the channel takes, rounded
+/// Tells if differences from the prediction take fewer bits, and the bits of the channel, rounded
 /// to the nearest, which tells well enough.
 std::pair<bool, double> shorter_code(const std::vector<double>& plane) {
   const double plain = entropy_bits(quantize_cheaply(plane, false, {}));
@@ -142,7 +142,7 @@ Expected<Layout> take_layout(ByteReader& in, std::size_t channels) {
       const auto number = in.take<float>();
       if (!number) return fail("", "", "is cut off in its header");
       if (!(std::abs(*number) < kLargestInHeader))
-        return fail("", "", "its header has numbers out of range");
+        return fail("", "", "its header has values out of range");
       value = *number;
     }
   BitReader bits(in);

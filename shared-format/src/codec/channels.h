@@ -1,4 +1,4 @@
-// Coding of an attribute with several numbers for each splat: decorrelated, rounded to a step,
+// Coding of an attribute with several values for each splat: decorrelated, rounded to a step,
 // predicted from the splats before, entropy coded.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace fluxgs::codec {
 
-/// Numbers of `splats`·`channels`, splat by splat. At most 64 channels. `step scale` multiplies the
+/// Values of `splats`·`channels`, splat by splat. At most 64 channels. `step scale` multiplies the
 /// step of each splat (> 0; empty: 1 for all); whoever decodes must have it too.
 struct Channels {
   std::size_t channels = 1;
@@ -40,7 +40,7 @@ Expected<void> encode_channels(const Channels& input, float step,
 /// Bits that encode_channels would take, rounding to the nearest, without the few for tables.
 Expected<double> channels_bits(const Channels& input, float step);
 
-/// How the numbers of a splat become whole ones, k: x = mean + basis·(step·k).
+/// Conversion between the values x of a splat and integers k: x = mean + basis·(step·k).
 struct Layout {
   float step = 1;
   std::vector<float> mean = {};
@@ -54,7 +54,7 @@ struct Layout {
 /// The one with which encode_channels would take the fewest bits.
 Expected<Layout> shortest_layout(const Channels& input, float step);
 
-/// Appends whole numbers of each channel, or what they differ by from their predictions, as a
+/// Appends integers of each channel, or what they differ by from their predictions, as a
 /// stream that decode_channels reads.
 void encode_whole(const Layout& layout, const std::vector<std::vector<std::int32_t>>& planes,
                   Bytes& out);
@@ -63,7 +63,7 @@ void encode_whole(const Layout& layout, const std::vector<std::vector<std::int32
 /// into `values`, already of that size; unlike Channels, these go channel by channel. `step scale`
 /// is that of the encoder; where it differs in its last bits, so do the values, and no more.
 /// Returns the step, or an error (without a file's name): cut, damaged, another number of channels,
-/// or numbers that are not finite.
+/// or values that are not finite.
 Expected<float> decode_channels(ByteReader& in, std::size_t channels,
                                 std::span<const float> step_scale, std::span<float> values);
 

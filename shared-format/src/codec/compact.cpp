@@ -40,7 +40,7 @@ enum Attribute : std::size_t { kPosition, kScale, kOpacity, kRotation, kDc, kRes
 constexpr const char* kNames[] = {"position", "scale",   "opacity", "rotation",
                                   "sh_dc",    "sh_rest", "energy"};
 
-/// What a stream holds, as far as it is decoded.
+/// Contents of a stream, as far as they are decoded.
 struct Content {
   SplatCloud cloud;
   bool has_energy = false;
@@ -84,7 +84,7 @@ double factor_of(Attribute attribute, const RateFactors& rates) {
   return attribute == kRotation ? rates.rotation : rates.color;
 }
 
-/// The attributes that are three numbers, or a multiple of them, as they are.
+/// The attributes that are three values, or a multiple of them, as they are.
 std::vector<glm::vec3>& vectors_of(Attribute attribute, SplatCloud& cloud) {
   return attribute == kScale ? cloud.log_scales : attribute == kDc ? cloud.sh_dc : cloud.sh_rest;
 }
@@ -108,7 +108,7 @@ std::vector<float> values_of(Attribute attribute, Content& content) {
   return out;
 }
 
-/// Numbers that lie channel by channel.
+/// Values that lie channel by channel.
 struct AttributePlanes {
   const std::vector<float>& values;
   std::size_t splats;
@@ -146,7 +146,7 @@ std::unexpected<Error> in_attribute(Attribute attribute, const Error& error) {
   return fail("", kNames[attribute], error.message());
 }
 
-/// Of errors in steps: those of a coarse splat are larger. 1 on the average.
+/// Weights of errors in steps: those of a coarse splat are larger. 1 on the average.
 std::vector<float> quantization_weights(std::span<const float> weights,
                                         std::span<const float> step_scale) {
   if (weights.empty()) return {};
@@ -190,7 +190,7 @@ Expected<void> decode_section(Attribute attribute, std::span<const std::byte> se
   return {};
 }
 
-/// What an attribute is made of on its way into a stream.
+/// An attribute on its way into a stream.
 struct Input {
   Channels channels;
   float step = 1;
@@ -271,13 +271,13 @@ class Encoder {
   Input input_of(Attribute attribute) {
     std::vector<float> step_scale = decoded_.step_scale_of(attribute);
     std::vector<float> weights = quantization_weights(sensitivity_.weights, step_scale);
-    Stepped numbers =
+    Stepped stepped =
         attribute == kScale
             ? roots_of(exact_.cloud.log_scales, options_.steps.log_scale)
             : Stepped{values_of(attribute, exact_), step_of(attribute, options_.steps)};
-    return {.channels = {channels_of(attribute, exact_.cloud.sh_degree), std::move(numbers.values),
+    return {.channels = {channels_of(attribute, exact_.cloud.sh_degree), std::move(stepped.values),
                          std::move(step_scale)},
-            .step = numbers.step,
+            .step = stepped.step,
             .rate_weight = options_.rate_weight * factor_of(attribute, rates_),
             .weights = std::move(weights)};
   }

@@ -21,7 +21,8 @@ inline constexpr std::size_t kMaxSymbols = 4096;
 /// exactnesses it takes the one with which table and symbols together are shortest.
 std::vector<std::uint32_t> put_frequencies(std::span<const std::uint32_t> counts, BitWriter& out);
 
-/// What put_frequencies() returned, of so many symbols. Errors: the table is cut off or is none.
+/// Reads the table that put_frequencies() wrote, of so many symbols. Errors: the table is cut off
+/// or is none.
 Expected<std::vector<std::uint32_t>> take_frequencies(BitReader& in, std::size_t symbols);
 
 }  // namespace fluxgs::codec

@@ -31,7 +31,7 @@ Expected<void> NoiseShapingQuantizer::round(std::size_t i, const CoupledValues& 
   std::ranges::fill(errors, 0.0);
   for (std::size_t k = shaped.x.size(); k-- > shaped.kept;) {
     const double z = (shaped.x[k] + compensation(shaped, k, errors)) / shaped.step;
-    if (!(std::abs(z) < kLargestNumber))
+    if (!(std::abs(z) < kMaxInteger))
       return fail("", "",
                   fmt::format("splat {}: a value over the step of {:g} is not within ±2²⁸", i,
                               shaped.step));
@@ -54,7 +54,7 @@ double NoiseShapingQuantizer::compensation(const CoupledValues& shaped, std::siz
   return sum / double{shaped.factor[entry(k, k)]};
 }
 
-/// The best number from the nearest to zero: where errors are made up for, it may be far from both.
+/// The best value from the nearest to zero: where errors are made up for, it may be far from both.
 std::int32_t NoiseShapingQuantizer::choose(double z, double weight, std::size_t plane) const {
   const auto near = static_cast<std::int32_t>(std::lround(z));
   if (near == 0 || prices_.empty() || !Prices::knows(near)) return near;

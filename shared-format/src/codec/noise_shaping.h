@@ -1,10 +1,10 @@
-// Rounding of numbers that belong together where errors of one can be made up for by the others:
-// where errors e of a splat's numbers cost eᵀ·H·e = |Lᵀ·e|². Numbers are rounded one after the
-// other, the last first. Row k of Lᵀ has nothing before k: the best number k for given errors of
+// Rounding of values that belong together where errors of one can be made up for by the others:
+// where errors e of a splat's values cost eᵀ·H·e = |Lᵀ·e|². Values are rounded one after the
+// other, the last first. Row k of Lᵀ has nothing before k: the best value k for given errors of
 // those above it is x_k + Σ_{j>k} L_jk·e_j/L_kk, and being off from that by δ costs (L_kk·δ)²,
 // whatever comes after. This is noise shaping, or the successive cancellation of Babai's nearest
 // plane (1986), with which weights of neural networks are rounded too (Frantar et al. 2023,
-// "GPTQ"). The leading part of L is the L of the leading numbers.
+// "GPTQ"). The leading part of L is the L of the leading values.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@
 
 namespace fluxgs::codec {
 
-/// Numbers of one splat that are rounded together.
+/// Values of one splat that are rounded together.
 struct CoupledValues {
   std::span<const double> x;      ///< n of them
   std::span<const float> factor;  ///< the lower triangle of L, row by row
@@ -31,9 +31,9 @@ struct CoupledValues {
 
 class NoiseShapingQuantizer {
  public:
-  static constexpr std::size_t kMax = 16;  ///< numbers in a CoupledValues
+  static constexpr std::size_t kMax = 16;  ///< values in a CoupledValues
 
-  /// Whole numbers of each plane are priced together; where `predicted` is 1, by what they differ
+  /// Integers of each plane are priced together; where `predicted` is 1, by what they differ
   /// from the prediction (prediction.h) of the splats before.
   NoiseShapingQuantizer(std::vector<std::uint8_t> predicted, std::size_t splats, double rate_weight)
       : rate_weight_(rate_weight),
@@ -44,16 +44,16 @@ class NoiseShapingQuantizer {
   /// with the prices of what came out.
   Expected<void> run(const std::function<Expected<void>()>& pass);
 
-  /// Rounds numbers n−1…kept of splat i into planes first, first + stride…; an error where a number
+  /// Rounds values n−1…kept of splat i into planes first, first + stride…; an error where a value
   /// is beyond ±2²⁸ steps. `errors` (n), what they lost, is 0 for those that are kept.
   Expected<void> round(std::size_t i, const CoupledValues& shaped, std::size_t first,
                        std::size_t stride, std::span<double> errors);
 
-  /// What makes up for the errors of the numbers behind k: by how much k should move.
+  /// Shift of value k that makes up for the errors of the values behind it.
   static double compensation(const CoupledValues& shaped, std::size_t k,
                              std::span<const double> errors);
 
-  /// The numbers, or their differences from the prediction.
+  /// The values, or their differences from the prediction.
   std::vector<std::vector<std::int32_t>> planes() && { return std::move(planes_); }
 
  private:

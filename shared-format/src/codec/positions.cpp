@@ -14,7 +14,7 @@
 namespace fluxgs::codec {
 namespace {
 
-// Draco's encoder counts every number up to the largest: 2²⁴ steps take it 130 MB for a moment, 2³⁰
+// Draco's encoder counts every value up to the largest: 2²⁴ steps take it 130 MB for a moment, 2³⁰
 // would take 8 GB.
 constexpr double kMaxSteps = 0x1p24;
 constexpr std::size_t kMinSplats = 1, kMaxSplats = std::size_t{1} << 30;

@@ -24,39 +24,39 @@ std::int32_t choose(double value, double weight, double rate_weight, const Price
 /// Calls pick(difference from the prediction, index) for each value in turn.
 template <class Pick>
 std::vector<std::int32_t> walk(std::span<const double> values, bool predicted, const Pick& pick) {
-  std::vector<std::int32_t> numbers(values.size());
+  std::vector<std::int32_t> integers(values.size());
   Prediction prediction;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::int32_t expected = predicted ? prediction.next() : 0;
-    numbers[i] = pick(values[i] - expected, i);
-    prediction.add(expected + numbers[i]);
+    integers[i] = pick(values[i] - expected, i);
+    prediction.add(expected + integers[i]);
   }
-  return numbers;
+  return integers;
 }
 
 }  // namespace
 
-Prices::Prices(std::span<const std::int32_t> numbers) : bits_(2 * kReach + 1) {
+Prices::Prices(std::span<const std::int32_t> integers) : bits_(2 * kReach + 1) {
   std::vector<double> counts(bits_.size(), 0.1);  // what did not occur has its price, too
   double total = 0.1 * static_cast<double>(counts.size());
-  for (const std::int32_t n : numbers)
+  for (const std::int32_t n : integers)
     if (knows(n)) counts[index(n)] += 1, total += 1;
   std::ranges::transform(counts, bits_.begin(), [&](double c) { return std::log2(total / c); });
 }
 
 std::vector<std::int32_t> quantize_cheaply(std::span<const double> values, bool predicted,
                                            const RateDistortion& rate_distortion) {
-  auto numbers = walk(values, predicted, [](double value, std::size_t) { return nearest(value); });
-  if (rate_distortion.rate_weight <= 0) return numbers;
+  auto integers = walk(values, predicted, [](double value, std::size_t) { return nearest(value); });
+  if (rate_distortion.rate_weight <= 0) return integers;
   for (int pass = 0; pass < kQuantizationPasses; ++pass) {
-    const Prices prices(numbers);
-    numbers = walk(values, predicted, [&](double value, std::size_t i) {
+    const Prices prices(integers);
+    integers = walk(values, predicted, [&](double value, std::size_t i) {
       const double weight =
           rate_distortion.weights.empty() ? 1.0 : double{rate_distortion.weights[i]};
       return choose(value, weight, rate_distortion.rate_weight, prices);
     });
   }
-  return numbers;
+  return integers;
 }
 
 }  // namespace fluxgs::codec

@@ -1,6 +1,6 @@
-// Entropy coding of whole numbers: range asymmetric numeral systems (Duda 2013, "Asymmetric numeral
+// Entropy coding of integers: range asymmetric numeral systems (Duda 2013, "Asymmetric numeral
 // systems: entropy coding combining speed of Huffman coding with compression rate of arithmetic
-// coding") with one static table of frequencies for each channel of numbers.
+// coding") with one static table of frequencies for each channel of values.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ void encode_values(std::span<const std::vector<std::int32_t>> channels, Bytes& o
 /// Bits that encode_values would take for the values themselves (their empirical entropy).
 double entropy_bits(std::span<const std::int32_t> values);
 
-/// How values are split: symbol = (value − lowest) >> raw_bits, the rest is stored as it is.
+/// Split of a value: symbol = (value − lowest) >> raw_bits, the rest is stored as it is.
 struct Split {
   std::int64_t lowest = 0;
   unsigned raw_bits = 0;
@@ -34,7 +34,7 @@ struct Split {
 class ValueDecoder {
  public:
   /// Takes a stream of so many channels of `count` values off the reader's bytes, which must
-  /// outlive the decoder. At most kMaxSymbols numbers are kept of each channel.
+  /// outlive the decoder. At most kMaxSymbols values are kept of each channel.
   static Expected<ValueDecoder> open(ByteReader& in, std::size_t channels, std::size_t count);
 
   /// The next channel, whole. Precondition: there is one, and `values` has room for its values.

@@ -11,22 +11,22 @@ namespace fluxgs {
 namespace {
 
 /// Lower triangles whose diagonals are to be `positive`, or at least not negative.
-Expected<void> check_matrices(const std::vector<float>& numbers, std::size_t rows, bool positive,
+Expected<void> check_matrices(const std::vector<float>& values, std::size_t rows, bool positive,
                               std::size_t splats, const std::string& name, const char* what) {
-  if (numbers.empty()) return {};
+  if (values.empty()) return {};
   const std::size_t each = rows * (rows + 1) / 2;
-  if (numbers.size() != each * splats)
+  if (values.size() != each * splats)
     return fail(
         name, what,
-        fmt::format("{} numbers, expected {} for each of {} splats", numbers.size(), each, splats));
+        fmt::format("{} values, expected {} for each of {} splats", values.size(), each, splats));
   for (std::size_t i = 0; i < splats; ++i)
     for (std::size_t row = 0, at = i * each; row < rows; ++row, at += row + 1)
-      if (!(numbers[at] >= 0) || (positive && numbers[at] == 0))
+      if (!(values[at] >= 0) || (positive && values[at] == 0))
         return fail(name, what,
-                    fmt::format("splat {} has {} on its diagonal, expected {}", i, numbers[at],
+                    fmt::format("splat {} has {} on its diagonal, expected {}", i, values[at],
                                 positive ? "more than 0" : "0 or more"));
-  if (!std::ranges::all_of(numbers, [](float v) { return std::isfinite(v); }))
-    return fail(name, what, "have a number that is not finite");
+  if (!std::ranges::all_of(values, [](float v) { return std::isfinite(v); }))
+    return fail(name, what, "have a value that is not finite");
   return {};
 }
 

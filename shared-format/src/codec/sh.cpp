@@ -39,7 +39,7 @@ class ShQuantizer {
         shaped_(std::vector<std::uint8_t>(rest.channels), rest.splats(),
                 rate_distortion.rate_weight) {}
 
-  /// Whole numbers for all coefficients; `dc` becomes what goes best with them.
+  /// Integers for all coefficients; `dc` becomes what goes best with them.
   Expected<void> run(std::vector<float>& dc) {
     return shaped_.run([&]() -> Expected<void> {
       for (std::size_t i = 0; i < rest_.splats(); ++i)

@@ -16,7 +16,7 @@
 namespace fluxgs::codec {
 
 /// Rounds the coefficients of degrees 1 and up (`rest`, red, green and blue of each) to multiples
-/// of `step` and appends them as a stream for decode_channels(). `dc`, three numbers a splat,
+/// of `step` and appends them as a stream for decode_channels(). `dc`, three values a splat,
 /// becomes what goes best with them. `factors`: L of each splat as in
 /// SensitivityWeights::sh_factors, finite, its diagonal above 0. An error if a value over the step
 /// is beyond ±2²⁸.

@@ -18,7 +18,7 @@ struct StepMeans {
   double log_scale = 0, opacity = 0, rotation = 0, color = 0;
 };
 
-/// Of a finite cloud with at least one splat.
+/// Means of a finite cloud with at least one splat.
 StepMeans step_means(const SplatCloud& cloud);
 
 /// The steps for a part of a scene with which its splats get the same rounding as they would within
@@ -31,10 +31,10 @@ struct RateFactors {
   double scale = 1, opacity = 1, rotation = 1, color = 1;
 };
 
-/// What errors of a scene's splats cost, in steps.
+/// Costs of errors of a scene's splats, in steps.
 class RateWeights {
  public:
-  /// Of a finite cloud and the costs of its splats, if there are any.
+  /// Takes a finite cloud and the costs of its splats, if there are any.
   RateWeights(const SplatCloud& whole, const SensitivityWeights& sensitivity);
 
   /// For a part of the scene, whose weights are to count as within the whole although those of each

@@ -26,7 +26,7 @@ inline Symmetric3 lower_triangle(const Eigen::Matrix3d& m) {
   return {f(0, 0), f(1, 0), f(1, 1), f(2, 0), f(2, 1), f(2, 2)};
 }
 
-/// That of splat i.
+/// The matrix of splat i.
 inline std::span<const float, kSymmetric3> symmetric3_of(std::span<const float> matrices,
                                                          std::size_t i) {
   return matrices.subspan(kSymmetric3 * i).first<kSymmetric3>();

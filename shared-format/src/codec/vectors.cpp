@@ -33,7 +33,7 @@ Symmetric3 factor_of(const Matrix3d& h) {
   return lower_triangle(factor.matrixL());
 }
 
-/// Of each splat's cost of errors in steps, along the columns of the basis.
+/// Factors of each splat's cost of errors in steps, along the columns of the basis.
 std::vector<Symmetric3> factors_of(const Channels& input, std::span<const float> sensitivity,
                                    const Matrix3d& basis) {
   const std::size_t splats = input.splats();
@@ -68,9 +68,9 @@ Expected<void> encode_vectors(const Channels& input, std::span<const float> sens
       const Eigen::Map<const Eigen::Vector3f> value(&input.values[3 * i]);
       const Vector3d x = basis.transpose() * (value.cast<double>() - mean);
       std::array<double, 3> errors{};
-      const CoupledValues numbers{
+      const CoupledValues coupled{
           .x = {x.data(), 3}, .factor = factors[i], .step = double{step} * input.step_scale_of(i)};
-      if (auto ok = rate_distortion.round(i, numbers, 0, 1, errors); !ok) return ok;
+      if (auto ok = rate_distortion.round(i, coupled, 0, 1, errors); !ok) return ok;
     }
     return {};
   };

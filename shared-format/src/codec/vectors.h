@@ -1,4 +1,4 @@
-// Rounding of three numbers a splat whose errors are not all seen alike (noise_shaping.h), such
+// Rounding of three values a splat whose errors are not all seen alike (noise_shaping.h), such
 // as the turn of a disc within its plane, which no image shows.
 #pragma once
 

@@ -27,7 +27,7 @@ inline std::string_view as_text(std::span<const std::byte> bytes) {
 /// The member of an object; null where there is none, or no object.
 const nlohmann::json& member(const nlohmann::json& object, const char* key);
 
-/// What a message says of a value: "is missing", or "is 5".
+/// Text about a value for a message: "is missing", or "is 5".
 std::string found(const nlohmann::json& value);
 
 /// Short and on one line, for messages.

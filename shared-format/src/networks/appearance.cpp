@@ -88,7 +88,7 @@ Expected<void> check_cloud(const SplatCloud& cloud, std::span<const float> energ
   }
   const std::size_t expected = has_psi ? cloud.size() * kEnergy : 0;
   if (energy.size() != expected) {
-    return fail(name, "energy", fmt::format("{} numbers; expected {}", energy.size(), expected));
+    return fail(name, "energy", fmt::format("{} values; expected {}", energy.size(), expected));
   }
   return {};
 }

@@ -29,7 +29,7 @@ inline constexpr int kOptimizeAll = 99;  ///< GraphOptimizationLevel
 inline constexpr int kDeviceAllocator = 0, kDefaultMemory = 0;
 inline constexpr int kFloat = 1;  ///< ONNXTensorElementDataType
 
-/// What OrtGetApiBase() returns.
+/// Return type of OrtGetApiBase().
 struct ApiBase {
   const void* (*get_api)(std::uint32_t version);
   const char* (*get_version)();
@@ -67,7 +67,7 @@ struct Api {
   void (*release_options)(SessionOptions*);
 };
 
-/// Where in the table each of them is.
+/// Index of each of them in the table.
 struct Slots {
   std::size_t error_message = 2, create_env = 3, disable_telemetry = 6, create_session = 8, run = 9,
               create_options = 10, disable_memory_pattern = 17, disable_arena = 19,

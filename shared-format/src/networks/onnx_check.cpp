@@ -16,7 +16,7 @@ struct Value {
 };
 using Operands = std::vector<const Value*>;  // null: an optional input left out
 
-/// What an operator makes of its operands.
+/// Result of an operator.
 struct Made {
   int columns = 0;
   std::uint64_t work = 0;

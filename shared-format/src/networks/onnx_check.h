@@ -7,7 +7,7 @@
 
 namespace fluxgs::networks {
 
-/// What one row costs: bounds on time and memory.
+/// Cost of one row: bounds on time and memory.
 struct RowCost {
   std::uint64_t work = 0;     ///< multiply-adds, or as long
   std::uint64_t columns = 0;  ///< floats of all values of a row together

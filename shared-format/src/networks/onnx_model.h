@@ -18,7 +18,7 @@ namespace fluxgs::networks {
 inline constexpr std::int64_t kFloat = 1;
 inline constexpr std::int64_t kAttributeFloat = 1, kAttributeInt = 2;
 
-/// Where in which file something was found, for error messages.
+/// File and place in it, for error messages.
 struct Place {
   std::string file, field;
 

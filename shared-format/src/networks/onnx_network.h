@@ -32,7 +32,7 @@ class OnnxNetwork {
   /// Rows for one run().
   std::size_t batch() const { return batch_; }
 
-  /// Whether `rows` rows take too long; the error says so.
+  /// Fails if `rows` rows would take too long.
   Expected<void> check_rows(std::size_t rows) const;
 
   /// Evaluates up to batch() rows: inputs[i] holds rows × columns of the signature's input i,

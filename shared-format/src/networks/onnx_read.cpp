@@ -17,7 +17,7 @@ using Bytes = std::span<const std::byte>;
 
 enum class Use { once, many, skipped, refused };
 
-/// What to do with a field of a message (numbers and names: onnx.proto3).
+/// Handling of a field of a message (numbers and names: onnx.proto3).
 struct Rule {
   std::uint32_t number;
   Wire wire;

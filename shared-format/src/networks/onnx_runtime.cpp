@@ -30,7 +30,7 @@ constexpr const char* kAdvice =
     "the variable FLUXGS_ONNXRUNTIME";
 #endif
 
-/// Where to look; a library named by the user is the only one.
+/// Paths to look at; a library named by the user is the only one.
 std::vector<std::string> candidates() {
   const char* named = std::getenv(kVariable);
   if (named != nullptr && *named != '\0') return {named};

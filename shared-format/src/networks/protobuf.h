@@ -12,7 +12,7 @@
 
 namespace fluxgs::networks {
 
-/// How a field's value is written. Groups (3 and 4) are long deprecated and not read.
+/// Encoding of a field's value. Groups (3 and 4) are long deprecated and not read.
 enum class Wire : std::uint8_t { varint = 0, fixed64 = 1, bytes = 2, fixed32 = 5 };
 
 struct Field {

@@ -338,10 +338,10 @@ TEST_P(HardCasesTest, HalfFloatOverflowOfColors) {
   EXPECT_GE(d.psnr, 55);
 }
 
-// The record of 16 bytes holds the inverse lengths of the axes as half floats
+// A projected splat of 16 bytes holds the inverse lengths of the axes as half floats
 // (shaders/projected_splat.glsl). What comes out: axes longer than 13,914 px are drawn as if they
 // had that length, and those shorter than 1/65504 px, which only a tiny dilation lets through,
-// likewise. Tolerance: 45 dB, which the record promises for usual scenes.
+// likewise. Tolerance: 45 dB, which it promises for ordinary scenes.
 TEST_P(HardCasesTest, HalfFloatOverflowOfAxes) {
   const auto half =
       must(render::Renderer::create(api(), {.splat_precision = render::SplatPrecision::half}));

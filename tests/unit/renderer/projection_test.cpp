@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "gl_fixture.h"
+#include "render/sort_view.h"
 #include "scenes.h"
 
 namespace fluxgs::test {
@@ -64,8 +65,9 @@ class ProjectionTest : public GlTest {
     must(renderer().set_approximation({.key_bits = 32}));  // The depths with all their bits
     must(renderer().draw(camera, options, target));
     must(renderer().set_approximation({}));
+    const render::ScenePacker packer(cloud);
     const std::uint32_t nearest =
-        render::choose_keys(camera, options, render::ScenePacker(cloud).constants(), 32).low;
+        render::sort_view(camera, options.near_plane, packer.constants(), 32).keys.low;
     const auto keys = must(renderer().projection().keys().read_all<std::uint32_t>(cloud.size()));
     const auto projected_splats =
         must(renderer().projection().projected_splats().read_all<ProjectedSplat>(cloud.size()));

@@ -140,14 +140,14 @@ TEST(SogHostile, CountsBeyondTheImagesAreNamed) {
 TEST(SogHostile, IndicesBeyondTheirTablesAreNamed) {
   Files files = with_meta([](json& m) { m["scales"]["codebook"].erase(100); });
   files["scales.webp"] = webp(std::vector<Pixel>(5, {0, 255, 0, 255}));
-  expect_error(read_bundle(files), {"scales.webp", "pixel 0", "index 255", "255 numbers"});
+  expect_error(read_bundle(files), {"scales.webp", "pixel 0", "index 255", "255 values"});
   files["scales.webp"] = webp(std::vector<Pixel>(5, {0, 254, 0, 255}));
   EXPECT_TRUE(read_bundle(files));  // pixels behind the last splat do not count
 
   expect_error(read_bundle(with_meta([](json& m) { m["sh0"]["codebook"] = {1}; })),
-               {"sh0.webp", "1 numbers"});
+               {"sh0.webp", "1 values"});
   expect_error(read_bundle(with_meta([](json& m) { m["shN"]["codebook"] = {1}; })),
-               {"shN_centroids.webp", "1 numbers"});
+               {"shN_centroids.webp", "1 values"});
   expect_error(read_bundle(with_meta([](json& m) { m["shN"]["count"] = 4; })),
                {"shN_labels.webp", "pixel 4", "label 4", "4 entries"});
   files = small_sog();

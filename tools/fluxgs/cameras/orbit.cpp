@@ -18,7 +18,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kInset = 0.05;
 
-/// Where an orbit goes. Angles are in radians, from `front` towards `side`.
+/// Path of an orbit. Angles are in radians, from `front` towards `side`.
 struct Circle {
   glm::dvec3 center{0}, up{0, -1, 0};
   glm::dvec3 front{0}, side{0};  // with `up` a basis of unit vectors

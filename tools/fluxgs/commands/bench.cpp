@@ -104,7 +104,7 @@ void print_bench(const json& r) {
                label, ms["median"].get<double>(), ms["mean"].get<double>(), ms["p95"].get<double>(),
                1000 / ms["mean"].get<double>());
   };
-  fmt::print("{}\n{} splats of degree {}, {} drawn in the first view; {}\n",
+  fmt::print("{}\n{} splats of degree {}, {} drawn in the initial view; {}\n",
              r["gl_renderer"].get<std::string>(), r["splats"].get<std::size_t>(),
              r["sh_degree"].get<int>(), r["splats_drawn"].get<std::uint64_t>(),
              r["target"].get<std::string>());
@@ -125,7 +125,7 @@ void print_bench(const json& r) {
              1e-6 * r["peak_memory_bytes"].get<double>());
 }
 
-/// What is measured on. Members in the order in which they depend on each other.
+/// GL objects of a measurement. Members in the order in which they depend on each other.
 struct Stage {
   std::unique_ptr<host::HostContext> context;
   std::unique_ptr<render::Renderer> renderer;
@@ -154,7 +154,7 @@ Expected<Stage> set_up(const BenchSettings& s, const SplatCloud& cloud) {
   return stage;
 }
 
-/// Of the view, which is drawn again so that what is read back belongs to it.
+/// Counts of the view, which is drawn again so that what is read back belongs to it.
 Expected<bench::FrameCounts> counts_of(const Stage& stage, const SplatCloud& cloud,
                                        const Camera& view, const RenderOptions& options) {
   if (auto drawn = stage.renderer->draw(view, options, stage.target); !drawn)

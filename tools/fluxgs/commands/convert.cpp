@@ -66,7 +66,7 @@ Expected<void> write_plain(const ConvertSettings& s, const SceneFile& scene,
   return {};
 }
 
-/// What is left of --max-bytes for the splats.
+/// Bytes of --max-bytes that are left for the splats.
 std::size_t max_bytes(const ConvertSettings& s, const SceneFile& scene) {
   const std::size_t start = scene.start ? kMaxInitialViewBytes : 0;
   return *s.max_bytes - std::min(start, *s.max_bytes - 1);
@@ -132,7 +132,7 @@ Expected<void> convert(const ConvertSettings& s) {
   return {};
 }
 
-/// What would do nothing is refused.
+/// Refuses options that would do nothing.
 void check_use(const ConvertSettings& s, const CLI::App& command) {
   for (const char* option : {"--threads", "--background"})
     if (command.count(option) > 0 && !s.searches())

@@ -30,7 +30,7 @@ std::string package_folder() {
   return named != nullptr && *named != 0 ? named : FLUXGS_FLIP_FOLDER;
 }
 
-/// What FLIP prints for these arguments.
+/// Output of FLIP for these arguments.
 Expected<std::string> run_flip(const TempFolder& work, const std::vector<std::string>& arguments) {
   const auto python = find_program("python3");
   if (!python) return fail("", "FLIP", "python3, which runs it, is not installed");

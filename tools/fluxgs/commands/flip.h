@@ -11,7 +11,7 @@
 
 namespace fluxgs::cli {
 
-/// Whether FLIP can be measured. The error says how to install it. FLUXGS_FLIP names its folder
+/// Checks that FLIP can be measured. The error says how to install it. FLUXGS_FLIP names its folder
 /// where it is not build/packages/flip.
 Expected<void> check_flip();
 

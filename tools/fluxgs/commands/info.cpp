@@ -46,7 +46,7 @@ json describe(const SceneFile& scene) {
           {"extensions", scene.extensions}};
 }
 
-/// How many splats need each degree, where they differ.
+/// Text with the splats of each degree, where they differ.
 std::string mixture(const json& splats_by_degree) {
   const auto counts = splats_by_degree.get<DegreeCounts>();
   if (std::ranges::count_if(counts, [](std::size_t n) { return n > 0; }) < 2) return "";

@@ -17,7 +17,7 @@ constexpr double kMaxMs = 1e7;         // hours
 constexpr double kMaxPhoneSide = 1e5;  // px
 constexpr std::size_t kMaxRows = 10'000, kLongestText = 200;
 
-/// As a terminal can be shown it: what came from elsewhere might draw on it.
+/// Text that is safe on a terminal: what came from elsewhere might draw on it.
 std::string plain(std::string text) {
   for (char& c : text)
     if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = '?';

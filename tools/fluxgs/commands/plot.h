@@ -21,7 +21,7 @@ struct Plot {
   std::vector<PlotSeries> series;
 };
 
-/// Whether a chart of this name can be drawn: .png or .svg, and gnuplot is installed.
+/// Checks that a chart of this name can be drawn: .png or .svg, and gnuplot is installed.
 Expected<void> check_plot(const std::string& path);
 
 /// Draws a chart under its final name. Points that are not finite are left out.

@@ -61,7 +61,7 @@ Expected<std::vector<Shot>> shots_of_data(const RenderSettings& s, const Dataset
   return shots;
 }
 
-/// Where the scene asks to be looked at from first, or else the first view of an orbit.
+/// The initial view of the scene, or the first one of an orbit.
 Expected<std::vector<Camera>> default_cameras(const SceneFile& scene, const ImageSize& size) {
   if (!scene.start) return orbit_around(scene.cloud, 1, size);
   const glm::dvec2 sides(size.width, size.height);

@@ -8,7 +8,7 @@
 
 namespace fluxgs::cli {
 
-/// Whether a chart and a JSON can be written to these paths, each of which may be empty, before
+/// Checks that a chart and a JSON can be written to these paths, each of which may be empty, before
 /// minutes are spent on what they shall hold: the folders exist, and what check_plot() asks for.
 Expected<void> check_outputs(const std::string& plot, const std::string& json);
 

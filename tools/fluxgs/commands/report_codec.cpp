@@ -57,7 +57,7 @@ struct FormatRow {
   }
 };
 
-/// What every row is measured with.
+/// Scene and renderer of every row.
 class Bench {
  public:
   Bench(const SplatCloud& cloud, const Dataset* data, const RenderOptions& options,

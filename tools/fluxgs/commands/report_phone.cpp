@@ -108,7 +108,7 @@ void print_report(const PhoneResult& r, const PhoneResult* before,
   if (!test.text.empty()) fmt::print("self-test: {}\n", test.text);
 }
 
-/// Whether the device decodes, sorts and projects as this machine does.
+/// Compares the device's decoding, sorting and projection with this machine's.
 Expected<SelfTest> compare_self_tests(const PhoneReport& s, const PhoneResult& r) {
   if (s.scene.empty()) return SelfTest{};
   if (r.self_test.empty()) return SelfTest{"the result has none", {}};
@@ -130,7 +130,7 @@ std::string reason_of(const PhoneResult& r) {
   return r.stopped.empty() ? "the run has no rows" : "it was stopped, " + r.stopped;
 }
 
-/// What makes two results hard to compare.
+/// Differences that make two results hard to compare.
 std::vector<std::string> differences(const PhoneResult& now, const PhoneResult& before) {
   std::vector<std::string> found;
   const auto look = [&](const char* what, const auto& a, const auto& b) {

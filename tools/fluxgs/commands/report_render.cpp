@@ -149,7 +149,7 @@ class Gallery {
     return ms;
   }
 
-  /// Of the last frame.
+  /// Image of the last frame.
   Expected<PlanarImage> image() const {
     const auto image = renderer_->read(target_);
     if (!image) return std::unexpected(image.error());

@@ -40,7 +40,7 @@ Expected<void> check_writable(const std::string& path) {
   return {};
 }
 
-/// Of --float-output, which may be missing.
+/// Checks --float-output, which may be missing.
 Expected<void> check_float_output(const TrainSettings& settings) {
   if (settings.float_output.empty()) return {};
   if (const auto format = scene_format_for(settings.float_output); !format)
@@ -60,7 +60,7 @@ Expected<void> check_outputs(const TrainSettings& settings) {
   return check_writable(settings.report);
 }
 
-/// Of a file that was just written; null if somebody took it away.
+/// Size of a file that was just written; null if somebody took it away.
 json size_of(const std::string& path) {
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(path, error);
@@ -171,7 +171,7 @@ Expected<void> TrainCommand::after_step(const IterationReport& step, Progress& p
   return {};
 }
 
-/// Of the steps up to now, without what measuring them took.
+/// History of the iterations up to now, without the time of measuring them.
 TrainHistory TrainCommand::history() const {
   if (whole_) return *whole_;
   return joined(run_.history, {wall_seconds() - start_ - log_.measuring_seconds(),
@@ -277,7 +277,7 @@ Expected<std::optional<SplatCloud>> TrainCommand::write_out() {
   return std::move(stored->cloud);
 }
 
-/// Of the trainer's scene and, if it is another, of the one in the file.
+/// Scores the trainer's scene and, if it is another, the one in the file.
 Expected<void> TrainCommand::score(const std::optional<SplatCloud>& stored) {
   const std::vector<View>& views = run_.data.test;
   if (views.empty()) return {};

@@ -51,7 +51,7 @@ struct TrainHistory {
   nlohmann::json curves;                 ///< TrainLog::to_json(); null: none yet
 };
 
-/// As text, for a checkpoint.
+/// The history as text, for a checkpoint.
 std::string text_of(const TrainHistory& history);
 
 /// The other way round. Nothing of text that is not such, as in checkpoints of before there was

@@ -39,7 +39,7 @@ Expected<TrainOptions> options_from(const TrainSettings& settings);
 /// cannot be read or take too much memory.
 Expected<Run> new_run(const TrainSettings& settings, const Threads& threads);
 
-/// What settings.resume holds; its options replace those of the settings. Errors: not a checkpoint,
+/// The run in settings.resume; its options replace those of the settings. Errors: not a checkpoint,
 /// or one of other images.
 Expected<Run> resume_run(TrainSettings& settings);
 

@@ -49,7 +49,7 @@ struct ViewSettings {
   double memory = 0;  // MB; 0: what there is
 };
 
-/// What the user was told of the graphics memory.
+/// Notices about graphics memory that were shown.
 struct MemoryNotices {
   std::size_t splats = 0;
   bool enlarged = false, coarse = false;

@@ -22,7 +22,7 @@ void add(ByNeed& all, const OptionField& field) {
   names.push_back(fmt::format("--{}", field.name));
 }
 
-/// What a phase will not do: nothing within the run, or not as asked.
+/// Warning about a phase that does nothing within the run, or not as asked.
 std::string warning_of(const Phase& phase, int iterations) {
   const PlanRow row = phase.plan();
   if (row.takes_place(iterations)) return phase.warning();

@@ -13,7 +13,7 @@
 
 namespace fluxgs::cli {
 
-/// As they are typed; the defaults are the renderer's.
+/// The options as they are typed; the defaults are the renderer's.
 struct TuningOptions {
   std::string sorter = "gpu", splat_precision = "full", format = "rgba8", blend = "accurate";
   int key_bits = render::ApproximationSettings().key_bits,

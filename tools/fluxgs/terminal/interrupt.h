@@ -5,7 +5,7 @@
 
 namespace fluxgs::cli {
 
-/// What a second signal does.
+/// Effect of a second signal.
 enum class SecondInterrupt { counts, ends_the_program };
 
 /// While it lives these signals are counted and do nothing else. Those that are ignored (nohup)

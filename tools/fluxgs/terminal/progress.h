@@ -16,7 +16,7 @@ class Progress {
 
   /// `detail` is shown behind the bar, the rate and the time left. Cheap to call every iteration.
   void update(int done, const std::string& detail);
-  /// Whether update() would show anything now, so that details need not be made for nothing.
+  /// True if update() would show anything now, so that details need not be made for nothing.
   bool due() const;
   /// Takes the bar off a terminal.
   void clear() const;

@@ -15,7 +15,7 @@
 
 namespace fluxgs {
 
-/// How coarsely each attribute is rounded: smaller steps, more bytes, less error. All > 0. Those of
+/// Quantization step of each attribute: smaller steps, more bytes, less error. All > 0. Those of
 /// positions are the same everywhere, the others hold for splats of usual size and opacity; large
 /// and opaque ones are rounded less (perceptual_weight.h).
 struct QuantizationSteps {
@@ -39,11 +39,11 @@ double finest_position_step(const SplatCloud& cloud);
 /// Every step times `factor`.
 QuantizationSteps scaled(const QuantizationSteps& steps, double factor);
 
-/// Which splat of a cloud of finite splats is where in its compact file: order[k] is the index in
+/// Order of a finite cloud's splats in its compact file: order[k] is the index in
 /// the cloud of splat k of the file. With networks: CompactOptions::networks.
 std::vector<std::uint32_t> compact_order(const SplatCloud& cloud, bool has_networks = false);
 
-/// How many squared steps of error a bit is worth when values are rounded. At fine steps, where a
+/// Worth of a bit in squared steps of error when values are rounded. At fine steps, where a
 /// bit more quarters the mean square error of step²/12, it is 2·ln 2/12.
 inline constexpr double kDefaultRateWeight = 0.115;
 
@@ -59,14 +59,14 @@ glm::quat canonical_rotation(const glm::quat& rotation);  ///< of one splat
 struct CompactNetworks {
   networks::AppearanceNetworks models;  ///< one of them at least
   networks::Normalisation normalisation = {};
-  std::vector<float> energy = {};  ///< with Ψ: 12 finite numbers a splat, in the order of the cloud
+  std::vector<float> energy = {};  ///< with Ψ: 12 finite values a splat, in the order of the cloud
 };
 
 struct CompactOptions {
   QuantizationSteps steps = {};
   bool plain_attributes = false;  ///< also store what is decoded as plain floats, see below
   double rate_weight = kDefaultRateWeight;  ///< ≥ 0; 0 rounds to the nearest
-  /// What errors cost when values are rounded. Of networks' scenes, only by weights.
+  /// Costs of errors when values are rounded. For scenes with networks, weights only.
   SensitivityWeights sensitivity = {};
   /// The cloud is then of degree 1, and its colours are what Φ begins with; with Ψ they are not
   /// stored. Φ gets rotations as the file has them: it must know them as canonicalize_rotations()

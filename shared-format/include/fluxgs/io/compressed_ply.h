@@ -22,7 +22,7 @@
 
 namespace fluxgs {
 
-/// Whether the bytes are a PLY file with a valid header whose vertices have packed_position.
+/// True if the bytes are a PLY file with a valid header whose vertices have packed_position.
 bool is_compressed_ply(std::span<const std::byte> bytes);
 
 /// Read a scene in the order of the file, already that of a SplatCloud's frame. Properties are

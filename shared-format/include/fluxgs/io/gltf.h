@@ -11,7 +11,7 @@
 
 namespace fluxgs {
 
-/// Whether the bytes begin like a .glb.
+/// True if the bytes begin like a .glb.
 bool is_glb(std::span<const std::byte> bytes);
 
 /// Turns a cloud from its frame into glTF's, or back: half a turn about z, x → −x, y → −y. Exact

@@ -17,7 +17,8 @@ namespace fluxgs {
 struct InitialView {
   glm::dvec3 position{0.0};            ///< of the eye, scene units
   glm::dquat orientation{1, 0, 0, 0};  ///< camera → world, of unit length
-  /// Of the image's height, radians, 0…π; in one that is higher than wide we show as much across.
+  /// Field of view over the image's height, radians, 0…π; in one that is higher than wide we show
+  /// as much across.
   double fov_y = 0.87;
   glm::dvec3 up{0, -1, 0};  ///< what is up in the scene, of unit length
 };

@@ -12,7 +12,7 @@
 
 namespace fluxgs {
 
-/// Whether the bytes begin like a PLY file.
+/// True if the bytes begin like a PLY file.
 bool is_ply(std::span<const std::byte> bytes);
 
 /// Read a scene: ASCII, little- or big-endian; properties of element `vertex` found by name, in any

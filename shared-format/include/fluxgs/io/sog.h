@@ -25,10 +25,11 @@
 
 namespace fluxgs {
 
-/// Whether the bytes begin like a .sog: a ZIP archive whose first entry is meta.json or a .webp.
+/// True if the bytes begin like a .sog: a ZIP archive whose first entry is meta.json or a .webp.
 bool is_sog(std::span<const std::byte> bytes);
 
-/// How many splats a bundled scene says it has, and their degree (3 where only its images tell).
+/// Number of splats that a bundled scene announces, and their degree (3 where only its images
+/// tell).
 Expected<std::pair<std::size_t, int>> announced_by_sog(std::span<const std::byte> bytes,
                                                        const std::string& name);
 
@@ -36,7 +37,7 @@ Expected<std::pair<std::size_t, int>> announced_by_sog(std::span<const std::byte
 /// can hold is refused.
 Expected<SceneFile> read_sog(std::span<const std::byte> bytes, const std::string& name);
 
-/// Whether the bytes look like the meta.json of an unbundled scene.
+/// True if the bytes look like the meta.json of an unbundled scene.
 bool is_sog_meta(std::span<const std::byte> bytes);
 
 /// Read an unbundled scene, given the content of its meta.json and where that lies. `bytes` of the
@@ -44,7 +45,7 @@ bool is_sog_meta(std::span<const std::byte> bytes);
 Expected<SceneFile> read_sog_folder(std::span<const std::byte> bytes,
                                     const std::filesystem::path& path);
 
-/// Whether the bytes look like a lod-meta.json.
+/// True if the bytes look like a lod-meta.json.
 bool is_sog_lod(std::span<const std::byte> bytes);
 
 /// Read level 0, the finest, of a streamed scene as one cloud, in the order of its files, given the

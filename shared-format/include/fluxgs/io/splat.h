@@ -19,7 +19,7 @@
 
 namespace fluxgs {
 
-/// Whether the bytes look like .splat records. Without a magic this is a guess, to be made after
+/// True if the bytes look like .splat records. Without a magic this is a guess, to be made after
 /// every other format has declined: the size is a multiple of 32, and of up to 256 records spread
 /// over the file at least half are plausible (positions and scales within ±10⁹, scales not
 /// negative, quaternions of unit length but for their rounding). One record of random bytes passes

@@ -27,7 +27,7 @@
 
 namespace fluxgs {
 
-/// Whether the bytes begin like SPZ: "NGSP" (version 4), or gzip whose content begins with it.
+/// True if the bytes begin like SPZ: "NGSP" (version 4), or gzip whose content begins with it.
 bool is_spz(std::span<const std::byte> bytes);
 
 /// The axes of the values in a file.
@@ -49,7 +49,7 @@ Expected<SceneFile> read_spz(std::span<const std::byte> bytes, const std::string
                              SpzAxes axes);
 Expected<SceneFile> read_spz(std::span<const std::byte> bytes, const std::string& name);
 
-/// How exactly to write; the defaults are what other writers use.
+/// Precision of writing; the defaults are those of other writers.
 struct SpzOptions {
   int version = 3;           ///< 3 (gzip, read everywhere) or 4 (zstd, smaller)
   int fractional_bits = 12;  ///< of positions, 0 to 23: steps of 2^-12; fewer where the scene

@@ -9,7 +9,7 @@
 
 namespace fluxgs::math {
 
-/// A Camera with the derived numbers that projection needs, in the scalar type of the formulas.
+/// A Camera with the derived values that projection needs, in the scalar type of the formulas.
 template <class T>
 struct View {
   Mat3<T> rotation;
@@ -18,7 +18,7 @@ struct View {
   T width, height;
   T slope_x_min, slope_x_max, slope_y_min, slope_y_max;  ///< limits of x/z, y/z in the Jacobian
   T dilation, near_plane;
-  T depth_spread_max;  ///< > 0: of RenderOptions, a large number for no limit
+  T depth_spread_max;  ///< > 0: of RenderOptions, a large value for no limit
 };
 
 template <class T>
@@ -49,7 +49,7 @@ View<T> make_view(const Camera& camera, const RenderOptions& options) {
           scalar(options.depth_spread_max > 0 ? options.depth_spread_max : 1e30)};
 }
 
-/// The same view in another scalar type, e.g. one number to all lanes of a pack.
+/// The same view in another scalar type, e.g. one value to all lanes of a pack.
 template <class To, class From>
 View<To> convert(const View<From>& v) {
   const auto vec = [](const Vec3<From>& a) { return Vec3<To>{To(a.x), To(a.y), To(a.z)}; };

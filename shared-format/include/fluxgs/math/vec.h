@@ -1,4 +1,4 @@
-// Three numbers of any scalar type. GLM is used everywhere else; its functions refuse scalar types
+// Three values of any scalar type. GLM is used everywhere else; its functions refuse scalar types
 // that are packs of SIMD lanes, which the formulas here must accept.
 #pragma once
 

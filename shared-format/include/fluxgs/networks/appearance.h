@@ -49,8 +49,8 @@ inline constexpr int kPsiColumns = kEnergyColumns + 3;
 inline constexpr int kPhiColumns = 3 + 3 + 4 + 1 + kShColumns;
 inline constexpr float kInputLimit = 64;
 
-/// What a scene file carries besides the networks. All numbers are finite; extent and deviations
-/// are at least 1e-6.
+/// Constants that a scene file carries besides the networks. All values are finite; extent and
+/// deviations are at least 1e-6.
 struct Normalisation {
   glm::vec3 center{0};  ///< scene units
   float extent = 1;     ///< scene units
@@ -66,7 +66,7 @@ Normalisation measure_normalisation(const SplatCloud& cloud);
 const Signature& psi_signature();
 const Signature& phi_signature();
 
-/// What Φ is told of a splat besides its colour, in the units of a SplatCloud.
+/// Inputs of Φ for a splat besides its colour, in the units of a SplatCloud.
 struct SplatAttributes {
   glm::vec3 position, log_scale;
   glm::quat rotation;
@@ -92,7 +92,7 @@ struct AppearanceNetworks {
 };
 
 /// Replace the colours of a finite cloud of degree 0 or 1 by what the networks make of them; it has
-/// degree 1 then. `energy` holds kEnergyColumns finite numbers a splat, and nothing without Ψ.
+/// degree 1 then. `energy` holds kEnergyColumns finite values a splat, and nothing without Ψ.
 /// Without networks nothing changes and onnxruntime is not loaded. One thread, in batches: memory
 /// beyond the cloud is that of the models (each at most 4 MiB, about four times), 16 MiB and
 /// onnxruntime itself. Errors name the file, the network and what is wrong with it; the cloud's

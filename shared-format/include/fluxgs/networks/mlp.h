@@ -30,7 +30,7 @@ struct Columns {
   int count = 0;
 };
 
-/// What goes into a network, side by side in this order, and what comes out.
+/// Inputs of a network, side by side in this order, and its outputs.
 struct Signature {
   std::vector<Columns> inputs;
   Columns output;

@@ -116,9 +116,9 @@ Expected<void> check_networks(const CompactNetworks& networks, const SplatCloud&
   const std::size_t expected = has_psi ? codec::kEnergyChannels * cloud.size() : 0;
   if (networks.energy.size() != expected)
     return fail(name, "energy",
-                fmt::format("{} numbers, expected {}", networks.energy.size(), expected));
+                fmt::format("{} values, expected {}", networks.energy.size(), expected));
   if (!std::ranges::all_of(networks.energy, [](float v) { return std::isfinite(v); }))
-    return fail(name, "energy", "has a number that is not finite");
+    return fail(name, "energy", "has a value that is not finite");
   return {};
 }
 
@@ -132,7 +132,7 @@ Expected<void> check_options(const CompactOptions& options, const SplatCloud& cl
   return check_networks(*options.networks, cloud, name);
 }
 
-/// What a primitive holds, beside the description of it.
+/// Contents of a primitive, beside the description of it.
 struct Payload {
   std::vector<std::byte> stream;
   const CompactNetworks* networks = nullptr;
@@ -140,7 +140,7 @@ struct Payload {
   int sh_degree = 0;
 };
 
-/// What comes out of it.
+/// Decodes it to a cloud.
 Expected<SplatCloud> decode(const Payload& payload, const std::string& name) {
   io::GltfSplats splats;
   splats.count = payload.splats;

@@ -23,7 +23,7 @@ enum GltfComponents : unsigned {
   kUnsigned = 16            ///< unsigned byte, short
 };
 
-/// What the specification asks of one attribute.
+/// Requirements of the specification on one attribute.
 struct GltfExpectation {
   const char* semantic;
   int type;             ///< TINYGLTF_TYPE_…

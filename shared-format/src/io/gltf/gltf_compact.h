@@ -16,7 +16,7 @@ class Value;
 
 namespace fluxgs::io {
 
-/// Where the splats and their networks lie, given the reduced extension (gltf_json.h). An error if
+/// Places of the splats and their networks, given the reduced extension (gltf_json.h). An error if
 /// the bytes may not hold as many splats as the accessors say (codec/compact.h), or if there are
 /// networks and the degree is not 1.
 Expected<GltfSplats> find_compact_splats(const GltfCompressedPlace& place,

@@ -33,7 +33,7 @@ struct GltfBounds {
   glm::dvec3 least{0.0}, most{0.0};
 };
 
-/// What the splats of a primitive are compressed by.
+/// Compression of a primitive's splats.
 enum class GltfCompression { none, spz, compact };
 
 /// Networks of compact splats (networks/appearance.h), as they lie in the file.

@@ -20,7 +20,7 @@ inline constexpr char kCompactExtension[] = "FLUXGS_gaussian_splatting_compact";
 /// "normalisation".
 inline constexpr char kNetworks[] = "networks";
 inline constexpr int kCompactVersion = 2;  ///< the only one; see schema/
-/// Where the reduced document keeps by which of the two a primitive's splats are compressed, and
+/// Members in which the reduced document keeps the compression of a primitive's splats, and
 /// the bufferView of their data.
 inline constexpr char kCompression[] = "compression", kCompressedView[] = "compressedBufferView";
 

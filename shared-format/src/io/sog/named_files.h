@@ -17,7 +17,7 @@ namespace fluxgs::io {
 using NamedFiles = std::function<Expected<std::vector<std::byte>>(const std::string& file,
                                                                   std::uint64_t max_bytes)>;
 
-/// Whether a name is plainly relative and stays in its folder: "a.webp", "0_0/meta.json". Not "..",
+/// True if a name is plainly relative and stays in its folder: "a.webp", "0_0/meta.json". Not "..",
 /// absolute paths, drives, URLs, backslashes or control characters.
 bool is_plain_name(std::string_view file);
 

@@ -60,7 +60,7 @@ class SogDecoder {
     if (table.size == table.values.size()) return {};
     for (std::size_t i = 0; i < count; ++i) {
       if (image(i, channel) < table.size) continue;
-      return bad(file, fmt::format("pixel {} has the index {}, but the codebook has {} numbers", i,
+      return bad(file, fmt::format("pixel {} has the index {}, but the codebook has {} values", i,
                                    image(i, channel), table.size));
     }
     return {};

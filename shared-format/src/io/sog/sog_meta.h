@@ -15,7 +15,7 @@
 
 namespace fluxgs::io {
 
-/// What a byte of an image stands for: a codebook (version 2) or 256 steps of a range (version 1).
+/// Meaning of a byte of an image: a codebook (version 2) or 256 steps of a range (version 1).
 struct SogTable {
   std::array<float, 256> values{};
   std::size_t size = 256;  ///< a byte from here on is out of range

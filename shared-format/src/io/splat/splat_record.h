@@ -19,7 +19,7 @@ static_assert(std::endian::native == std::endian::little, "records are copied as
 /// Levels per unit of a quaternion's component. 1 would be level 256: 255 stands for it.
 inline constexpr double kSplatRotationOne = 128;
 
-/// How far rounding takes a quaternion's length from 1: four components rounded down, as some
+/// Error of a quaternion's length by rounding: four components rounded down, as some
 /// writers do, shorten it by 4 · ½ · 1/128.
 inline constexpr double kSplatLengthTolerance = 0.025;
 

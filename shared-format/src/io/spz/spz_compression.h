@@ -10,7 +10,7 @@
 
 namespace fluxgs::io {
 
-/// What inflating gzip into a buffer came to.
+/// Result of inflating gzip into a buffer.
 struct Inflated {
   std::size_t written = 0;   ///< bytes of the buffer that were filled
   std::size_t consumed = 0;  ///< bytes of the input that were used

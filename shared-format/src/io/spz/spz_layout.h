@@ -56,7 +56,7 @@ constexpr std::size_t spz_splat_bytes(unsigned version, int sh_degree) {
 /// SplatCloud.
 inline constexpr glm::vec3 kRightUpBack{1, -1, -1};
 
-/// What flipping axes does to a splat: mirrored twice, a rotation stays one.
+/// Effect of flipping axes on a splat: mirrored twice, a rotation stays one.
 struct AxisFlip {
   glm::vec3 position;        ///< ±1 for each axis
   glm::vec3 rotation;        ///< for x, y, z of the quaternion; w stays

@@ -15,7 +15,7 @@
 
 namespace fluxgs::io {
 
-/// Where SPZ bytes come from.
+/// Source of SPZ bytes.
 struct SpzSource {
   std::span<const std::byte> bytes;
   std::string name;   ///< of the file, for errors

@@ -280,7 +280,7 @@ TEST(Sh, FactorsThatDoNotFitAreNamed) {
     return file ? "" : file.error().message();
   };
   EXPECT_EQ(error(),
-            "x.glb: factors of SH coefficients: 2 numbers, expected 136 for each of 20 splats");
+            "x.glb: factors of SH coefficients: 2 values, expected 136 for each of 20 splats");
   options.sensitivity.sh_factors = identity_factors(20);
   EXPECT_EQ(error(), "");
   options.sensitivity.sh_factors[3 * 136 + 5] = 0;
@@ -289,7 +289,7 @@ TEST(Sh, FactorsThatDoNotFitAreNamed) {
       "x.glb: factors of SH coefficients: splat 3 has 0 on its diagonal, expected more than 0");
   options.sensitivity.sh_factors = identity_factors(20);
   options.sensitivity.sh_factors[4] = NAN;
-  EXPECT_EQ(error(), "x.glb: factors of SH coefficients: have a number that is not finite");
+  EXPECT_EQ(error(), "x.glb: factors of SH coefficients: have a value that is not finite");
   SplatCloud hole = cloud;
   hole.positions[7].x = NAN;  // left out with its factors
   options.sensitivity.sh_factors = identity_factors(20);

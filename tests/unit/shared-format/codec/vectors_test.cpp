@@ -275,13 +275,13 @@ TEST(SensitivityWeights, WhatDoesNotFitIsNamed) {
     return file ? "" : file.error().message();
   };
   options.sensitivity.scale = {1, 2, 3};
-  EXPECT_EQ(error(), "x.glb: costs of scales: 3 numbers, expected 6 for each of 20 splats");
+  EXPECT_EQ(error(), "x.glb: costs of scales: 3 values, expected 6 for each of 20 splats");
   options.sensitivity.scale = matrices(std::vector<Matrix3d>(20, Matrix3d::Identity()));
   EXPECT_EQ(error(), "");
   options.sensitivity.scale[6 * 4 + 2] = -1;
   EXPECT_EQ(error(), "x.glb: costs of scales: splat 4 has -1 on its diagonal, expected 0 or more");
   options.sensitivity.scale[6 * 4 + 2] = INFINITY;
-  EXPECT_EQ(error(), "x.glb: costs of scales: have a number that is not finite");
+  EXPECT_EQ(error(), "x.glb: costs of scales: have a value that is not finite");
   options.sensitivity.scale = {};
   options.sensitivity.rotation.assign(6 * 20, NAN);
   EXPECT_EQ(error(),

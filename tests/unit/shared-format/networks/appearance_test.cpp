@@ -222,8 +222,8 @@ TEST(Appearance, RefusesWhatDoesNotFit) {
                         const Normalisation& n) { return bake_appearance(c, e, nets, n, "s.glb"); };
   expect_error(bake(rich, {}, phi, {}), {"s.glb: networks", "degree 2; expected 0 or 1"});
   expect_error(bake(cloud, std::span(energy).first(119), psi, {}),
-               {"s.glb: energy: 119 numbers; expected 120"});
-  expect_error(bake(cloud, energy, phi, {}), {"120 numbers; expected 0"});
+               {"s.glb: energy: 119 values; expected 120"});
+  expect_error(bake(cloud, energy, phi, {}), {"120 values; expected 0"});
   Normalisation flat;
   flat.extent = 0;
   expect_error(bake(cloud, energy, psi, flat), {"s.glb: normalisation", "at least 1e-6"});

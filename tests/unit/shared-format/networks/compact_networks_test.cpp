@@ -121,7 +121,7 @@ TEST(CompactNetworks, WhatDoesNotFitIsRefusedBeforeAnythingIsWritten) {
   networks.energy.pop_back();
   auto file = encode_compact_glb(cloud, fine_options(networks), "x.glb");
   ASSERT_FALSE(file);
-  EXPECT_EQ(file.error().message(), "x.glb: energy: 239 numbers, expected 240");
+  EXPECT_EQ(file.error().message(), "x.glb: energy: 239 values, expected 240");
   file = encode_compact_glb(random_cloud(20, 2), fine_options(networks_of(cloud, false, true)),
                             "x.glb");
   ASSERT_FALSE(file);

@@ -9,6 +9,7 @@
 
 #include "gl/expected_chain.h"
 #include "render/projected_splat.h"
+#include "render/sort_view.h"
 
 namespace fluxgs::bench {
 namespace {
@@ -119,7 +120,7 @@ class Protocol {
     result.sort_to_display_ms = summarize(std::move(samples));
     if (!stages[0].empty()) {
       const auto median = [&](std::size_t k) { return summarize(stages[k]).median; };
-      result.stages = FrameTimeMedians{median(0), median(1), median(2), median(3)};
+      result.stages = render::FrameTimes{median(0), median(1), median(2), median(3)};
     }
     return {};
   }
@@ -207,8 +208,9 @@ Expected<FrameCounts> count_frame(const Renderer& renderer, const SplatCloud& cl
   FrameCounts counts;
   counts.splats = count;
   if (count == 0) return counts;
-  counts.key_bits =
-      render::choose_keys(camera, options, renderer.scene(), settings.approximation.key_bits).bits;
+  counts.key_bits = render::sort_view(camera, options.near_plane, renderer.scene(),
+                                      settings.approximation.key_bits)
+                        .keys.bits;
   const glm::dvec3 centre = camera.center(), forward = camera.forward();
   for (const glm::vec3& p : cloud.positions)
     counts.in_front += glm::dot(forward, glm::dvec3(p) - centre) > options.near_plane;

@@ -17,20 +17,18 @@ struct FrameBenchmarkOptions {
   int frames = 200;  ///< of each kind
 };
 
-/// Milliseconds of the GPU's stages, medians over the frames that were sorted.
-using FrameTimeMedians = render::FrameTimes;
-
 struct FrameBenchmark {
-  /// From draw() until the GPU has finished, the splats being in order already: cull, project,
+  /// Time of draw() until the GPU has finished, the splats being in order already: cull, project,
   /// draw, resolve. Comparable with renderers that sort elsewhere (Flux-GS, "Deployment on
   /// Mobiles").
   Summary draw_ms;
   /// The same with the sort of the frame's own view, waited for: what a finger feels.
   Summary sort_to_display_ms;
-  /// From the first frame to the last finished one over their number, sorting as the sorter does
+  /// Time of all frames over their number, sorting as the sorter does
   /// and without waiting between frames.
   double pipelined_ms = 0;
-  std::optional<FrameTimeMedians> stages;  ///< where the driver has timestamps
+  /// Medians over the frames that were sorted, where the driver has timestamps.
+  std::optional<render::FrameTimes> stages;
 };
 
 inline constexpr char kStopped[] = "was stopped";

@@ -20,7 +20,7 @@ constexpr double kPathStep = 0.5 * std::numbers::pi / 180;  // radians a frame
 
 glm::dvec2 as_vector(const ImageSide& size) { return {size.width, size.height}; }
 
-/// The first view turned about the scene's up.
+/// The initial view turned about the scene's up.
 Camera turned(const camera::Navigation& first, double angle, const ImageSide& size) {
   // A drag across the shorter side is half a turn
   const double pixels = angle / std::numbers::pi * std::min(size.width, size.height);
@@ -28,7 +28,8 @@ Camera turned(const camera::Navigation& first, double angle, const ImageSide& si
   return camera::camera_of(view, size.width, size.height);
 }
 
-/// What a row is measured on. Members in the order in which they depend on each other.
+/// The GL objects that a row is measured on. Members in the order in which they depend on each
+/// other.
 struct Stage {
   std::unique_ptr<render::Renderer> renderer;
   render::RenderTarget target;
@@ -108,7 +109,7 @@ json json_of(const Summary& s) {
   return {{"median", s.median}, {"p95", s.p95}, {"mean", s.mean}, {"least", s.least}};
 }
 
-json json_of(const std::optional<FrameTimeMedians>& stages) {
+json json_of(const std::optional<render::FrameTimes>& stages) {
   if (!stages) return nullptr;
   return {{"project", stages->project},
           {"sort", stages->sort},

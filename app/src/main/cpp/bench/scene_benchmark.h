@@ -20,7 +20,7 @@ struct SceneBenchmarkPlan {
   FrameBenchmarkOptions protocol{.warmup = 20, .frames = 100};
   bool gpu_sort = true, cpu_sort = true;
   bool still_views = true, path = true;
-  /// Of what the layers are blended in; not given: render::accurate_accumulation().
+  /// Format that the layers are blended in; not given: render::accurate_accumulation().
   std::optional<render::Accumulation> accumulation = {};
 };
 
@@ -30,7 +30,7 @@ struct SceneBenchmarkRow {
   render::SorterKind sorter = render::SorterKind::gpu_radix;
   bool moves = false;  ///< a path, otherwise still views
   FrameBenchmark times;
-  FrameCounts counts;  ///< of the first view
+  FrameCounts counts;  ///< of the initial view
   FrameTraffic traffic;
   std::string blended_in;  ///< render::blend_name()
   std::size_t memory = 0;  ///< bytes of the GPU, an estimate
@@ -63,9 +63,9 @@ Expected<SceneBenchmark> benchmark_scene(gl::Api& api, const SplatCloud& cloud,
 /// gpu_memory_bytes.
 std::string rows_json(const SceneBenchmark& benchmark);
 
-/// What the driver says of itself, as a JSON object: vendor, renderer, version, quirks, timestamps,
-/// float_targets, half_float_targets, max_shared_memory_bytes, max_vertex_storage_blocks,
-/// max_texture_size.
+/// The driver's description of itself, a JSON object: vendor, renderer, version, quirks,
+/// timestamps, float_targets, half_float_targets, max_shared_memory_bytes,
+/// max_vertex_storage_blocks, max_texture_size.
 std::string driver_json(const gl::Api& api);
 
 }  // namespace fluxgs::bench

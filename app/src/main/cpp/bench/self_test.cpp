@@ -14,8 +14,8 @@
 #include "fluxgs/hash.h"
 #include "fluxgs/io/scene.h"
 #include "fluxgs/math/projection.h"
-#include "render/frame_uniforms.h"
 #include "render/scene_packing.h"
+#include "render/sort_view.h"
 #include "sort/sort_thread.h"
 
 namespace fluxgs::bench {
@@ -95,11 +95,8 @@ std::uint64_t sorted_hash(const SplatCloud& cloud, const std::vector<Camera>& vi
   sort::SortThread thread(positions_of(packer));
   Hash hash;
   for (const Camera& view : views) {
-    const sort::SortView wanted{.centre = view.center() - scene.origin,
-                                .forward = view.forward(),
-                                .near_plane = 0.01,
-                                .keys = render::choose_keys(view, {}, scene, sort::kMaxKeyBits)};
-    const sort::SharedIndices order = thread.wait(thread.request(wanted));
+    const sort::SharedIndices order =
+        thread.wait(thread.request(render::sort_view(view, 0.01, scene, sort::kMaxKeyBits)));
     hash.add_value(order->count);
     hash.add(std::as_bytes(std::span(order->indices).first(order->count)));
   }

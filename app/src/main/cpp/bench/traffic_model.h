@@ -11,7 +11,7 @@
 
 namespace fluxgs::bench {
 
-/// What happened in a frame.
+/// Counts of one frame.
 struct FrameCounts {
   std::uint64_t splats = 0;     ///< of the scene
   std::uint64_t in_front = 0;   ///< not behind the near plane, nor too low-opacity
@@ -34,7 +34,7 @@ struct FrameTraffic {
 };
 
 /// Caches are taken to catch what is read twice at nearly the same time (the four corners of a quad
-/// read one record) and nothing else.
+/// read one projected splat) and nothing else.
 FrameTraffic model_traffic(const FrameCounts& counts, const render::RendererSettings& settings,
                            const render::TargetPlan& target);
 

@@ -5,7 +5,8 @@
 
 namespace fluxgs::camera {
 
-/// Which way to fly, each −1…1: to the camera's right, along the scene's up axis, along the view.
+/// Direction of flight, each −1…1: to the camera's right, along the scene's up axis, along the
+/// view.
 struct FlyDirection {
   double right = 0, up = 0, forward = 0;
 };

@@ -20,7 +20,7 @@ struct Hit {
   double distance, alpha;
 };
 
-/// Where a splat is densest along the ray, and its α there; nothing if that is far from it.
+/// The point of a ray at which a splat is densest, and its α there; nothing if that is far from it.
 std::optional<Hit> hit(const SplatCloud& cloud, std::size_t i, const Ray& ray, double spread,
                        double nearest) {
   const glm::dvec3 arm = glm::dvec3(cloud.positions[i]) - ray.origin;

@@ -8,8 +8,8 @@
 
 namespace fluxgs::camera {
 
-/// How far along a ray the cloud is seen: the median of the distances of the splats near it,
-/// weighted by what each adds to the image (its α there times what passes through those before
+/// Distance along a ray at which the cloud is seen: the median of the distances of the splats near
+/// it, weighted by what each adds to the image (its α there times what passes through those before
 /// it), so that a wall behind an object does not count. `spread` is the tangent of the ray's
 /// half-angle: splats are made larger by that much. Splats nearer than `nearest` are not seen.
 /// Nothing where the ray meets next to nothing. Takes a few ns a splat.

@@ -14,7 +14,7 @@
 
 namespace fluxgs::camera {
 
-/// What a pointer that is dragged does.
+/// Meaning of a dragged pointer.
 enum class DragAction { orbit, look, pan };
 
 struct Navigation {

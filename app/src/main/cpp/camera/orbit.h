@@ -5,7 +5,7 @@
 
 namespace fluxgs::camera {
 
-/// How far up and down a view may turn: the elevation of the eye over the target, −π/2…π/2, which
+/// Limits of a view's turn up and down: the elevation of the eye over the target, −π/2…π/2, which
 /// is that of the look downwards. A view that is outside already may turn back in, not further out.
 /// Anything up to π/2 keeps the view from going over the pole, where left and right would swap.
 struct TurnLimits {

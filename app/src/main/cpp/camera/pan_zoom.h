@@ -19,7 +19,7 @@ ViewState zoom(const ViewState& view, double factor, const glm::dvec2& pixel,
 ViewState twist(const ViewState& view, double angle, const glm::dvec2& pixel,
                 const glm::dvec2& size);
 
-/// Where two fingers are, pixels.
+/// Positions of two fingers, pixels.
 struct TwoFingers {
   glm::dvec2 first, second;
 };

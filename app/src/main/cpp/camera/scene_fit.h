@@ -16,8 +16,8 @@ using Weighted = std::pair<double, double>;
 /// all are 0. Reorders `values`, which is not empty.
 double quantile(std::vector<Weighted>& values, double part);
 
-/// Where most of what can be seen lies: a few far floaters do not matter, nor splats that are not
-/// finite. Of clouds beyond a hundred thousand splats an even sample is looked at.
+/// Sphere that holds most of the visible splats: a few far floaters do not matter, nor splats that
+/// are not finite. Of clouds beyond a hundred thousand splats an even sample is looked at.
 struct SceneBounds {
   glm::dvec3 low{-1.0}, high{1.0};  ///< per axis: 2 % and 98 % of the weight are below
   glm::dvec3 center{0.0};           ///< the middle of the box
@@ -29,11 +29,11 @@ enum class SplatWeight {
   equal,
 };
 
-/// Of an empty cloud: as initialised above. A scene smaller than its splats is as large as they
-/// are.
+/// An empty cloud gets the sphere initialised above. A scene smaller than its splats is as large as
+/// they are.
 SceneBounds robust_bounds(const SplatCloud& cloud, SplatWeight weight = SplatWeight::opacity);
 
-/// What moving through a scene is measured in.
+/// Units of movement through a scene.
 struct SceneUnits {
   double near_plane = 0.01;  ///< for RenderOptions, scene units
   double speed = 0.5;        ///< of flying, scene units per second
@@ -46,8 +46,8 @@ SceneUnits units_of(const SceneBounds& bounds);
 /// made level, or −x where `up` (a unit vector) is about z.
 glm::dvec3 level_front(const glm::dvec3& up);
 
-/// How far away a sphere fills the image's shorter side, of which `fov` is, but for a margin of
-/// 15 %.
+/// Distance at which a sphere fills the image's shorter side, of which `fov` is, but for a margin
+/// of 15 %.
 double fitting_distance(double radius, double fov);
 
 /// The part of the distance that the initial view stands above the scene's middle.

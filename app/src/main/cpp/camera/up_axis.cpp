@@ -23,7 +23,7 @@ struct PrincipalAxes {
   std::array<double, 3> parts{};
 };
 
-/// Of a symmetric matrix without negative eigenvalues; nothing is known of a zero one.
+/// Axes of a symmetric matrix without negative eigenvalues; nothing for a zero one.
 std::optional<PrincipalAxes> principal_axes(const Eigen::Matrix3d& matrix) {
   const double trace = matrix.trace();
   if (!(trace > 0) || !std::isfinite(trace)) return std::nullopt;

@@ -28,7 +28,7 @@ struct ViewState {
   double fov = kDefaultFieldOfView;    ///< of the image's shorter side, 0…π
 };
 
-/// How near to and far from its target a view may come, scene units, 0 < nearest < farthest.
+/// Limits of a view's distance to its target, scene units, 0 < nearest < farthest.
 struct DistanceLimits {
   double nearest = 1e-6, farthest = 1e9;
 };
@@ -44,8 +44,8 @@ inline glm::dvec3 eye(const ViewState& v) { return v.target - v.distance * forwa
 /// need be of unit length. Where they are parallel (or one is zero) some other up is taken.
 glm::dmat3 look_rotation(const glm::dvec3& forward, const glm::dvec3& up);
 
-/// From `eye` to `target`; see look_rotation() on `up`. Where the points coincide the distance is
-/// 1e-9 and the direction +z.
+/// View from `eye` to `target`; see look_rotation() on `up`. Where the points coincide the distance
+/// is 1e-9 and the direction +z.
 ViewState view_between(const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3& up,
                        double fov);
 
@@ -67,7 +67,7 @@ struct Ray {
   glm::dvec3 origin, direction;  ///< of unit length
 };
 
-/// From the eye through a pixel.
+/// Ray from the eye through a pixel.
 Ray ray_through(const ViewState& view, const glm::dvec2& pixel, const glm::dvec2& size);
 
 }  // namespace fluxgs::camera

@@ -79,7 +79,7 @@ GLenum clear_errors(Api& api);
 /// Fails with `where` and the error's name if a GL error is pending.
 Expected<void> check_errors(Api& api, const char* where);
 
-/// Whether the context was lost: the GPU was reset, or the system took it away. Asks the driver,
+/// True if the context was lost: the GPU was reset, or the system took it away. Asks the driver,
 /// through KHR_robustness or else, taking them, its errors, and remembers. Then every object has to
 /// be made again in a new context; the owners of the old ones may go at any time, as nothing is
 /// deleted any more.

@@ -35,7 +35,7 @@ class Timestamp {
   Handle<destroy> handle_;
 };
 
-/// Whether something, such as another clock rate of the GPU, has made the times since the last call
+/// True if something, such as another clock rate of the GPU, has made the times since the last call
 /// worthless. To be asked after they were read.
 inline bool times_are_disjoint(Api& api) {
   if (!api.capabilities.is_es) return false;  // desktop GL knows no such thing

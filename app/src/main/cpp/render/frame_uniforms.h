@@ -5,7 +5,6 @@
 #include <cstdint>
 
 #include "fluxgs/camera.h"
-#include "fluxgs/error.h"
 #include "fluxgs/render_options.h"
 #include "render/scene_constants.h"
 #include "render/settings.h"
@@ -29,20 +28,11 @@ struct FrameUniforms {
 };
 static_assert(sizeof(FrameUniforms) == 160, "std140 wants multiples of 16 bytes");
 
-/// Fails, naming the field, on a camera or options that no image can be made with: sizes or
-/// focal lengths that are not positive, anything not finite, cut-offs outside (0, 1), a degree
-/// outside 0…3, a background outside 0…1.
-Expected<void> check_view(const Camera& camera, const RenderOptions& options);
-
-/// The depth keys of a view: of the depths that the scene's splats can have in it.
-sort::DepthKeys choose_keys(const Camera& camera, const RenderOptions& options,
-                            const SceneConstants& scene, int key_bits);
-
 /// ApproximationSettings::max_deviations in the units of ProjectedSplat::factor
 /// (shaders/projected_splat.glsl), whose squares are exponents of 2: times √(½·log2 e).
 double radius_limit(double max_deviations);
 
-/// Precondition: check_view() and check_approximation() passed.
+/// Precondition: check_view() (view_check.h) and check_approximation() passed.
 FrameUniforms make_frame_uniforms(const Camera& camera, const RenderOptions& options,
                                   const ApproximationSettings& approximation,
                                   const SceneConstants& scene, const sort::DepthKeys& keys);

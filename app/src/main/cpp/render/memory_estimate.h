@@ -17,7 +17,7 @@ struct MemoryEstimate {
   std::size_t total() const { return scene + frame + targets; }
 };
 
-/// What an image needs besides its splats.
+/// Size and formats of an image.
 struct TargetPlan {
   int width = 0, height = 0;
   TargetFormat format = TargetFormat::rgba8;

@@ -11,7 +11,7 @@ namespace fluxgs::render {
 
 enum class TargetFormat { rgba8, rgba16f };
 
-/// Where the layers are blended before the target holds the image.
+/// Buffer in which the layers are blended before the target holds the image.
 enum class Accumulation {
   direct,        ///< in the target itself: the least memory traffic, rounds at every layer
   half_float,    ///< in RGBA16F
@@ -22,7 +22,7 @@ enum class Accumulation {
 /// the driver has.
 Accumulation accurate_accumulation(const gl::Capabilities& capabilities);
 
-/// What the layers are blended in: "RGBA8", "RGBA16F", "RGBA32F".
+/// Name of the format that layers are blended in: "RGBA8", "RGBA16F", "RGBA32F".
 const char* blend_name(TargetFormat format, Accumulation accumulation);
 
 /// A colour texture with premultiplied RGBA: RGB over the background, A = 1 − transmittance.
@@ -45,7 +45,8 @@ class RenderTarget {
   /// The size of what the splats are blended into.
   int blend_width() const { return blend_width_; }
   int blend_height() const { return blend_height_; }
-  /// What the splats are blended into: the target itself for Accumulation::direct at scale 1.
+  /// Framebuffer that the splats are blended into: the target itself for Accumulation::direct at
+  /// scale 1.
   const gl::Framebuffer& blend_framebuffer() const;
   const gl::Texture& blend_texture() const;
   bool needs_resolve() const { return accumulation_ != Accumulation::direct || enlarges(); }

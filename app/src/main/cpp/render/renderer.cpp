@@ -4,11 +4,11 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string>
 
 #include "gl/expected_chain.h"
 #include "render/scaled_camera.h"
-#include "render/view_motion.h"
+#include "render/sort_view.h"
+#include "render/view_check.h"
 #include "sort/async_cpu_sorter.h"
 #include "sort/exact_sorter.h"
 #include "sort/gpu_radix_sorter.h"
@@ -50,18 +50,18 @@ Expected<void> Renderer::create_passes() {
 }
 
 Expected<void> Renderer::create_sorter() {
-  const auto take = [&](auto made) -> Expected<void> {
+  const auto keep = [&](auto made) -> Expected<void> {
     if (!made) return std::unexpected(made.error());
     sorter_ = std::move(*made);
     return {};
   };
   switch (settings_.sorter) {
     case SorterKind::gpu_radix:
-      return take(sort::GpuRadixSorter::create(api_, settings_.sort_digit_bits));
+      return keep(sort::GpuRadixSorter::create(api_, settings_.sort_digit_bits));
     case SorterKind::cpu_async:
-      return take(sort::AsyncCpuSorter::create(api_));
+      return keep(sort::AsyncCpuSorter::create(api_));
     case SorterKind::exact:
-      return take(sort::ExactSorter::create(api_));
+      return keep(sort::ExactSorter::create(api_));
   }
   return fail("renderer", "sorter", "unknown");
 }
@@ -109,12 +109,6 @@ void Renderer::stamp(int stage) const {
 Expected<void> Renderer::draw(const Camera& camera, const RenderOptions& options,
                               const RenderTarget& target) {
   if (auto ok = check_view(camera, options); !ok) return ok;
-  if (camera.width != target.width() || camera.height != target.height()) {
-    return fail("camera", "size",
-                std::to_string(camera.width) + "×" + std::to_string(camera.height) +
-                    " pixels; the target has " + std::to_string(target.width()) + "×" +
-                    std::to_string(target.height()));
-  }
   stamp(0);
   if (scene_.constants.count > 0) {
     draw_scene(camera, options, target);
@@ -134,9 +128,10 @@ void Renderer::draw_scene(const Camera& camera, const RenderOptions& options,
                           const RenderTarget& target) {
   const Camera view = scaled_camera(camera, target.blend_width(), target.blend_height());
   const ApproximationSettings& approximation = settings_.approximation;
-  const sort::DepthKeys keys = choose_keys(view, options, scene_.constants, approximation.key_bits);
+  const sort::SortView sorted_for =
+      sort_view(camera, options.near_plane, scene_.constants, approximation.key_bits);
   const FrameUniforms values =
-      make_frame_uniforms(view, options, approximation, scene_.constants, keys);
+      make_frame_uniforms(view, options, approximation, scene_.constants, sorted_for.keys);
   uniforms_.write(0, std::as_bytes(std::span(&values, 1)));
   uniforms_.bind_base(GL_UNIFORM_BUFFER, 0);
   // The frame before may still draw from what is written now: stores of shaders wait for nobody
@@ -145,10 +140,7 @@ void Renderer::draw_scene(const Camera& camera, const RenderOptions& options,
                      GL_PIXEL_BUFFER_BARRIER_BIT);
   projection_.run(api_, scene_);
   stamp(1);
-  sort({.centre = camera.center() - scene_.constants.origin,
-        .forward = camera.forward(),
-        .near_plane = options.near_plane,
-        .keys = keys});
+  sort(sorted_for);
   stamp(2);
   draw_.run(api_, projection_.projected_splats(), *sorter_, options.background, target);
 }

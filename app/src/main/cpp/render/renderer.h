@@ -47,12 +47,12 @@ class Renderer {
   Expected<void> upload(const SplatCloud& cloud,
                         std::optional<std::span<const std::uint32_t>> splats = {});
 
-  /// Enqueues a frame. Fails on a camera or options that make no image, and where the camera's
-  /// size is not the target's. Before the first upload() the scene is empty.
+  /// Enqueues a frame: the camera's image in the pixels of the target. Fails on a camera or options
+  /// that make no image (view_check.h). Before the first upload() the scene is empty.
   Expected<void> draw(const Camera& camera, const RenderOptions& options,
                       const RenderTarget& target);
 
-  /// Of the last frame. Waits for the GPU.
+  /// Counts and times of the last frame. Waits for the GPU.
   Expected<FrameStats> stats() const;
 
   /// See read_pixels(). Waits for the GPU.
@@ -63,11 +63,11 @@ class Renderer {
   /// For the frames that follow. Fails on values out of their range.
   Expected<void> set_approximation(const ApproximationSettings& approximation);
 
-  /// Whether draw() waits for the order of its own view, where that comes late
+  /// Makes draw() wait for the order of its own view, where that comes late
   /// (SorterKind::cpu_async). Off at first.
   void wait_for_sorts(bool wait) { waits_ = wait; }
 
-  /// Whether the last frame had the order that was last asked for. If not, the same view drawn
+  /// True if the last frame had the order that was last asked for. If not, the same view drawn
   /// again may be another image.
   bool order_is_current() const { return sorter_->is_current(); }
 
@@ -77,10 +77,11 @@ class Renderer {
   /// The next frame is sorted, however little the camera has moved.
   void sort_anew() { sorted_.reset(); }
 
-  /// How many splats of the scene are kept out of every image.
+  /// Number of splats of the scene that are kept out of every image.
   std::size_t undrawable() const { return undrawable_; }
 
-  /// As they are used: texture_fetch where the driver makes it necessary, timestamps where it can.
+  /// The settings in use: texture_fetch where the driver makes it necessary, timestamps where it
+  /// can.
   const RendererSettings& settings() const { return settings_; }
 
   // The intermediate results of the last frame, for tests and diagnostics.

@@ -14,7 +14,7 @@ constexpr std::uint64_t kVec4Bytes = 16;
 constexpr std::uint64_t kWordBytes = sizeof(PackedSplats::sh[0]);
 constexpr std::uint64_t kMaxSh = kWordBytes << 30;  // what sh_word() can point into
 
-/// How many of largest_of() have all their coefficients in that many bytes.
+/// Number of splats of largest_of() whose coefficients fit into that many bytes.
 std::uint64_t with_sh_in(std::uint64_t bytes, const DegreeCounts& scene) {
   std::uint64_t count = 0;
   for (int degree = 3; degree >= 0; --degree) {

@@ -15,7 +15,7 @@ namespace fluxgs::render {
 /// Fails where the arrays of the cloud differ in length or its degree is none.
 Expected<void> check_cloud(const SplatCloud& cloud);
 
-/// How many splats of a scene the driver's limits allow, whichever they are.
+/// Number of splats of a scene that the driver's limits allow, whichever they are.
 std::uint64_t max_splats(const gl::Capabilities& driver, const DegreeCounts& scene);
 
 /// Fails where the driver's limits are too small for a scene.

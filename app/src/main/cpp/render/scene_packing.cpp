@@ -43,7 +43,7 @@ float deviation(float log_scale) {
   return static_cast<float>(std::min(std::exp(static_cast<double>(log_scale)), kLargestScale));
 }
 
-/// Where a splat's coefficients lie, as shaders/project.comp reads it.
+/// Place of a splat's coefficients, as shaders/project.comp reads it.
 float sh_word(std::size_t first, int degree) {
   return std::bit_cast<float>(static_cast<std::uint32_t>(4 * first) |
                               static_cast<std::uint32_t>(degree));
@@ -69,11 +69,15 @@ DegreeCounts largest_of(const DegreeCounts& scene, std::uint64_t count) {
 
 ScenePacker::ScenePacker(const SplatCloud& cloud,
                          std::optional<std::span<const std::uint32_t>> splats)
-    : cloud_(cloud), splats_(splats), drawable_(splats ? splats->size() : cloud.size()) {
+    : cloud_(cloud),
+      splats_(splats),
+      drawable_(splats ? splats->size() : cloud.size()),
+      degree_(drawable_.size()) {
   constants_.count = static_cast<std::uint32_t>(drawable_.size());
   constants_.sh_degree = cloud.sh_degree;
   for (std::size_t k = 0; k < drawable_.size(); ++k) {
-    ++degrees_[static_cast<std::size_t>(sh_degree_of(cloud, splat(k)))];
+    degree_[k] = static_cast<std::uint8_t>(sh_degree_of(cloud, splat(k)));
+    ++degrees_[degree_[k]];
     drawable_[k] = is_drawable(cloud, splat(k));
     if (!drawable_[k]) ++undrawable_;
   }
@@ -145,7 +149,7 @@ void ScenePacker::next(std::size_t most, PackedSplats& part) {
   part.sh.clear();
   for (std::size_t k = first; k < packed_; ++k) {
     const std::size_t i = splat(k);
-    const int degree = sh_degree_of(cloud_, i);
+    const int degree = degree_[k];
     auto* const geometry = &part.geometry[4 * (k - first)];
     const std::size_t sh = part.sh.size();
     part.sh.resize(sh + sh_stride(degree));

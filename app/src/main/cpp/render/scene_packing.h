@@ -67,7 +67,8 @@ class ScenePacker {
 
   const SplatCloud& cloud_;
   std::optional<std::span<const std::uint32_t>> splats_;
-  std::vector<bool> drawable_;  // by place, not by index in the cloud
+  std::vector<bool> drawable_;        // by place, not by index in the cloud
+  std::vector<std::uint8_t> degree_;  // of SH, by place
   SceneConstants constants_;
   DegreeCounts degrees_{};
   std::size_t undrawable_ = 0;
@@ -75,7 +76,8 @@ class ScenePacker {
   std::size_t sh_ = 0;      // words so far
 };
 
-/// Where each of these splats lies, relative to the scene's origin; NaN for undrawable ones.
+/// Appends the position of each of these splats, relative to the scene's origin; NaN for undrawable
+/// ones.
 void add_positions(const PackedSplats& part, std::vector<glm::vec3>& positions);
 
 }  // namespace fluxgs::render

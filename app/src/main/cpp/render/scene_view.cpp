@@ -4,9 +4,9 @@
 #include <string>
 
 #include "gl/expected_chain.h"
-#include "render/scaled_camera.h"
 #include "render/scene_buffers.h"
 #include "render/splat_budget.h"
+#include "render/view_check.h"
 
 namespace fluxgs::render {
 
@@ -36,14 +36,13 @@ void SceneView::close() {
 }
 
 Expected<void> SceneView::draw(const Camera& camera, const RenderOptions& options) {
-  if (auto ok = check_view(camera, options); !ok) return ok;
+  if (auto ok = check_image_size(camera); !ok) return ok;
   const Size size{camera.width, camera.height};
   bool fits = size == fitted_;
   if (fits && settings_.scale != made_scale_) fits = make_target().has_value();
   if (!fits)
     if (auto fitted = fit(size); !fitted) return fitted;
-  const Camera view = scaled_camera(camera, target_.width(), target_.height());
-  if (auto drawn = renderer_->draw(view, options, target_); !drawn) return drawn;
+  if (auto drawn = renderer_->draw(camera, options, target_); !drawn) return drawn;
   auto whole = check_context();
   if (!whole) renderer_->sort_anew();  // who knows what became of the order
   return whole;

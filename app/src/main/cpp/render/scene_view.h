@@ -49,16 +49,16 @@ class SceneView {
   /// Renderer::draw() does, and when the context is lost.
   Expected<void> draw(const Camera& camera, const RenderOptions& options);
 
-  /// Of the frames that follow; another image is made for the next one.
+  /// Sets the scale of the frames that follow; another image is made for the next one.
   void set_scale(double scale);
 
   /// Lets go of all GL objects.
   void close();
 
-  /// How many splats there is room for: those that contribute most (splat_budget.h).
+  /// Number of splats that there is room for: those that contribute most (splat_budget.h).
   std::size_t splats() const { return shown_; }
   bool shows_all() const { return shown_ == cloud_->size(); }
-  /// Whether there was no room for what was asked for and the driver can do: fewer splats, fewer
+  /// True if there was no room for what was asked for and the driver can do: fewer splats, fewer
   /// pixels or half floats.
   bool is_reduced() const;
   /// Bytes of graphics memory that are taken, by the estimate (memory_estimate.h), at the scale

@@ -14,7 +14,7 @@ enum class SorterKind {
   exact,      ///< float64 on the CPU, waited for: for measuring the others
 };
 
-/// How the projection pass hands a splat to the draw (shaders/projected_splat.glsl).
+/// Format in which the projection pass hands a splat to the draw (shaders/projected_splat.glsl).
 enum class SplatPrecision {
   full,  ///< 32 bytes, float32
   half,  ///< 16 bytes
@@ -24,10 +24,11 @@ constexpr std::size_t projected_splat_bytes(SplatPrecision precision) {
   return precision == SplatPrecision::full ? 32 : 16;
 }
 
-/// What a frame may leave out. Can be changed from frame to frame.
+/// Details that a frame may leave out. They can be changed from frame to frame.
 struct ApproximationSettings {
-  /// Of a depth key, at most: 10…32. 32 order the splats by all the bits of their float32 depths,
-  /// and take no more than the scene's range of depths needs, usually 26; see sort/depth_keys.h.
+  /// Maximum bits of a depth key: 10…32. 32 order the splats by all the bits of their float32
+  /// depths, and take no more than the scene's range of depths needs, usually 26; see
+  /// sort/depth_keys.h.
   int key_bits = 32;
   /// px: splats whose box is smaller in both directions are not drawn.
   double min_size = 0;
@@ -39,7 +40,7 @@ struct ApproximationSettings {
   double resort_motion = 0;
 };
 
-/// What the programs and buffers are made for.
+/// Settings that the programs and buffers are made for.
 struct RendererSettings {
   SorterKind sorter = SorterKind::gpu_radix;
   SplatPrecision splat_precision = SplatPrecision::full;

@@ -1,6 +1,6 @@
 #version 310 es
 // Turns the sorter's count into the draw: BATCH quads per instance, the last instance's spare
-// quads being the empty record behind the last splat's. Keeps the count on the GPU.
+// quads being the empty projected splat behind the last splat's. Keeps the count on the GPU.
 precision highp int;
 precision highp float;
 

@@ -1,6 +1,6 @@
 #version 310 es
 // Culls and projects: one thread reads one splat, writes its sort key and, where it can touch the
-// image, the record that the draw reads.
+// image, what the draw reads.
 precision highp float;
 precision highp int;
 
@@ -93,5 +93,5 @@ uint project(uint splat) {
 void main() {
   uint splat = gl_GlobalInvocationID.x;
   if (splat < frame.splat_count) keys[splat] = project(splat);
-  if (splat == frame.splat_count) hide(splat);  // The empty record that fills up the last instance
+  if (splat == frame.splat_count) hide(splat);  // The empty one that fills up the last instance
 }

@@ -16,12 +16,12 @@ uvec4 fetch(highp usampler2D from, uint i) {
   return texelFetch(from, ivec2(i % WIDTH, i / WIDTH), 0);
 }
 uint splat_at(uint place) { return fetch(order, place).x; }
-uvec4 record_part(uint i) { return fetch(projected_splats, i); }
+uvec4 part_of_splat(uint i) { return fetch(projected_splats, i); }
 #else
 layout(std430, binding = 0) readonly buffer ProjectedSplats { uvec4 projected_splats[]; };
 layout(std430, binding = 1) readonly buffer Order { uint order[]; };
 uint splat_at(uint place) { return order[place]; }
-uvec4 record_part(uint i) { return projected_splats[i]; }
+uvec4 part_of_splat(uint i) { return projected_splats[i]; }
 #endif
 
 // u = shape.x·x + shape.y·y + offset.x, v = shape.z·y + offset.y at the pixel (x, y)
@@ -34,7 +34,7 @@ const float LARGE = 4096.0;  // px: beyond this a quad's interpolation loses the
 
 ProjectedSplat read_projected_splat(uint splat) {
   uvec4 words[PROJECTED_SPLAT_SIZE];
-  for (uint k = 0u; k < PROJECTED_SPLAT_SIZE; ++k) words[k] = record_part(PROJECTED_SPLAT_SIZE * splat + k);
+  for (uint k = 0u; k < PROJECTED_SPLAT_SIZE; ++k) words[k] = part_of_splat(PROJECTED_SPLAT_SIZE * splat + k);
   return unpack_projected_splat(words);
 }
 

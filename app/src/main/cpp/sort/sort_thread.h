@@ -21,7 +21,7 @@ struct IndexBuffer {
   std::uint64_t ticket = 0;            ///< the number of the request
 };
 
-/// Who holds one keeps it from being overwritten: the thread takes a buffer that nobody holds.
+/// Holding one keeps it from being overwritten: the thread takes a buffer that nobody holds.
 using SharedIndices = std::shared_ptr<const IndexBuffer>;
 
 /// A thread that sorts splats by depth, always for the newest view it was asked for. Nothing is

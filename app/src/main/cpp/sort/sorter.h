@@ -11,7 +11,7 @@
 
 namespace fluxgs::sort {
 
-/// What a frame's order depends on.
+/// Everything that a frame's order depends on.
 struct SortView {
   glm::dvec3 centre{0.0};   ///< the camera's, relative to the scene's origin
   glm::dvec3 forward{0.0};  ///< unit vector along which depth is measured
@@ -26,7 +26,7 @@ class Sorter {
  public:
   virtual ~Sorter() = default;
 
-  /// Whether set_scene() wants the positions.
+  /// True if set_scene() wants the positions.
   virtual bool needs_positions() const = 0;
 
   /// Makes room for `count` splats; nothing is allocated by the functions below afterwards. `spare`
@@ -43,7 +43,7 @@ class Sorter {
   /// Makes an order that has become ready since available; to be called once a frame.
   virtual void collect() {}
 
-  /// Whether order() is that of the last view.
+  /// True if order() is that of the last view.
   virtual bool is_current() const { return true; }
 
   /// Seconds from asking for the order that is shown until it was shown; 0 where sort() makes it.

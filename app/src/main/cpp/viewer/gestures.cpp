@@ -64,7 +64,7 @@ void move(const TouchEvent& e, const glm::dvec2& size, Gestures& g, camera::Navi
   g.fingers = now;
 }
 
-/// Where to look, if it is the second tap.
+/// The point to look at, if it is the second tap.
 std::optional<glm::dvec2> tap(const TouchEvent& e, const glm::dvec2& at, Gestures& g) {
   const GestureOptions& o = g.options;
   const bool second = g.tapped && g.pressed - *g.tapped <= o.double_tap &&

@@ -31,7 +31,7 @@ DragAction action_of(PointerButton button, const MouseAndKeys& input) {
   return is_flying(input) ? DragAction::look : DragAction::orbit;
 }
 
-/// Whether this press of the left button is the second of two.
+/// True if this press of the left button is the second of two.
 bool completes_double_click(const WindowEvent& event, double time, MouseAndKeys& input) {
   const bool second = time - input.last_press < kDoubleClick &&
                       glm::distance(event.position, input.last_press_at) < kDoubleClickReach;

@@ -19,7 +19,7 @@ inline constexpr std::string_view kMouseAndKeysHelp =
     "  W A S D      fly forward, left, back, right; Q E: down, up\n"
     "  + -          fly faster, slower\n"
     "  F            turn the scene upside down\n"
-    "  R            back to the first view\n";
+    "  R            reset the view\n";
 
 /// The buttons and keys that are down.
 struct MouseAndKeys {

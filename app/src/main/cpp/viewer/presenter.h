@@ -53,9 +53,9 @@ class Presenter {
   void lose_context();
 
   bool has_failed() const { return failed_; }
-  /// Whether an image of this scene was shown.
+  /// True if an image of this scene was shown.
   bool has_drawn() const { return drawn_; }
-  /// Whether frame() would change nothing until somebody does something.
+  /// True if frame() would change nothing until somebody does something.
   bool at_rest() const;
 
   /// The image of the present view, RGBA, as large as the window and as sharp as it is at rest. Or

@@ -35,7 +35,7 @@ std::string megabytes(std::uint64_t bytes) {
 
 }  // namespace
 
-/// What the thread and the owner share.
+/// State that the thread and the owner share.
 struct SceneLoading::Job {
   int descriptor = -1;
   std::string name;
@@ -97,7 +97,7 @@ struct SceneLoading::Job {
     return false;
   }
 
-  /// How large the file says it is, or its provider; nothing where nobody does.
+  /// Size of the file by its own word or its provider's; nothing where neither tells.
   Expected<std::optional<std::uint64_t>> announced_size() const {
     struct stat status{};
     if (::fstat(descriptor, &status) != 0)
@@ -149,8 +149,8 @@ struct SceneLoading::Job {
       bytes.reserve(std::max(needed, std::min<std::size_t>(2 * bytes.size(), limits.memory)));
   }
 
-  /// What it will take, for most formats long before all of it is there. Fails if that is too
-  /// much, and on what is no scene.
+  /// Memory that it will take, for most formats known long before all of it is there. Fails if that
+  /// is too much, and on what is no scene.
   Expected<void> look_ahead(const Bytes& bytes, const std::optional<std::uint64_t>& size) {
     if (auto known = recognise_beginning(bytes, name); !known)
       return std::unexpected(known.error());

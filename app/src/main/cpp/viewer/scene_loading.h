@@ -44,13 +44,13 @@ class SceneLoading {
   /// a pipe of a provider. An earlier loading is cancelled. `name` is for errors.
   void begin(int descriptor, const std::string& name, const LoadLimits& limits);
 
-  /// What was begun is forgotten: its thread ends by itself, as soon as it notices. It does not
-  /// while it decodes, and has a DecodeMemoryGuard until then.
+  /// Forgets a loading that was begun: its thread ends by itself, as soon as it notices. It does
+  /// not while it decodes, and has a DecodeMemoryGuard until then.
   void cancel();
 
   LoadState state() const;
 
-  /// Whether nothing changes any more: there was none, it failed, or the scene was taken.
+  /// True if nothing changes any more: there was none, it failed, or the scene was taken.
   bool is_over() const;
 
   /// The scene, once, when the phase is ready.

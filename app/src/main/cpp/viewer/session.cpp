@@ -57,7 +57,7 @@ void Session::post_and_wait(Task task) {
   finished.wait(lock, [&] { return done; });
 }
 
-/// What was posted, in order. Also called between the frames of a benchmark.
+/// Runs the posted tasks, in order. Also called between the frames of a benchmark.
 void Session::run_tasks() {
   for (;;) {
     Task task;
@@ -251,7 +251,7 @@ void Session::give_up(const Error& error) {
   state_.error = error.message();
 }
 
-/// What there is to say of a new context.
+/// Publishes the description of a new context.
 void Session::publish_driver() {
   const int contexts = presenter_->contexts();
   gl::Api* const api = presenter_->screen().api();

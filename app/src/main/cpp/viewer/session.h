@@ -87,7 +87,7 @@ class Session {
   void stop_benchmark(const std::string& why) { benchmark_.stop(why); }
   BenchmarkState benchmark() const { return benchmark_.state(); }
 
-  /// As if the GPU had been reset (tests, debugging).
+  /// Acts as if the GPU had been reset (tests, debugging).
   void lose_context();
 
  private:

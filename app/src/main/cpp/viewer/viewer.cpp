@@ -115,7 +115,7 @@ void Viewer::close() {
   measured_.reset();
 }
 
-/// Whether GL objects were made for other settings.
+/// True if GL objects were made for other settings.
 bool Viewer::needs_remaking(const ViewerSettings& s) const {
   const bool fits =
       is_open() && !scene_->is_reduced() && (!s.memory || scene_->memory() <= *s.memory);

@@ -88,7 +88,7 @@ class Viewer {
   void turn(const DevicePose& pose);
   void flip_up();
   void reset_view();
-  /// Whether the scene stands upside down, compared with how it was shown first.
+  /// True if the scene stands upside down, compared with how it was shown first.
   bool is_flipped() const;
   /// The present view, to be saved.
   std::optional<SavedView> saved_view() const;
@@ -96,7 +96,7 @@ class Viewer {
   /// Lets time pass. Whether a frame is to be drawn: something moved, the last one was not final,
   /// or all is at rest and it was of a lower scale than heat allows.
   bool advance(double seconds);
-  /// Whether nothing changes any more until somebody touches something.
+  /// True if nothing changes any more until somebody touches something.
   bool at_rest() const;
 
   /// Enqueues a frame. Fails as SceneView::draw() does.

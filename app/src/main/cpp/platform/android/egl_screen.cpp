@@ -89,9 +89,9 @@ class EglScreen final : public viewer::Screen {
     bool operator==(const Size&) const = default;
   };
 
-  /// Where there is none of that size: buffers that a driver has taken already keep the size that
-  /// the window had before, and nobody would draw a second frame of a view at rest. Whether there
-  /// is one then.
+  /// For a window without buffers of that size: buffers that a driver has taken already keep the
+  /// size that the window had before, and nobody would draw a second frame of a view at rest.
+  /// Whether there is one then.
   Expected<bool> make_surface(const Size& size) {
     if (size != size_) destroy_surface();
     if (window_surface_ != EGL_NO_SURFACE) return true;
@@ -138,7 +138,7 @@ class EglScreen final : public viewer::Screen {
     return {};
   }
 
-  /// Of a pixel, with everything that comes along.
+  /// Bits of a pixel, of all its channels.
   int bits_of(EGLConfig config) const {
     int bits = 0;
     for (const EGLint part : {EGL_RED_SIZE, EGL_GREEN_SIZE, EGL_BLUE_SIZE, EGL_ALPHA_SIZE,

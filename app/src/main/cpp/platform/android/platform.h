@@ -11,10 +11,10 @@ namespace fluxgs::android {
 
 std::unique_ptr<viewer::Screen> make_screen();
 
-/// What Screen::attach() takes, of an android.view.Surface; null where it is not valid any more.
+/// Argument of Screen::attach() for an android.view.Surface; null where it is not valid any more.
 void* window_of(JNIEnv* env, jobject surface);
 
-/// Where the program runs: "android" or "host".
+/// Name of the platform: "android" or "host".
 extern const char* const kPlatform;
 
 }  // namespace fluxgs::android

@@ -55,14 +55,14 @@ const Expected<Glfw>& glfw_library() {
   return glfw;
 }
 
-/// What GLFW says about its last failure.
+/// GLFW's text about its last failure.
 std::string reason(const Glfw& glfw) {
   const char* text = nullptr;
   glfw.GetError(&text);
   return text ? text : "no reason given";
 }
 
-/// What is in the window's framebuffer, whose row 0 is at the bottom. Waits for the GPU.
+/// Pixels of the window's framebuffer, whose row 0 is at the bottom. Waits for the GPU.
 Expected<Image<std::uint8_t>> read_window(gl::Api& api, int width, int height) {
   Image<std::uint8_t> image(width, height, 3);
   std::vector<std::uint8_t> rgba(4 * image.pixels.size() / 3);
@@ -196,7 +196,7 @@ class GlfwScreen final : public WindowScreen, private HostContext {
     self(window).events_.push_back(event);
   }
 
-  /// From the window's units to pixels, which differ where the desktop enlarges windows.
+  /// Converts the window's units to pixels, which differ where the desktop enlarges windows.
   glm::dvec2 in_pixels(double x, double y) const {
     int width = 0, height = 0;
     glfw_.GetWindowSize(window_, &width, &height);

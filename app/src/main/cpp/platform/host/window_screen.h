@@ -25,7 +25,7 @@ class WindowScreen : public viewer::Screen {
   virtual WindowSize size() const = 0;
   virtual void resize(const WindowSize& size) = 0;
   virtual void set_title(const std::string& title) = 0;
-  /// Whether the user wants it closed.
+  /// True if the user wants it closed.
   virtual bool close_requested() const = 0;
   /// The events since the last call. Without any, waits up to `seconds` for
   /// something.

@@ -138,7 +138,7 @@ class BenchmarkActivity : Activity() {
         opening?.start()
     }
 
-    /** Which has the memory that the next one wants. */
+    /** The scene holds memory that the next one needs. */
     private fun dropScene() {
         session.close()
         session = Session()
@@ -164,7 +164,7 @@ class BenchmarkActivity : Activity() {
         fail(reason)
     }
 
-    /** Whether there is more to wait for. */
+    /** True if there is more to wait for. */
     private fun advance(): Boolean {
         val state = session.state() ?: return false
         val loading = state.loading
@@ -242,7 +242,7 @@ class BenchmarkActivity : Activity() {
         Log.e(TAG, "failed ${problem.message}")
     }
 
-    /** Who asked for garden.json finds garden.csv beside it. */
+    /** Writes garden.csv beside garden.json. */
     private fun writeTo(file: File, found: BenchmarkResult) {
         write(File(file.path.removeSuffix(".json") + ".csv"), found.csv())
         write(file, found.text())

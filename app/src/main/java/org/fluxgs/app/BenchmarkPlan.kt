@@ -21,7 +21,7 @@ data class BenchmarkPlan(
         private const val MOST_FRAMES = 10_000
         private const val LARGEST = 8192
 
-        /** What is no number, or out of its range, is an IllegalArgumentException that says so. */
+        /** Throws an IllegalArgumentException for a value that is no number or out of its range. */
         fun of(intent: Intent): BenchmarkPlan {
             val usual = BenchmarkPlan()
             val sorter = intent.getStringExtra("sorter") ?: "both"

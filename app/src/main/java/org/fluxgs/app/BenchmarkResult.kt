@@ -28,7 +28,7 @@ data class BenchmarkRow(
     private fun fps(ms: Double) = if (ms > 0) 1000 / ms else 0.0
 }
 
-/** What a benchmark found, as it is saved: one JSON object. */
+/** The result of a benchmark as it is saved: one JSON object. */
 internal class BenchmarkResult(val json: JSONObject) {
     val rows: List<BenchmarkRow> = json.getJSONArray("rows").let { rows ->
         (0 until rows.length()).map { rowOf(rows.getJSONObject(it)) }
@@ -38,7 +38,7 @@ internal class BenchmarkResult(val json: JSONObject) {
     val stopped: String get() = json.getString("stopped")
     val started: String get() = json.getString("started")
 
-    /** What the layers are blended in: of numbers half as long less is moved. */
+    /** Format that layers are blended in: half floats move fewer bytes. */
     val blendedIn: String? get() =
         json.getJSONArray("rows").optJSONObject(0)?.optString("blended_in")?.ifEmpty { null }
 
@@ -80,11 +80,11 @@ internal class BenchmarkResult(val json: JSONObject) {
         return before.drawMs / row.drawMs
     }
 
-    /** What makes it hard to compare with an earlier result: paths of the JSON. */
+    /** Differences that make an earlier result hard to compare: paths of the JSON. */
     fun differences(earlier: BenchmarkResult): List<String> =
         CONDITIONS.filter { find(json, it) != find(earlier.json, it) }
 
-    /** Whether the same was measured, and the whole screen was the app's both times. */
+    /** True if the same was measured, and the whole screen was the app's both times. */
     fun isMeasuredLike(earlier: BenchmarkResult) = differences(earlier).none { it in PROTOCOL }
 
     private fun rowOf(row: JSONObject) = BenchmarkRow(
@@ -118,7 +118,7 @@ internal class BenchmarkResult(val json: JSONObject) {
             null
         }
 
-        /** As ISO 8601 has it. */
+        /** ISO 8601. */
         private fun format() = SimpleDateFormat("yyyy-MM-dd'T'HH:mm:ss'Z'", Locale.ROOT)
             .apply { timeZone = TimeZone.getTimeZone("UTC") }
 

@@ -7,7 +7,7 @@ import org.json.JSONObject
 internal object BuildFacts {
     val native: JSONObject by lazy { JSONObject(Native.about()) }
 
-    /** Whether the library was built for checks only: no compiler that phones should trust. */
+    /** True if the library was built for checks only: no compiler that phones should trust. */
     val isCheckBuild get() = native.getString("build") == "check"
 
     fun version(context: Context): String = packageOf(context).versionName ?: ""

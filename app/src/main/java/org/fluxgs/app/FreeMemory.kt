@@ -5,7 +5,7 @@ import android.content.Context
 
 /** Memory that a scene may take without the system ending the app. */
 internal object FreeMemory {
-    /** What is left to everything else. */
+    /** Bytes left to everything else. */
     private const val KEPT = 150L shl 20
 
     /**
@@ -19,7 +19,7 @@ internal object FreeMemory {
         return (free / 2).coerceIn(64L shl 20, 4L shl 30)
     }
 
-    /** Whether the system is about to end apps for want of memory. */
+    /** True if the system is about to end apps for want of memory. */
     fun isLow(context: Context): Boolean {
         val info = ActivityManager.MemoryInfo()
         context.getSystemService(ActivityManager::class.java).getMemoryInfo(info)

@@ -97,7 +97,7 @@ internal class LoadingView(
         progress(context.getString(R.string.loading, name), detail + more, part)
     }
 
-    /** What it will take, as soon as the file says. */
+    /** Memory that it will take, once the file tells. */
     private fun estimateOf(loading: Loading): String =
         if (loading.splats == 0L) Texts.megabytes(loading.read)
         else root.context.getString(
@@ -118,7 +118,7 @@ internal class LoadingView(
         leave.visibility = View.GONE
     }
 
-    /** What is set anew is read out anew. */
+    /** Screen readers read out every new text. */
     private fun set(view: TextView, text: String) {
         if (view.text.toString() != text) view.text = text
     }

@@ -42,7 +42,7 @@ internal object Native {
      */
     @JvmStatic external fun waitForHeldScenes()
 
-    /** Whether others are wanted: no longer once all is at rest, until something else is called. */
+    /** True if more frames are wanted: false once all is at rest, until something else is called. */
     @JvmStatic external fun frame(session: Long, nanoseconds: Long): Boolean
 
     /** [positions]: x and y of each finger. [phase]: 0 down, 1 moved, 2 up, 3 cancelled. */
@@ -66,7 +66,7 @@ internal object Native {
 
     @JvmStatic external fun resetView(session: Long)
 
-    /** What is drawn with goes; the next frame makes it again. */
+    /** Frees the GL objects; the next frame makes them again. */
     @JvmStatic external fun freeGraphics(session: Long)
 
     @JvmStatic external fun loseContext(session: Long)

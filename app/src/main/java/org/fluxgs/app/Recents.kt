@@ -16,7 +16,7 @@ data class Recent(
     val name: String,
     val bytes: Long,
     val splats: Long,
-    /** Where it was looked at from, see [Session.place]. */
+    /** The last view of it, see [Session.place]. */
     val place: DoubleArray?,
     /** Names its thumbnail. */
     val id: Long,

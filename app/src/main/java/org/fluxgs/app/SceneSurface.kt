@@ -42,7 +42,7 @@ class SceneSurface(context: Context, attributes: AttributeSet?) :
             isAwake = false
         }
 
-    /** Whether a frame of the display is waited for. */
+    /** True if a frame of the display is waited for. */
     internal var isAwake = false
         private set
 

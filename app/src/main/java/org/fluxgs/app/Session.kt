@@ -88,7 +88,7 @@ class Session : AutoCloseable {
         if (handle != 0L) work(handle)
     }
 
-    /** What may change the image. */
+    /** A call that may change the image. */
     private inline fun change(work: (Long) -> Unit) = call {
         work(it)
         onChange()
@@ -115,7 +115,7 @@ class Session : AutoCloseable {
 
     fun cancelLoading() = call { Native.cancelLoading(it) }
 
-    /** Whether others are wanted. */
+    /** True if more frames are wanted. */
     fun frame(nanoseconds: Long) = handle != 0L && Native.frame(handle, nanoseconds)
 
     fun touch(phase: Int, changed: Int, ids: IntArray, positions: FloatArray, milliseconds: Long) =
@@ -166,7 +166,7 @@ class Session : AutoCloseable {
         )
     }
 
-    /** What the processor makes of the scene, or {"error": …}. Takes seconds: not for the main thread. */
+    /** The self-test of this processor on the scene, or {"error": …}. Takes seconds: not for the main thread. */
     fun selfTest(): JSONObject = try {
         JSONObject(Native.selfTest(handle))
     } catch (problem: Throwable) { // of memory, too: what is measured is not lost for it

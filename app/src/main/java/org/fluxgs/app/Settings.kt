@@ -4,7 +4,7 @@ import android.content.Context
 
 /** Settings of the viewer for all scenes. */
 data class Settings(
-    /** Of the image that is blended, 0.2 to 1; 0: what holds the display's rate. */
+    /** Scale of the blended image, 0.2 to 1; 0: the one that holds the display's rate. */
     val scale: Float = 0f,
     /** 0: what suits the device, 1: GPU, 2: CPU. */
     val sorter: Int = 0,

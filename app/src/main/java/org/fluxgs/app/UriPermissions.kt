@@ -9,7 +9,7 @@ import android.net.Uri
 internal object UriPermissions {
     private const val READ = Intent.FLAG_GRANT_READ_URI_PERMISSION
 
-    /** Where it is offered: by the file picker always, by "open with" and "share" seldom. */
+    /** Keeps the permission if it is offered: always by the file picker, seldom by "open with" and "share". */
     fun keep(context: Context, uri: Uri) {
         if (uri.scheme != ContentResolver.SCHEME_CONTENT) return
         try {

@@ -1,4 +1,4 @@
-#include "render/view_motion.h"
+#include "render/sort_view.h"
 
 #include <cmath>
 #include <limits>
@@ -6,6 +6,16 @@
 #include <glm/geometric.hpp>
 
 namespace fluxgs::render {
+
+sort::SortView sort_view(const Camera& camera, double near_plane, const SceneConstants& scene,
+                         int key_bits) {
+  const glm::dvec3 centre = camera.center() - scene.origin, forward = camera.forward();
+  return {
+      .centre = centre,
+      .forward = forward,
+      .near_plane = near_plane,
+      .keys = sort::depth_keys(centre, forward, near_plane, scene.lowest, scene.highest, key_bits)};
+}
 
 double motion_between(const sort::SortView& from, const sort::SortView& to) {
   // The scene's middle is the origin of SortView::centre
