@@ -17,10 +17,13 @@ static_assert(std::endian::native == std::endian::little, "values are copied as 
 /// Takes values off the front; nothing once there are too few bytes.
 class ByteReader {
  public:
+  /// The bytes must outlive the reader.
   explicit ByteReader(std::span<const std::byte> bytes) : rest_(bytes) {}
 
+  /// Bytes that are left.
   std::size_t left() const { return rest_.size(); }
 
+  /// A value of a trivially copyable type.
   template <class T>
   std::optional<T> take() {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -43,6 +46,7 @@ class ByteReader {
     return std::nullopt;
   }
 
+  /// The next `count` bytes, not copied.
   std::optional<std::span<const std::byte>> take_bytes(std::uint64_t count) {
     if (rest_.size() < count) return std::nullopt;
     const auto front = rest_.first(static_cast<std::size_t>(count));

@@ -23,6 +23,7 @@ struct Error {
   }
 };
 
+/// A value, or the reason why there is none.
 template <class T>
 using Expected = std::expected<T, Error>;
 

@@ -7,6 +7,7 @@
 
 namespace fluxgs {
 
+/// Hash of no bytes.
 inline constexpr std::uint64_t kFnv1aOffset = 0xcbf29ce484222325u;
 
 /// The hash of `bytes`, continued from `hash` (http://www.isthe.com/chongo/tech/comp/fnv/).

@@ -11,13 +11,18 @@ namespace fluxgs {
 /// 0…1, 8-bit ones 0…255. Channels: 3 (RGB) or 4 (RGBA).
 template <class T>
 struct Image {
-  int width = 0, height = 0, channels = 3;
-  std::vector<T> pixels;
+  int width = 0;          ///< pixels
+  int height = 0;         ///< pixels
+  int channels = 3;       ///< 3 or 4
+  std::vector<T> pixels;  ///< width · height · channels values
 
   Image() = default;
+  /// An image of zeros.
   Image(int w, int h, int c) : width(w), height(h), channels(c), pixels(size_of(w, h, c)) {}
 
+  /// The first channel of a pixel.
   T* at(int x, int y) { return pixels.data() + offset(x, y); }
+  /// The first channel of a pixel.
   const T* at(int x, int y) const { return pixels.data() + offset(x, y); }
 
  private:

@@ -11,8 +11,8 @@
 
 namespace fluxgs {
 
-/// Spherical-SH coefficients coefficients per colour channel beyond the constant one: 0, 3, 8
-/// or 15.
+/// Coefficients of spherical harmonics (SH) for each colour channel beyond the constant one: 0, 3,
+/// 8 or 15.
 constexpr int sh_rest_count(int degree) { return (degree + 1) * (degree + 1) - 1; }
 
 /// A scene of 3D Gaussians. Frame: that of an INRIA 3DGS .ply (right-handed, y down, z forward for
@@ -28,8 +28,10 @@ struct SplatCloud {
   std::vector<glm::vec3> sh_dc;       ///< degree-0 RGB coefficient; colour = 0.282…·dc + 0.5
   std::vector<glm::vec3> sh_rest;     ///< [splat][coefficient] RGB, degrees 1…sh_degree
 
+  /// Number of splats.
   std::size_t size() const { return positions.size(); }
 
+  /// New splats are zeros with the identity as rotation.
   void resize(std::size_t count) {
     positions.resize(count);
     log_scales.resize(count);

@@ -15,6 +15,7 @@ int sh_degree_of(const SplatCloud& cloud, std::size_t i);
 
 /// Number of splats that need each degree, 0…3.
 using DegreeCounts = std::array<std::size_t, 4>;
+/// Counts the splats of each degree.
 DegreeCounts count_degrees(const SplatCloud& cloud);
 
 }  // namespace fluxgs

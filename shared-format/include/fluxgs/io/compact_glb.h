@@ -24,8 +24,8 @@ struct QuantizationSteps {
   float rotation = 0.06f;  ///< of the quaternion's x, y, z
   float opacity = 0.06f;   ///< of asin(√opacity)·2/π, 0…1
   float sh_dc = 0.08f;     ///< of the coefficient, 0.28 of which is colour
-  float sh_rest = 0.1f;
-  float energy = 0.1f;  ///< of the networks' input, which then stands for the two above
+  float sh_rest = 0.1f;    ///< of the coefficients of degrees 1 to 3
+  float energy = 0.1f;     ///< of the networks' input, which then stands for the two above
 };
 
 /// Steps that suit most scenes, times `step scale` (> 0): at 1, images of scans and of scenes
@@ -57,13 +57,14 @@ glm::quat canonical_rotation(const glm::quat& rotation);  ///< of one splat
 /// scene in glTF's frame (turn_gltf_frame()): positions, rotations and SH coefficients, and the
 /// energy.
 struct CompactNetworks {
-  networks::AppearanceNetworks models;  ///< one of them at least
-  networks::Normalisation normalisation = {};
+  networks::AppearanceNetworks models;         ///< one of them at least
+  networks::Normalisation normalisation = {};  ///< of the networks' inputs
   std::vector<float> energy = {};  ///< with Ψ: 12 finite values a splat, in the order of the cloud
 };
 
+/// Options of encode_compact_glb().
 struct CompactOptions {
-  QuantizationSteps steps = {};
+  QuantizationSteps steps = {};   ///< see default_quantization_steps()
   bool plain_attributes = false;  ///< also store what is decoded as plain floats, see below
   double rate_weight = kDefaultRateWeight;  ///< ≥ 0; 0 rounds to the nearest
   /// Costs of errors when values are rounded. For scenes with networks, weights only.

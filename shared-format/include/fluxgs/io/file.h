@@ -28,7 +28,9 @@ class AtomicFile {
   /// Open a temporary file beside `path`. The folder must exist and be writable.
   static Expected<AtomicFile> create(const std::filesystem::path& path);
 
+  /// Leaves `other` without a file.
   AtomicFile(AtomicFile&& other) noexcept;
+  /// Gives up the own file and leaves `other` without one.
   AtomicFile& operator=(AtomicFile&& other) noexcept;
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;

@@ -12,6 +12,7 @@
 
 namespace fluxgs::io {
 
+/// A position from the cloud to glTF; its own inverse.
 template <class T>
 glm::vec<3, T> turn_position(const glm::vec<3, T>& p) {
   return {-p.x, -p.y, p.z};
@@ -19,6 +20,7 @@ glm::vec<3, T> turn_position(const glm::vec<3, T>& p) {
 
 /// The product (0,0,0,1)·q from the cloud to glTF; q and −q are the same rotation.
 inline glm::quat turn_to_gltf(const glm::quat& q) { return glm::quat(-q.z, -q.y, q.x, q.w); }
+/// The inverse of turn_to_gltf().
 inline glm::quat turn_from_gltf(const glm::quat& q) { return glm::quat(q.z, q.y, -q.x, -q.w); }
 
 /// Sign of a basis function under the turn: minus for odd orders m. Index 0 is the first function

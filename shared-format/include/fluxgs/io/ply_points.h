@@ -15,8 +15,8 @@ namespace fluxgs {
 
 /// One entry for each vertex, finite or not.
 struct PlyPoints {
-  std::vector<glm::dvec3> positions;
-  std::vector<glm::u8vec3> colors;  ///< sRGB; white where the file has none
+  std::vector<glm::dvec3> positions;  ///< units of the file
+  std::vector<glm::u8vec3> colors;    ///< sRGB; white where the file has none
 };
 
 /// Reads the vertices of a .ply (text, or binary of either byte order; Turk 1994): x, y, z, and

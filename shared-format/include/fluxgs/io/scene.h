@@ -20,6 +20,7 @@ struct SceneFormat {
   std::string_view description;  ///< for people
   std::string_view extension;    ///< end of a file's name, lower case, with the dot
   int max_sh_degree;             ///< highest degree it stores; a writer leaves out the rest
+  /// True if the content looks like this format.
   bool (*recognises)(std::span<const std::byte> bytes);
   /// Null for a format of several files.
   Expected<SceneFile> (*read)(std::span<const std::byte> bytes, const std::string& name);

@@ -11,6 +11,7 @@
 
 namespace fluxgs {
 
+/// Size of a scene as its file announces it.
 struct SceneEstimate {
   std::string format;         ///< see scene_formats()
   std::uint64_t splats = 0;   ///< as the file announces; 0 where only decoding tells
@@ -22,6 +23,7 @@ struct SceneEstimate {
 /// read_scene() does, on what is no scene at all.
 Expected<SceneEstimate> estimate_scene(std::span<const std::byte> bytes, const std::string& name);
 
+/// Size of a file that nobody tells.
 inline constexpr std::uint64_t kUnknownSize = ~std::uint64_t{0};
 
 /// The same of the first bytes of a file, of which there are `size`, or kUnknownSize. Nothing for

@@ -47,6 +47,7 @@ enum class SpzAxes {
 /// `axes` counts where the file does not name its own.
 Expected<SceneFile> read_spz(std::span<const std::byte> bytes, const std::string& name,
                              SpzAxes axes);
+/// The same with the axes that most writers use.
 Expected<SceneFile> read_spz(std::span<const std::byte> bytes, const std::string& name);
 
 /// Precision of writing; the defaults are those of other writers.
@@ -56,7 +57,7 @@ struct SpzOptions {
                              ///< reaches further than 2^(23 - bits) from the origin
   int sh1_bits = 5;          ///< of coefficients of degree 1, 1 to 8: steps of 2^(1 - bits)
   int sh_rest_bits = 4;      ///< the same for degrees 2 and 3
-  SpzAxes axes = SpzAxes::right_down_front;
+  SpzAxes axes = SpzAxes::right_down_front;  ///< of the file
 };
 
 /// Write a scene. Values beyond the ranges above are limited to them, except positions: the error
@@ -64,6 +65,7 @@ struct SpzOptions {
 /// stays. Splats with a NaN or infinity are left out. The same cloud always gives the same bytes.
 Expected<std::vector<std::byte>> encode_spz(const SplatCloud& cloud, const std::string& name,
                                             const SpzOptions& options);
+/// The same with the default options.
 Expected<std::vector<std::byte>> encode_spz(const SplatCloud& cloud, const std::string& name);
 
 }  // namespace fluxgs

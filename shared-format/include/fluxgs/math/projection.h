@@ -12,15 +12,25 @@ namespace fluxgs::math {
 /// A Camera with the derived values that projection needs, in the scalar type of the formulas.
 template <class T>
 struct View {
-  Mat3<T> rotation;
-  Vec3<T> translation, center;
-  T fx, fy, cx, cy;
-  T width, height;
-  T slope_x_min, slope_x_max, slope_y_min, slope_y_max;  ///< limits of x/z, y/z in the Jacobian
-  T dilation, near_plane;
-  T depth_spread_max;  ///< > 0: of RenderOptions, a large value for no limit
+  Mat3<T> rotation;     ///< world → camera
+  Vec3<T> translation;  ///< as Camera::translation
+  Vec3<T> center;       ///< of projection, in the world
+  T fx;                 ///< focal length, px
+  T fy;                 ///< focal length, px
+  T cx;                 ///< principal point, px
+  T cy;                 ///< principal point, px
+  T width;              ///< px
+  T height;             ///< px
+  T slope_x_min;        ///< least x/z in the Jacobian
+  T slope_x_max;        ///< largest x/z in the Jacobian
+  T slope_y_min;        ///< least y/z in the Jacobian
+  T slope_y_max;        ///< largest y/z in the Jacobian
+  T dilation;           ///< of RenderOptions, px²
+  T near_plane;         ///< of RenderOptions, scene units
+  T depth_spread_max;   ///< > 0: of RenderOptions, a large value for no limit
 };
 
+/// The view of a camera with these options.
 template <class T>
 View<T> make_view(const Camera& camera, const RenderOptions& options) {
   const auto scalar = [](double v) { return T(v); };
@@ -99,10 +109,15 @@ Mat3<T> rotation_matrix(const Quat<T>& q) {
 /// The slopes are limited: beyond the image's margin the linearisation blows up (3DGS: 1.3).
 template <class T>
 struct Jacobian {
-  T x0, x2, y1, y2;
-  T slope_x, slope_y;  ///< the limited x/z, y/z
+  T x0;       ///< jx0
+  T x2;       ///< jx2
+  T y1;       ///< jy1
+  T y2;       ///< jy2
+  T slope_x;  ///< the limited x/z
+  T slope_y;  ///< the limited y/z
 };
 
+/// The Jacobian at `p` of camera space, p.z > 0.
 template <class T>
 Jacobian<T> projection_jacobian(const Vec3<T>& p, const View<T>& view) {
   const T inverse_z = T(1) / p.z;
@@ -125,9 +140,11 @@ T depth_deviation(const Vec3<T>& forward, const Mat3<T>& rotation, const Vec3<T>
 /// J·W·R·diag(s). The projected covariance is axes·axesᵀ + dilation·I.
 template <class T>
 struct ScreenAxes {
-  Vec3<T> x, y;
+  Vec3<T> x;  ///< first row, px
+  Vec3<T> y;  ///< second row, px
 };
 
+/// J·W·R·diag(s); `scale` are the standard deviations, scene units.
 template <class T>
 ScreenAxes<T> screen_axes(const Jacobian<T>& j, const Mat3<T>& world_to_camera,
                           const Mat3<T>& rotation, const Vec3<T>& scale) {
@@ -144,8 +161,11 @@ ScreenAxes<T> screen_axes(const Jacobian<T>& j, const Mat3<T>& world_to_camera,
 /// its accuracy on needles, where a·dx² + 2b·dx·dy + c·dy² cancels.
 template <class T>
 struct Footprint {
-  T xx, xy, yy;
-  T deviation_x, deviation_y;  ///< px, √ of the covariance's diagonal: half-extents of u²+v² ≤ 1
+  T xx;           ///< 1/px
+  T xy;           ///< 1/px
+  T yy;           ///< 1/px
+  T deviation_x;  ///< px, √ of the covariance's diagonal: half-extent of u²+v² ≤ 1
+  T deviation_y;  ///< px, likewise
 };
 
 /// The determinant is taken as |ax×ay|² + dilation·trace + dilation², never as ad − b², and in

@@ -11,15 +11,22 @@ namespace fluxgs::math {
 /// dL = xx·dΣxx + 2·xy·dΣxy + yy·dΣyy.
 template <class T>
 struct FootprintGradient {
-  T x, y;
-  T cov_xx, cov_xy, cov_yy;
+  T x;       ///< of the centre
+  T y;       ///< of the centre
+  T cov_xx;  ///< of Σxx
+  T cov_xy;  ///< of Σxy
+  T cov_yy;  ///< of Σyy
 };
 
 /// Sums over pixels that the rasteriser accumulates for a splat, with w = (u, v) as in Footprint
 /// and h = α·∂L/∂α (zero where α is limited by α_max): Σ h·w and Σ h·w·wᵀ.
 template <class T>
 struct FootprintMoments {
-  T u, v, uu, uv, vv;
+  T u;   ///< Σ h·u
+  T v;   ///< Σ h·v
+  T uu;  ///< Σ h·u²
+  T uv;  ///< Σ h·u·v
+  T vv;  ///< Σ h·v²
 };
 
 /// With q = |Λd|²: ∂q/∂centre = −2Λᵀw and ∂q/∂Σ = −(Λᵀw)(Λᵀw)ᵀ, and ∂L/∂q = −h/2.
@@ -53,10 +60,12 @@ Quat<T> quaternion_gradient(const Quat<T>& q, const Mat3<T>& dr) {
           (g.y - n.y * along) * inverse, (g.z - n.z * along) * inverse};
 }
 
+/// Gradient of a loss with respect to a splat's geometry.
 template <class T>
 struct GeometryGradient {
-  Vec3<T> position, log_scale;
-  Quat<T> rotation;
+  Vec3<T> position;   ///< of the centre in the world
+  Vec3<T> log_scale;  ///< of the natural logarithms of the standard deviations
+  Quat<T> rotation;   ///< of the unnormalised quaternion
 };
 
 /// Chain rule through footprint → screen axes → Jacobian, rotation, scale → position.

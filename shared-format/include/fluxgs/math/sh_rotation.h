@@ -12,9 +12,9 @@ namespace fluxgs::math {
 
 /// One (2l+1)×(2l+1) matrix per degree l = 1, 2, 3, row-major.
 struct ShRotation {
-  std::array<double, 9> degree1;
-  std::array<double, 25> degree2;
-  std::array<double, 49> degree3;
+  std::array<double, 9> degree1;   ///< 3×3
+  std::array<double, 25> degree2;  ///< 5×5
+  std::array<double, 49> degree3;  ///< 7×7
 };
 
 /// The matrices of a rotation R (orthonormal, determinant +1): rotating coefficients c to c′ turns

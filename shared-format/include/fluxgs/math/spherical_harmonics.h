@@ -1,4 +1,4 @@
-// Real SH of degrees 0…3 in the order and with the signs that 3DGS scenes use
+// Real spherical harmonics (SH) of degrees 0…3 in the order and with the signs that 3DGS scenes use
 // (Kerbl et al. 2023; Ramamoorthi & Hanrahan 2001 for the polynomials).
 #pragma once
 
@@ -7,10 +7,12 @@
 
 namespace fluxgs::math {
 
-inline constexpr double kSh0 = 0.28209479177387814;
-inline constexpr double kSh1 = 0.4886025119029199;
+inline constexpr double kSh0 = 0.28209479177387814;  ///< basis function of degree 0
+inline constexpr double kSh1 = 0.4886025119029199;   ///< factor of degree 1
+/// Factors of degree 2.
 inline constexpr double kSh2[] = {1.0925484305920792, -1.0925484305920792, 0.31539156525252005,
                                   -1.0925484305920792, 0.5462742152960396};
+/// Factors of degree 3.
 inline constexpr double kSh3[] = {-0.5900435899266435, 2.890611442640554,   -0.4570457994644658,
                                   0.3731763325901154,  -0.4570457994644658, 1.445305721320277,
                                   -0.5900435899266435};

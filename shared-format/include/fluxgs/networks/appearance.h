@@ -43,52 +43,59 @@
 
 namespace fluxgs::networks {
 
-inline constexpr int kEnergyColumns = 12;  ///< E_mag and E_dir
-inline constexpr int kShColumns = 12;      ///< degree 0 and 1, RGB
-inline constexpr int kPsiColumns = kEnergyColumns + 3;
-inline constexpr int kPhiColumns = 3 + 3 + 4 + 1 + kShColumns;
-inline constexpr float kInputLimit = 64;
+inline constexpr int kEnergyColumns = 12;                       ///< E_mag and E_dir
+inline constexpr int kShColumns = 12;                           ///< degree 0 and 1, RGB
+inline constexpr int kPsiColumns = kEnergyColumns + 3;          ///< inputs of Ψ
+inline constexpr int kPhiColumns = 3 + 3 + 4 + 1 + kShColumns;  ///< inputs of Φ
+inline constexpr float kInputLimit = 64;                        ///< of every input, ±
 
 /// Constants that a scene file carries besides the networks. All values are finite; extent and
 /// deviations are at least 1e-6.
 struct Normalisation {
-  glm::vec3 center{0};  ///< scene units
-  float extent = 1;     ///< scene units
-  float log_scale_mean = 0, log_scale_deviation = 1;
-  std::array<float, kShColumns> sh_mean{}, sh_deviation = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
+  glm::vec3 center{0};                      ///< scene units
+  float extent = 1;                         ///< scene units
+  float log_scale_mean = 0;                 ///< of all axes
+  float log_scale_deviation = 1;            ///< of all axes
+  std::array<float, kShColumns> sh_mean{};  ///< of each coefficient
+  /// Of each coefficient.
+  std::array<float, kShColumns> sh_deviation = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
 };
 
 /// Constants that suit a scene of degree 1 or more: the median of each coordinate, the 90th
 /// percentile of the distance to it, means and standard deviations.
 Normalisation measure_normalisation(const SplatCloud& cloud);
 
-/// Names and columns of the inputs and the output.
+/// Names and columns of the inputs and the output of Ψ.
 const Signature& psi_signature();
+/// The same of Φ.
 const Signature& phi_signature();
 
 /// Inputs of Φ for a splat besides its colour, in the units of a SplatCloud.
 struct SplatAttributes {
-  glm::vec3 position, log_scale;
-  glm::quat rotation;
-  float opacity_logit;
+  glm::vec3 position;   ///< scene units
+  glm::vec3 log_scale;  ///< natural logarithms
+  glm::quat rotation;   ///< any non-zero length
+  float opacity_logit;  ///< opacity = sigmoid(logit)
 };
 
-/// The row that a network gets for a splat; `energy` has kEnergyColumns entries, `sh` (the c′)
-/// kShColumns.
+/// The row that Ψ gets for a splat; `energy` has kEnergyColumns entries.
 std::array<float, kPsiColumns> psi_row(const Normalisation& normalisation,
                                        const glm::vec3& position, std::span<const float> energy);
+/// The row that Φ gets for a splat; `sh` (the c′) has kShColumns entries.
 std::array<float, kPhiColumns> phi_row(const Normalisation& normalisation,
                                        const SplatAttributes& splat, std::span<const float> sh);
 
 /// The same for splat i of a cloud.
 std::array<float, kPsiColumns> psi_row(const Normalisation& normalisation, const SplatCloud& cloud,
                                        std::size_t i, std::span<const float> energy);
+/// The same for splat i of a cloud.
 std::array<float, kPhiColumns> phi_row(const Normalisation& normalisation, const SplatCloud& cloud,
                                        std::size_t i, std::span<const float> sh);
 
 /// The two models as bytes; either may be empty.
 struct AppearanceNetworks {
-  std::vector<std::byte> psi, phi;
+  std::vector<std::byte> psi;  ///< ONNX
+  std::vector<std::byte> phi;  ///< ONNX
 };
 
 /// Replace the colours of a finite cloud of degree 0 or 1 by what the networks make of them; it has

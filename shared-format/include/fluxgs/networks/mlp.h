@@ -13,27 +13,28 @@ namespace fluxgs::networks {
 
 /// y = W·x + b, then max(0, y) if `relu`.
 struct MlpLayer {
-  int inputs = 0, outputs = 0;  ///< 1 to 1024
-  std::vector<float> weights;   ///< [output][input]
-  std::vector<float> bias;      ///< [output]
-  bool relu = false;
+  int inputs = 0;              ///< 1 to 1024
+  int outputs = 0;             ///< 1 to 1024
+  std::vector<float> weights;  ///< [output][input]
+  std::vector<float> bias;     ///< [output]
+  bool relu = false;           ///< max(0, y)
 };
 
 /// Layers one after the other: each has as many inputs as the one before has outputs.
 struct Mlp {
-  std::vector<MlpLayer> layers;
+  std::vector<MlpLayer> layers;  ///< from input to output
 };
 
 /// A matrix of a network by name: one row a splat, this many columns.
 struct Columns {
-  std::string name;
-  int count = 0;
+  std::string name;  ///< of the ONNX input or output
+  int count = 0;     ///< columns
 };
 
 /// Inputs of a network, side by side in this order, and its outputs.
 struct Signature {
-  std::vector<Columns> inputs;
-  Columns output;
+  std::vector<Columns> inputs;  ///< in order
+  Columns output;               ///< the only one
 };
 
 /// An error if there are no layers, sizes disagree or a weight is not finite.

@@ -16,6 +16,7 @@
 
 namespace fluxgs::networks {
 
+/// The library that was loaded.
 struct OnnxRuntimeInfo {
   std::string version;  ///< "1.28.0"
   std::string path;     ///< of the library, as it was found
