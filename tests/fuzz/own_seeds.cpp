@@ -174,7 +174,7 @@ Bytes glb_of_spz(const Bytes& spz, std::size_t count, int degree) {
 }
 
 /// Every integer that an attribute may be made of.
-Bytes quantised_glb() {
+Bytes quantized_glb() {
   const Bytes bin = raw({1,   0,   2, 0, 3, 0, 0, 0, 0, 0, 0,   127, 1, 2, 3, 0,
                          255, 255, 0, 0, 0, 0, 0, 0, 0, 0, 128, 63,  0, 0, 0, 0});
   return test::make_glb(
@@ -224,7 +224,7 @@ Bytes glb_with_networks(const Bytes& compact) {
 void add_glb(Seeds& seeds) {
   auto& glb = seeds["glb"];
   const Bytes plain = test::small_glb(2, 1);
-  glb["quantised"] = quantised_glb();
+  glb["quantized"] = quantized_glb();
   glb["moved"] =
       test::edited(plain, R"({"mesh":0})",
                    R"({"mesh":0,"translation":[1,2,3],"rotation":[0,0.6,0,0.8],"scale":[2,2,2]})");

@@ -47,10 +47,10 @@ const asOther = (file, label, ours, other) => sameReading(label, `fluxgs = ${oth
 const validate = async (label, file) =>
   ({file: label, program: 'glTF validator', problems: await unexpectedMessages(file)});
 
-/** A file as we read it, against what it was made from: only its quantisation may lie between. */
+/** A file as we read it, against what it was made from: only its quantization may lie between. */
 async function thereAndBack(cloud, file, format) {
   const label = path.basename(file);
-  const {allowed, ranges} = format.quantisation(cloud, file);
+  const {allowed, ranges} = format.quantization(cloud, file);
   const fewerBands = format.maxDegree < cloud.degree;
   const against = (program, reading, more = {}) => comparison(label, program, reading.count,
     worstDifferences(cloud, reading, {ranges, fewerBands}), {...allowed, ...more});

@@ -1,4 +1,4 @@
-// What the quantisation of each format that we write allows: the largest error of each attribute,
+// What the quantization of each format that we write allows: the largest error of each attribute,
 // and the range that values are limited to. Half a step, and the rounding of floats on the way.
 import {readFileSync} from 'node:fs';
 import {gunzipSync} from 'node:zlib';
@@ -71,12 +71,12 @@ const ply = () => ({
   allowed: {position: 0, scale: 0, rotation: 0, opacity: 0, sh_dc: 0, sh_rest: 0}, ranges: {},
 });
 
-/** The formats that `fluxgs convert` writes with exact, stated quantisation; all keep the order. */
+/** The formats that `fluxgs convert` writes with exact, stated quantization; all keep the order. */
 export const writtenFormats = [
-  {name: 'ply', extension: '.ply', maxDegree: 3, quantisation: ply},
-  {name: 'glb', extension: '.glb', maxDegree: 3, quantisation: glb},
-  {name: 'spz', extension: '.spz', maxDegree: 3, quantisation: spz},
-  {name: 'splat', extension: '.splat', maxDegree: 0, quantisation: splat},
+  {name: 'ply', extension: '.ply', maxDegree: 3, quantization: ply},
+  {name: 'glb', extension: '.glb', maxDegree: 3, quantization: glb},
+  {name: 'spz', extension: '.spz', maxDegree: 3, quantization: spz},
+  {name: 'splat', extension: '.splat', maxDegree: 0, quantization: splat},
 ];
 
 /** splat-transform limits opacities to 10⁻⁶ … 1 − 10⁻⁶ where it decodes 8 bits. */

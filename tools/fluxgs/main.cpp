@@ -66,7 +66,7 @@ std::string usage_error(const CLI::App& app, const CLI::Error& error) {
                      nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest));
 }
 
-/// Ends as usual, but not without a word. Training takes the signal over to save first.
+/// Ends at once, but not without a word. Training takes the signal over to save first.
 void say_interrupted(int signal) {
   constexpr char line[] = "\nfluxgs: interrupted\n";
   if (::write(STDERR_FILENO, line, sizeof line - 1) < 0) return;

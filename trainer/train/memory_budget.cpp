@@ -41,9 +41,9 @@ double fixed_bytes(const Dataset& data, const TrainOptions& options) {
 
 double bytes_per_splat(const Dataset& data, const TrainOptions& options, double pairs) {
   // Parameters, two moments, gradients, and a copy of one of them. While the scene is stored: it
-  // as it was trained, shown, in the file's order, with one attribute rounded, and read back, twice
-  // what the coder makes of it, and gradients again; what the file's encoder knows of the views,
-  // and a copy of that
+  // as it was trained, shown, in the file's order, with one attribute quantized, and read back,
+  // twice what the coder makes of it, and gradients again; what the file's encoder knows of the
+  // views, and a copy of that
   const int degree = initial_sh_degree(options);
   const double floats =
       (5.0 + 8.0) * row::count(degree) + 2.0 * static_cast<double>(sensitivity_size(degree));

@@ -1,4 +1,4 @@
-// Coding of an attribute with several values for each splat: decorrelated, rounded to a step,
+// Coding of an attribute with several values for each splat: decorrelated, quantized to a step,
 // predicted from the splats before, entropy coded.
 #pragma once
 
@@ -27,7 +27,7 @@ struct Channels {
   }
 };
 
-/// Appends the values, rounded to multiples of `step` (in the units of the values; > 0) times the
+/// Appends the values, quantized to multiples of `step` (in the units of the values; > 0) times the
 /// splat's step scale around their mean. The channels are turned by the orthogonal Karhunen–Loève
 /// transform of their covariance if that takes fewer bits. Rounded to the nearest, a value is off
 /// by at most step/2·√channels and its mean square error is about step²/12. Each channel is

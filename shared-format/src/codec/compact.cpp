@@ -200,7 +200,7 @@ struct Input {
   RateDistortion rate_distortion() const { return {rate_weight, weights}; }
 };
 
-/// The section sh_rest of colours that are rounded together (sh.h); those of degree 0
+/// The section sh_rest of colours that are quantized together (sh.h); those of degree 0
 /// become what goes best with it.
 Expected<Bytes> encode_rest(const Input& rest, std::span<const float> factors,
                             std::vector<glm::vec3>& sh_dc) {

@@ -24,7 +24,7 @@ constexpr std::size_t max_splats(std::size_t bytes) { return 4096 + bytes; }
 
 inline constexpr std::size_t kEnergyChannels = 12;
 
-/// The rotation that is stored for another, not yet rounded.
+/// The rotation that is stored for another, not yet quantized.
 glm::quat canonical_rotation(const glm::quat& rotation);
 
 /// Opacity on a scale of 0…1 that is finer towards both ends, where its effect is largest:

@@ -1,9 +1,9 @@
-// Rounding of values that belong together where errors of one can be made up for by the others:
-// where errors e of a splat's values cost eᵀ·H·e = |Lᵀ·e|². Values are rounded one after the
+// Quantization of values that belong together where errors of one can be made up for by the others:
+// where errors e of a splat's values cost eᵀ·H·e = |Lᵀ·e|². Values are quantized one after the
 // other, the last first. Row k of Lᵀ has nothing before k: the best value k for given errors of
 // those above it is x_k + Σ_{j>k} L_jk·e_j/L_kk, and being off from that by δ costs (L_kk·δ)²,
 // whatever comes after. This is noise shaping, or the successive cancellation of Babai's nearest
-// plane (1986), with which weights of neural networks are rounded too (Frantar et al. 2023,
+// plane (1986), with which weights of neural networks are quantized too (Frantar et al. 2023,
 // "GPTQ"). The leading part of L is the L of the leading values.
 #pragma once
 
@@ -20,13 +20,13 @@
 
 namespace fluxgs::codec {
 
-/// Values of one splat that are rounded together.
+/// Values of one splat that are quantized together.
 struct CoupledValues {
   std::span<const double> x;      ///< n of them
   std::span<const float> factor;  ///< the lower triangle of L, row by row
   double step = 1;
   double weight = 1;     ///< of the squared error in steps; a bit costs rate_weight
-  std::size_t kept = 0;  ///< the first so many are not rounded
+  std::size_t kept = 0;  ///< the first so many are not quantized
 };
 
 class NoiseShapingQuantizer {

@@ -13,7 +13,7 @@ namespace fluxgs::codec {
 namespace {
 
 constexpr float kFlattest = 6.5f;            // thinner ones look the same
-constexpr float kLeastVisible = 1e-3f;       // of lower opacity ones are not drawn
+constexpr float kMinVisible = 1e-3f;         // splats of lower opacity are not drawn
 constexpr float kFinest = 6, kCoarsest = 2;  // logarithms of the step over the mean one
 
 }  // namespace
@@ -33,7 +33,7 @@ std::vector<LogExtents> extents_of(std::span<const glm::vec3> log_scales) {
 
 void set_opacities(std::span<LogExtents> extents, std::span<const float> opacity_logits) {
   for (std::size_t i = 0; i < extents.size(); ++i)
-    extents[i].w = portable_log(std::max(io::opacity_of(opacity_logits[i]), kLeastVisible));
+    extents[i].w = portable_log(std::max(io::opacity_of(opacity_logits[i]), kMinVisible));
 }
 
 double mean_perceptual_weight(const PerceptualWeight& perceptual_weight,

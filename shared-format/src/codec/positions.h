@@ -12,7 +12,7 @@
 
 namespace fluxgs::codec {
 
-/// Appends the positions, each coordinate rounded to a multiple of `step` (> 0) from the lowest.
+/// Appends the positions, each coordinate quantized to a multiple of `step` (> 0) from the lowest.
 /// The order stays; neighbours should be close together. An error if the extent is 2²⁴ steps or
 /// more, or if Draco fails.
 Expected<void> encode_positions(const std::vector<glm::vec3>& positions, double step, Bytes& out);

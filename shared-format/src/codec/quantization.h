@@ -1,5 +1,5 @@
 // Rounding to integers that take few bits, not always the nearest one: rate–distortion
-// optimised quantisation (RDOQ) with a constant Lagrange multiplier.
+// optimised quantization (RDOQ) with a constant Lagrange multiplier.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ inline constexpr double kMaxInteger = 0x1p28;
 /// same.
 inline constexpr double kMinWeight = 0.05, kMaxWeight = 20;
 
-/// Terms of rate–distortion rounding: weight·(error)² + bits·rate_weight is made small, where
+/// Terms of rate–distortion quantization: weight·(error)² + bits·rate_weight is made small, where
 /// the error is in steps. 0 rounds to the nearest.
 struct RateDistortion {
   double rate_weight = 0;               ///< the multiplier λ

@@ -95,9 +95,10 @@ std::unique_ptr<Table> table_of(const std::vector<std::uint32_t>& frequencies) {
   auto table = std::make_unique<Table>();
   std::size_t filled = 0;
   for (std::size_t s = 0; s < frequencies.size(); ++s)
-    for (std::uint16_t k = 0; k < frequencies[s]; ++k)
+    for (std::uint32_t k = 0; k < frequencies[s]; ++k)
       (*table)[filled++] = {static_cast<std::uint16_t>(s),
-                            static_cast<std::uint16_t>(frequencies[s]), k};
+                            static_cast<std::uint16_t>(frequencies[s]),
+                            static_cast<std::uint16_t>(k)};
   return table;
 }
 

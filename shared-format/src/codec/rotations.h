@@ -9,6 +9,6 @@
 namespace fluxgs::codec {
 
 glm::vec3 reduced_rotation(const glm::quat& rotation);  ///< x, y, z
-glm::quat full_rotation(const glm::vec3& xyz);          ///< back, also from rounded ones
+glm::quat full_rotation(const glm::vec3& xyz);          ///< back, also from quantized ones
 
 }  // namespace fluxgs::codec

@@ -9,7 +9,7 @@
 
 namespace fluxgs::codec {
 
-/// Numbers of all splats and what they are rounded to.
+/// Values of all splats and what they are quantized to.
 struct Stepped {
   std::vector<float> values;
   float step = 1;

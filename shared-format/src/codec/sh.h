@@ -1,4 +1,4 @@
-// Rounding of colours that depend on the direction (noise_shaping.h). Over the few directions
+// Quantization of colours that depend on the direction (noise_shaping.h). Over the few directions
 // from which a splat is seen its basis functions are nearly dependent, so that most of what one
 // coefficient loses others can make up for. With the Gram matrix G of the functions over those
 // directions and 4π·G = L·Lᵀ, errors e of the coefficients cost |Lᵀ·e|² (G is I/4π where a splat is

@@ -21,8 +21,8 @@ struct StepMeans {
 /// Means of a finite cloud with at least one splat.
 StepMeans step_means(const SplatCloud& cloud);
 
-/// The steps for a part of a scene with which its splats get the same rounding as they would within
-/// the whole with `steps`.
+/// The steps for a part of a scene with which its splats get the same quantization as they would
+/// within the whole with `steps`.
 QuantizationSteps steps_within(const QuantizationSteps& steps, const StepMeans& part,
                                const StepMeans& whole);
 

@@ -74,7 +74,7 @@ struct OnnxModel {
 
 /// Read a model's bytes into plain data (facts: onnx.proto3). Refused by name: external data,
 /// element types other than float32, training information, functions, sub-graphs and other
-/// attributes than single numbers, sparse tensors, quantisation, other domains, what is beyond the
+/// attributes than single numbers, sparse tensors, quantization, other domains, what is beyond the
 /// bounds above, repeated or unknown fields, weights that are not finite. Documentation, metadata
 /// and the shapes of intermediate values are skipped. No recursion; memory is at most the size of
 /// `bytes`. Whether the graph makes sense is left to check_onnx().

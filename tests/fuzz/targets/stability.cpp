@@ -1,6 +1,6 @@
 // Encoding, decoding and encoding again: whatever scene the input is, every writer writes it or
 // says why not, every reader reads what was written, and the second generation is the same as the
-// first within what each format's quantisation allows. For the compact codec:
+// first within what each format's quantization allows. For the compact codec:
 // compact_stability.cpp.
 #include <algorithm>
 #include <cmath>

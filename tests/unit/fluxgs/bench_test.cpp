@@ -61,12 +61,12 @@ TEST_F(BenchCommand, SaysWhatTheContractPromises) {
 
 TEST_F(BenchCommand, SettingsReachTheRenderer) {
   EXPECT_EQ(bench("--min-size 90")["splats_drawn"], 0);
-  const json usual = bench(""), half = bench("--splat-precision half"),
+  const json standard = bench(""), half = bench("--splat-precision half"),
              small = bench("--scale 0.5");
-  EXPECT_LT(half["traffic"]["vertices"], usual["traffic"]["vertices"]);
-  EXPECT_LT(half["gpu_memory_bytes"], usual["gpu_memory_bytes"]);
-  EXPECT_LT(small["fragments"], usual["fragments"]);
-  EXPECT_LT(bench("--key-bits 16")["traffic"]["sort"], usual["traffic"]["sort"]);
+  EXPECT_LT(half["traffic"]["vertices"], standard["traffic"]["vertices"]);
+  EXPECT_LT(half["gpu_memory_bytes"], standard["gpu_memory_bytes"]);
+  EXPECT_LT(small["fragments"], standard["fragments"]);
+  EXPECT_LT(bench("--key-bits 16")["traffic"]["sort"], standard["traffic"]["sort"]);
   EXPECT_EQ(bench("--sorter cpu")["sorter"], "cpu");
   EXPECT_EQ(bench("--blend direct")["traffic"]["resolve"], 0);
   EXPECT_EQ(bench("--orbit-step 2")["views"], 3);

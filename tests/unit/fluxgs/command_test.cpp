@@ -268,9 +268,9 @@ TEST(Command, CompactScenesAreSearchedForAndReportedOn) {
     return fluxgs(fmt::format("convert {} {} {}", quoted(scene), quoted(folder / "c.glb"), more));
   };
   EXPECT_EQ(run("--compact").status, 0);
-  const auto usual = std::filesystem::file_size(folder / "c.glb");
+  const auto standard = std::filesystem::file_size(folder / "c.glb");
   EXPECT_EQ(run("--compact --step-scale 2 --sh-degree 0").status, 0);
-  EXPECT_LT(std::filesystem::file_size(folder / "c.glb"), usual);
+  EXPECT_LT(std::filesystem::file_size(folder / "c.glb"), standard);
   const Outcome bytes = run("--max-bytes 5000" + data);
   EXPECT_EQ(bytes.status, 0) << bytes.err;
   EXPECT_LE(std::filesystem::file_size(folder / "c.glb"), 5000u);

@@ -92,7 +92,7 @@ inline std::uint32_t pack_rotation(const glm::quat& rotation) {
   return word;
 }
 
-/// Quantise a cloud in its order, with bounds of the splats in each chunk.
+/// Quantize a cloud in its order, with bounds of the splats in each chunk.
 inline CompressedPly compress(const SplatCloud& cloud) {
   CompressedPly file;
   file.sh_degree = cloud.sh_degree;

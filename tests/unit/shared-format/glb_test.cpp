@@ -169,7 +169,7 @@ TEST(Glb, AgreesWithAnIndependentWriter) {
 }
 
 // Two splats with integer attributes of every kind that the specification allows.
-TEST(Glb, ReadsQuantisedAttributes) {
+TEST(Glb, ReadsQuantizedAttributes) {
   Bytes bin;
   const auto put = [&](std::initializer_list<int> values, std::size_t bytes_each) {
     for (const int v : values) {

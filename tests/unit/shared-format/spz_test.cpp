@@ -82,7 +82,7 @@ TEST(Spz, KnownValuesOfEveryVersion) {
   }
 }
 
-TEST(Spz, RoundTripWithinQuantisation) {
+TEST(Spz, RoundTripWithinQuantization) {
   for (const int degree : {0, 1, 2, 3}) {
     const SplatCloud cloud = spz_cloud(3000, degree);
     for (const SpzOptions& options :

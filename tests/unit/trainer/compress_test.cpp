@@ -24,7 +24,7 @@ std::vector<Camera> some_cameras() {
           test::camera_at({3, -1, -2}, {0, 0, 0}, 64, 48)};
 }
 
-/// LowOpacity splats: where opaque ones swap their depth order by rounding, the error jumps by
+/// Splats of low opacity: where opaque ones swap their depth order by rounding, the error jumps by
 /// decibels.
 SplatCloud transparent_cloud() {
   SplatCloud cloud = test::random_cloud(3000, 1, 4);

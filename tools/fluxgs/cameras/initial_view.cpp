@@ -49,7 +49,7 @@ NamedUp choose_up(const SceneFile& scene, const std::optional<Dataset>& data,
   const camera::UpAxis up = camera::up_of_cloud(scene.cloud);
   if (up.confidence > 0)
     return {up.direction, fmt::format("from the splats, confidence {:.2f}", up.confidence)};
-  return {up.direction, "as usual; the splats do not say"};
+  return {up.direction, "the default; the splats do not tell"};
 }
 
 /// The view of a camera, with the target at the depth of the scene's middle.

@@ -36,11 +36,11 @@ struct CodecReport {
   int sh_degree = 3;
 };
 
-/// The step scales of the curve, relative to the usual one.
+/// The step scales of the curve, relative to the default one.
 constexpr double kCurve[] = {0.25, 0.35, 0.5, 0.71, 1, 1.41, 2, 2.83, 4};
 
 /// Files of plain floats would make the chart of all others flat.
-constexpr double kAsGoodAsExact = 100;
+constexpr double kMaxReportedPsnr = 100;
 
 /// One file of the scene.
 struct FormatRow {
@@ -123,7 +123,7 @@ Expected<FormatRow> encode_and_measure(const Bench& bench, const std::string& na
   return row;
 }
 
-/// All formats that can be written, at their usual settings.
+/// All formats that can be written, at their default settings.
 std::vector<std::pair<std::string, Encoder>> default_encoders(const SplatCloud& cloud) {
   std::vector<std::pair<std::string, Encoder>> list;
   for (const SceneFormat& format : scene_formats())
@@ -135,7 +135,7 @@ std::vector<std::pair<std::string, Encoder>> default_encoders(const SplatCloud& 
   return list;
 }
 
-/// The curve of the compact codec, balanced once at its usual steps.
+/// The curve of the compact codec, balanced once at its default steps.
 Expected<std::vector<FormatRow>> compact_rows(const CodecReport& s, const Bench& bench,
                                               const SplatCloud& cloud,
                                               const CompactOptions& options, Progress& progress,
@@ -250,7 +250,7 @@ Plot plot_of(const CodecReport& s, const std::vector<FormatRow>& rows) {
     const std::pair point(row.bits_per_splat(), row.psnr);
     if (row.compact)
       plot.series[0].points.push_back(point);
-    else if (row.psnr < kAsGoodAsExact)
+    else if (row.psnr < kMaxReportedPsnr)
       plot.series.push_back({row.name, {point}, false});
   }
   return plot;

@@ -42,7 +42,7 @@ std::string help_of(const OptionField& f) {
   return choice ? fmt::format("{} {{{}}}", f.help, fmt::join(choice->names, ",")) : f.help;
 }
 
-/// Leaves groups out of the usual help.
+/// Leaves groups out of the short help.
 class ShortHelp final : public CLI::Formatter {
  public:
   explicit ShortHelp(std::vector<std::string> groups) : groups_(std::move(groups)) {}

@@ -16,8 +16,8 @@
 namespace fluxgs {
 
 /// Quantization step of each attribute: smaller steps, more bytes, less error. All > 0. Those of
-/// positions are the same everywhere, the others hold for splats of usual size and opacity; large
-/// and opaque ones are rounded less (perceptual_weight.h).
+/// positions are the same everywhere, the others hold for splats of ordinary size and opacity;
+/// large and opaque ones are quantized less (perceptual_weight.h).
 struct QuantizationSteps {
   double position = 1e-3;  ///< scene units
   float log_scale = 0.2f;  ///< of the natural logarithm
@@ -29,7 +29,7 @@ struct QuantizationSteps {
 };
 
 /// Steps that suit most scenes, times `step scale` (> 0): at 1, images of scans and of scenes
-/// trained from images are about 40 dB from those of the exact scene. Positions are rounded
+/// trained from images are about 40 dB from those of the exact scene. Positions are quantized
 /// relative to the median size of the splats, or as finely as a file can.
 QuantizationSteps default_quantization_steps(const SplatCloud& cloud, double step_scale = 1);
 
@@ -43,13 +43,13 @@ QuantizationSteps scaled(const QuantizationSteps& steps, double factor);
 /// the cloud of splat k of the file. With networks: CompactOptions::networks.
 std::vector<std::uint32_t> compact_order(const SplatCloud& cloud, bool has_networks = false);
 
-/// Worth of a bit in squared steps of error when values are rounded. At fine steps, where a
+/// Worth of a bit in squared steps of error when values are quantized. At fine steps, where a
 /// bit more quarters the mean square error of step²/12, it is 2·ln 2/12.
 inline constexpr double kDefaultRateWeight = 0.115;
 
-/// Makes the rotations those that a compact file stores, before they are rounded: unit quaternions,
-/// and of the four that differ by half turns about the splat's own axes, and so have the same
-/// covariance, the one with the largest w in glTF's frame.
+/// Makes the rotations those that a compact file stores, before they are quantized: unit
+/// quaternions, and of the four that differ by half turns about the splat's own axes, and so have
+/// the same covariance, the one with the largest w in glTF's frame.
 void canonicalize_rotations(SplatCloud& cloud);
 glm::quat canonical_rotation(const glm::quat& rotation);  ///< of one splat
 
@@ -67,7 +67,7 @@ struct CompactOptions {
   QuantizationSteps steps = {};   ///< see default_quantization_steps()
   bool plain_attributes = false;  ///< also store what is decoded as plain floats, see below
   double rate_weight = kDefaultRateWeight;  ///< ≥ 0; 0 rounds to the nearest
-  /// Costs of errors when values are rounded. For scenes with networks, weights only.
+  /// Costs of errors when values are quantized. For scenes with networks, weights only.
   SensitivityWeights sensitivity = {};
   /// The cloud is then of degree 1, and its colours are what Φ begins with; with Ψ they are not
   /// stored. Φ gets rotations as the file has them: it must know them as canonicalize_rotations()
@@ -78,9 +78,9 @@ struct CompactOptions {
 /// Write one node with a POINTS primitive for each degree that splats need (sh_degree_of()), lowest
 /// first, each in the Morton order of its positions; the file's degree is the highest of them. A
 /// degree that fewer than 512 splats need is not worth a primitive: they go into the next one,
-/// where the bands that they lack are zeros, rounded as others are. With networks all splats are in
-/// one primitive of degree 1. Without plain attributes the file is smallest, and the extension is
-/// listed as required; with them it is larger than encode_glb's, and opens in every viewer of
+/// where the bands that they lack are zeros, quantized as others are. With networks all splats are
+/// in one primitive of degree 1. Without plain attributes the file is smallest, and the extension
+/// is listed as required; with them it is larger than encode_glb's, and opens in every viewer of
 /// KHR_gaussian_splatting. Splats with a NaN or infinity are left out. Scales of e^18 times the
 /// mean or more are cut to that. A scene without splats is written without a mesh. An error names
 /// an attribute whose values are beyond its step's reach, or costs that do not fit the cloud.

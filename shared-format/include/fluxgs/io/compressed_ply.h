@@ -1,5 +1,5 @@
 // The compressed .ply that PlayCanvas SuperSplat and splat-transform write: a binary PLY file whose
-// splats are quantised within chunks of 256. Read only.
+// splats are quantized within chunks of 256. Read only.
 //
 //   element chunk    floats min_x … max_z, min_scale_x … max_scale_z (logarithms), and in newer
 //                    files min_r … max_b (colours; in older ones 0…1)

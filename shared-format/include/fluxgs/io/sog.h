@@ -4,7 +4,7 @@
 // streamed (a folder with lod-meta.json and many unbundled scenes).
 //
 // Version 1 of meta.json is read, too. Attributes are those of an INRIA .ply, in its frame,
-// quantised: positions in 16 bits of sign(x)·ln(|x| + 1), scales and colours by codebooks of 256,
+// quantized: positions in 16 bits of sign(x)·ln(|x| + 1), scales and colours by codebooks of 256,
 // opacities in 8 bits (0 and 1 become finite logits, as read_glb() says), rotations in 26 bits,
 // SH coefficients by a palette.
 //

@@ -1,6 +1,6 @@
 // SPZ, Niantic's compressed splats (https://github.com/nianticlabs/spz, README "File Format").
 //
-// Quantisation, the same in all versions: position 24-bit fixed point (version 1: half floats),
+// Quantization, the same in all versions: position 24-bit fixed point (version 1: half floats),
 // log-scale in steps of 1/16 from -10 to 5.9375, opacity 8 bits, degree-0 colour in steps of
 // 1/38.25 from -3.33 to 3.33, higher bands 8 bits from -1 to 1 in steps of 1/128 or coarser.
 // Rotation: versions 1 and 2 store x, y, z in 8 bits each, later ones the three smallest components

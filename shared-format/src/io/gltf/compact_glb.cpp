@@ -218,7 +218,7 @@ Expected<std::vector<Part>> whole_scene(const SplatCloud& splats, const CompactO
   return parts;
 }
 
-/// A part for each degree that there is, all with the same rounding.
+/// A part for each degree that there is, all with the same quantization.
 Expected<std::vector<Part>> parts_by_degree(const SplatCloud& splats, const CompactOptions& options,
                                             const std::string& name) {
   const codec::StepMeans means = codec::step_means(splats);

@@ -22,7 +22,7 @@ using nlohmann::json;
 
 constexpr std::size_t kMaxEntries = 65536;
 
-// The splat data do not depend on materials, so an unlit one may be required; quantised positions
+// The splat data do not depend on materials, so an unlit one may be required; quantized positions
 // are read.
 constexpr std::array<std::string_view, 5> kKnownRequired{kSplatExtension, kSpzExtension,
                                                          kCompactExtension, "KHR_mesh_quantization",

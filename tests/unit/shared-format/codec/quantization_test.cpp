@@ -1,4 +1,4 @@
-// Rounding to numbers that take few bits.
+// Rounding to integers that take few bits.
 #include "codec/quantization.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Colours rounded with what views see of them in mind.
+// Quantization of SH colours, weighted by what views see of them.
 #include "codec/sh.h"
 #include "fluxgs/byte_reader.h"
 

@@ -1,4 +1,4 @@
-// Three numbers a splat, rounded by what their errors cost.
+// Quantization of three values a splat, weighted by the cost of their errors.
 #include "codec/vectors.h"
 #include "fluxgs/byte_reader.h"
 

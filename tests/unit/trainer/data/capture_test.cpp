@@ -80,10 +80,10 @@ TEST(Capture, FewSamplesApproachMany) {
   // The samples of a pixel are skipped only where nobody sees it.
   const Scene scene = make_scene(1);
   const Camera camera = capture_cameras(kSmall).train[1];
-  const auto fine = render_view(scene, camera, 8), usual = render_view(scene, camera, 4);
+  const auto fine = render_view(scene, camera, 8), standard = render_view(scene, camera, 4);
   double sum = 0;
   for (std::size_t i = 0; i < fine.pixels.size(); ++i)
-    sum += std::pow(int{fine.pixels[i]} - int{usual.pixels[i]}, 2);
+    sum += std::pow(int{fine.pixels[i]} - int{standard.pixels[i]}, 2);
   const double psnr =
       10 * std::log10(255.0 * 255.0 * static_cast<double>(fine.pixels.size()) / sum);
   EXPECT_GT(psnr, 36);

@@ -24,17 +24,17 @@ struct UpAxis {
 /// the cameras look down from one side; it decides only about what the right axes leave open.
 /// Dependable unless all images lie on their sides: four captures came out level, 0° to 19° from
 /// the mean of the ups. Confidence: the mean cosine of the ups with the result. Without cameras the
-/// usual up, confidence 0.
+/// default up, confidence 0.
 UpAxis up_of_cameras(std::span<const Camera> cameras);
 
 /// Up axis from the cloud alone: the thin direction of a scene that is spread out like a disc,
 /// because the ground is; splats count by opacity and area. Up is where the thinner tail is (things
 /// stand on the ground), unless convention says otherwise more strongly: −y if the axis has
-/// something of y, else +z. What is not like a disc (a single object, a wall) gets the usual up. A
-/// good guess only: of nine scenes with known ups the four discs came out right side up, within 5°
-/// (three) and 24° (likeness 0.51); four standing objects got their right up by convention, and a
-/// one-sided capture of a wall (0.42) a wrong one. Confidence: how like a disc it is times how
-/// clear the side is; below a likeness of 0.45 the usual up, confidence 0.
+/// something of y, else +z. What is not like a disc (a single object, a wall) gets the default up.
+/// A good guess only: of nine scenes with known ups the four discs came out right side up, within
+/// 5° (three) and 24° (likeness 0.51); four standing objects got their right up by convention, and
+/// a one-sided capture of a wall (0.42) a wrong one. Confidence: how like a disc it is times how
+/// clear the side is; below a likeness of 0.45 the default up, confidence 0.
 UpAxis up_of_cloud(const SplatCloud& cloud);
 
 }  // namespace fluxgs::camera

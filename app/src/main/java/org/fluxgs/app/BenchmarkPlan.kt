@@ -18,30 +18,30 @@ data class BenchmarkPlan(
     override fun hashCode() = sizes.contentHashCode() * 31 + frames
 
     companion object {
-        private const val MOST_FRAMES = 10_000
+        private const val MAX_FRAMES = 10_000
         private const val LARGEST = 8192
 
         /** Throws an IllegalArgumentException for a value that is no number or out of its range. */
         fun of(intent: Intent): BenchmarkPlan {
-            val usual = BenchmarkPlan()
+            val defaults = BenchmarkPlan()
             val sorter = intent.getStringExtra("sorter") ?: "both"
             require(sorter in setOf("both", "gpu", "cpu")) { "sorter '$sorter' is not gpu, cpu or both" }
             return BenchmarkPlan(
-                intent.getStringExtra("sizes")?.let { sizesOf(it) } ?: usual.sizes,
-                number(intent, "warmup", usual.warmup, 0),
-                number(intent, "frames", usual.frames, 1),
+                intent.getStringExtra("sizes")?.let { sizesOf(it) } ?: defaults.sizes,
+                number(intent, "warmup", defaults.warmup, 0),
+                number(intent, "frames", defaults.frames, 1),
                 sorter != "cpu",
                 sorter != "gpu",
             )
         }
 
-        private fun number(intent: Intent, name: String, usual: Int, least: Int): Int {
+        private fun number(intent: Intent, name: String, default: Int, min: Int): Int {
             // am start gives texts (-e) or integers (--ei)
             val text = intent.getStringExtra(name)
-                ?: if (intent.hasExtra(name)) intent.getIntExtra(name, usual).toString() else return usual
+                ?: if (intent.hasExtra(name)) intent.getIntExtra(name, default).toString() else return default
             val value = text.toIntOrNull()
-            require(value != null && value in least..MOST_FRAMES) {
-                "$name '$text' is no number from $least to $MOST_FRAMES"
+            require(value != null && value in min..MAX_FRAMES) {
+                "$name '$text' is no number from $min to $MAX_FRAMES"
             }
             return value
         }

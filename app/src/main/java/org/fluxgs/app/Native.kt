@@ -56,7 +56,7 @@ internal object Native {
     )
 
     @JvmStatic external fun set(
-        session: Long, scale: Float, sorter: Int, shDegree: Int, mostSplats: Int,
+        session: Long, scale: Float, sorter: Int, shDegree: Int, maxSplats: Int,
         gyroscope: Boolean, measures: Boolean, frameSeconds: Float, memory: Long,
     )
 

@@ -130,7 +130,7 @@ class Session : AutoCloseable {
 
     fun set(settings: Settings, gyroscope: Boolean, frameSeconds: Float, memory: Long) = change {
         Native.set(
-            it, settings.scale, settings.sorter, settings.shDegree, settings.mostSplats,
+            it, settings.scale, settings.sorter, settings.shDegree, settings.maxSplats,
             gyroscope, settings.hud, frameSeconds, memory,
         )
     }

@@ -10,7 +10,7 @@ data class Settings(
     val sorter: Int = 0,
     val shDegree: Int = 3,
     /** 0: all. */
-    val mostSplats: Int = 0,
+    val maxSplats: Int = 0,
     val hud: Boolean = true,
 ) {
     fun save(context: Context) {
@@ -18,7 +18,7 @@ data class Settings(
             .putFloat("scale", scale)
             .putInt("sorter", sorter)
             .putInt("shDegree", shDegree)
-            .putInt("mostSplats", mostSplats)
+            .putInt("maxSplats", maxSplats)
             .putBoolean("hud", hud)
             .apply()
     }
@@ -29,13 +29,13 @@ data class Settings(
 
         fun load(context: Context): Settings {
             val kept = preferences(context)
-            val usual = Settings()
+            val defaults = Settings()
             return Settings(
-                SCALES.find { it == kept.getFloat("scale", usual.scale) } ?: usual.scale,
-                kept.getInt("sorter", usual.sorter).coerceIn(0, 2),
-                kept.getInt("shDegree", usual.shDegree).coerceIn(0, 3),
-                BUDGETS.find { it == kept.getInt("mostSplats", usual.mostSplats) } ?: 0,
-                kept.getBoolean("hud", usual.hud),
+                SCALES.find { it == kept.getFloat("scale", defaults.scale) } ?: defaults.scale,
+                kept.getInt("sorter", defaults.sorter).coerceIn(0, 2),
+                kept.getInt("shDegree", defaults.shDegree).coerceIn(0, 3),
+                BUDGETS.find { it == kept.getInt("maxSplats", defaults.maxSplats) } ?: 0,
+                kept.getBoolean("hud", defaults.hud),
             )
         }
 

@@ -26,8 +26,8 @@ internal class SettingsDialog(
         choice(view, R.id.degree, names(R.array.degrees), settings.shDegree) {
             settings.copy(shDegree = it)
         }
-        choice(view, R.id.budget, budgetNames(), Settings.BUDGETS.indexOf(settings.mostSplats)) {
-            settings.copy(mostSplats = Settings.BUDGETS[it])
+        choice(view, R.id.budget, budgetNames(), Settings.BUDGETS.indexOf(settings.maxSplats)) {
+            settings.copy(maxSplats = Settings.BUDGETS[it])
         }
         val hud = view.findViewById<Switch>(R.id.hud)
         hud.isChecked = settings.hud
