@@ -229,8 +229,10 @@ SplatCloud tiled(const SplatCloud& cloud, std::size_t count) {
   std::vector<std::uint32_t> order(count);
   for (std::size_t i = 0; i < count; ++i) order[i] = static_cast<std::uint32_t>(i % cloud.size());
   SplatCloud result = in_order(cloud, order);
-  for (std::size_t i = 0; i < count; ++i)
-    result.positions[i].x += 2 * reach * static_cast<float>(i / cloud.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t copy = i / cloud.size();
+    result.positions[i].x += 2 * reach * static_cast<float>(copy);
+  }
   return result;
 }
 

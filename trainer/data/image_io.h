@@ -12,7 +12,7 @@
 namespace fluxgs {
 
 struct ImageSize {
-  int width = 0, height = 0;
+  int width = 0, height = 0;  ///< pixels; 0: not known
 };
 
 /// Decode a JPEG or PNG to 8 bits a channel: RGBA if the file has transparency (straight, as

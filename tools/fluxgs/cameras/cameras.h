@@ -6,12 +6,9 @@
 
 #include "fluxgs/camera.h"
 #include "fluxgs/error.h"
+#include "trainer/data/image_io.h"
 
 namespace fluxgs::cli {
-
-struct ImageSize {
-  int width = 0, height = 0;  ///< px; 0: not given
-};
 
 /// "WxH", 1…16384 each.
 Expected<ImageSize> parse_size(const std::string& text);

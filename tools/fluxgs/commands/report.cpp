@@ -10,7 +10,7 @@
 
 namespace fluxgs::cli {
 
-Expected<void> check_outputs(const std::string& plot, const std::string& json) {
+Expected<void> check_report_outputs(const std::string& plot, const std::string& json) {
   for (const std::string& path : {plot, json}) {
     const std::filesystem::path folder = std::filesystem::path(path).parent_path();
     std::error_code ignored;

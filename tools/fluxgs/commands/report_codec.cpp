@@ -257,7 +257,7 @@ Plot plot_of(const CodecReport& s, const std::vector<FormatRow>& rows) {
 }
 
 Expected<void> report(const CodecReport& s) {
-  if (auto ok = check_outputs(s.plot, s.report); !ok) return ok;
+  if (auto ok = check_report_outputs(s.plot, s.report); !ok) return ok;
   auto scene = load_scene(s.scene);
   if (!scene) return std::unexpected(scene.error());
   SplatCloud& cloud = scene->cloud;

@@ -168,7 +168,7 @@ Expected<void> check_paths(const PhoneReport& s) {
   for (const std::string& input : {s.result, s.before, s.scene})
     if (!input.empty() && std::filesystem::equivalent(s.report, input, ignored))
       return fail(s.report, "--json", "is one of the files that are read");
-  return check_outputs("", s.report);
+  return check_report_outputs("", s.report);
 }
 
 Expected<void> report(const PhoneReport& s) {

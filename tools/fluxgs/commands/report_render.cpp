@@ -322,7 +322,7 @@ std::vector<Camera> views_of(const RenderReport& s, const SplatCloud& cloud, con
 }
 
 Expected<void> report(const RenderReport& s) {
-  if (auto ok = check_outputs(s.plot, s.report); !ok) return ok;
+  if (auto ok = check_report_outputs(s.plot, s.report); !ok) return ok;
   const auto scene = load_scene(s.scene);
   if (!scene) return std::unexpected(scene.error());
   std::optional<Dataset> data;

@@ -9,7 +9,7 @@
 
 #include <Eigen/QR>
 
-#include "random_splats.h"
+#include "unit/trainer/random_splats.h"
 
 namespace fluxgs {
 namespace {

@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "random_splats.h"
+#include "unit/trainer/random_splats.h"
 
 namespace fluxgs {
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "random_splats.h"
 #include "trainer/compress/adaptive_degree.h"
 #include "trainer/compress/fit_splats.h"
+#include "unit/trainer/random_splats.h"
 
 namespace fluxgs {
 namespace {

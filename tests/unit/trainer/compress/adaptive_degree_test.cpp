@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "random_splats.h"
 #include "support/scenes.h"
 #include "trainer/compress/scene_error.h"
 #include "trainer/core/psnr.h"
+#include "unit/trainer/random_splats.h"
 
 namespace fluxgs {
 namespace {
