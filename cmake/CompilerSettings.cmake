@@ -4,18 +4,18 @@ option(FLUXGS_FUZZ "Build the fuzz targets (clang), with the sanitizers" OFF)
 option(FLUXGS_WARNINGS_AS_ERRORS "Off for compilers that we have not tried" ON)
 option(FLUXGS_TIDY "Run clang-tidy on every file while compiling" OFF)
 # A build from nothing takes half the time; after a change of one file more is compiled again. Only
-# with GCC: clang's -Wshadow also warns of names of other files.
+# with compilers that were tried.
 set(unity_default OFF)
-if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+if(CMAKE_CXX_COMPILER_ID MATCHES "^(GNU|Clang)$")
   set(unity_default ON)
 endif()
 option(FLUXGS_UNITY "Compile several files of a target as one" ${unity_default})
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
-  # Another clone of the same sources has nothing to compile again
+  # Another clone of the same sources has nothing to compile again, with precompiled headers neither
   set(ccache_launcher ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} CCACHE_NOHASHDIR=1
-                      ${CCACHE_PROGRAM})
+                      CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE_PROGRAM})
   set(CMAKE_C_COMPILER_LAUNCHER ${ccache_launcher})
   set(CMAKE_CXX_COMPILER_LAUNCHER ${ccache_launcher})
 endif()
@@ -27,6 +27,11 @@ target_compile_options(fluxgs_settings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wcast-qual
   $<$<BOOL:${FLUXGS_WARNINGS_AS_ERRORS}>:-Werror>
   -ffp-contract=off)  # The same results from every compiler: products are fused only where written
+
+if(FLUXGS_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  # It also warns of names of other files
+  target_compile_options(fluxgs_settings INTERFACE -Wno-shadow)
+endif()
 
 if(FLUXGS_SANITIZE)
   target_compile_options(fluxgs_settings INTERFACE
