@@ -52,7 +52,7 @@ std::optional<fs::path> find_program(const std::string& name) {
   while (!rest.empty()) {
     const std::string_view folder = rest.substr(0, rest.find(':'));
     rest.remove_prefix(std::min(folder.size() + 1, rest.size()));
-    const fs::path candidate = fs::path(folder) / name;
+    fs::path candidate = fs::path(folder) / name;
     std::error_code ignored;
     if (!folder.empty() && fs::is_regular_file(candidate, ignored) &&
         access(candidate.c_str(), X_OK) == 0)

@@ -220,23 +220,21 @@ Expected<void> bench_scene(const BenchSettings& s) {
 
 void add_bench(CLI::App& app, Action& action) {
   auto s = std::make_shared<BenchSettings>();
-  CLI::App* command =
-      app.add_subcommand("bench", "How long frames of a scene take, off the screen");
+  CLI::App* command = app.add_subcommand("bench", "Time frames of a scene without a window");
   command->footer(
-      "After a warm-up every frame is waited for. \"draw only\" has the splats in order already,\n"
-      "as renderers count that sort beside the drawing; \"sort to display\" sorts for each view "
-      "and\n"
-      "waits for it; \"pipelined\" waits for nothing in between. Views are those of --camera, "
-      "eight\n"
-      "along the images of --data, or eight around the scene.\n"
+      "Three times, after a warm-up. \"draw only\": one frame whose splats are already sorted.\n"
+      "\"sort to display\": from the sort for a new view to its finished frame. \"pipelined\": "
+      "mean\n"
+      "of frames without a wait between them. Views: those of --camera, eight along the images of\n"
+      "--data, or eight around the scene.\n"
       "Example: fluxgs bench garden.glb --size 1280x720 --frames 200\n"
       "Example: fluxgs bench garden.glb --orbit-step 0.5 --sorter cpu --json");
   command->add_option("scene", s->scene, "the scene file")->required();
   add_size_option(*command, s->size, "WIDTHxHEIGHT (default: 1280x720)");
-  command->add_option("--frames", s->protocol.frames, "frames of each kind")
+  command->add_option("--frames", s->protocol.frames, "timed frames of each kind")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
-  command->add_option("--warmup", s->protocol.warmup, "frames before")
+  command->add_option("--warmup", s->protocol.warmup, "frames before the timing")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
   CLI::Option* data =
@@ -245,7 +243,7 @@ void add_bench(CLI::App& app, Action& action) {
       ->excludes(data);
   command
       ->add_option("--orbit-step", s->orbit_step,
-                   "turn the first camera by so many degrees a frame")
+                   "turn the first camera by this angle in each frame, degrees")
       ->check(in_range(-180.0, 180.0));
   command->add_option("--gl", s->gl, "egl, osmesa or angle")
       ->check(CLI::IsMember(kGlNames))

@@ -161,11 +161,11 @@ void add_compact_options(CLI::App& command, ConvertSettings& s) {
       "--min-psnr", s.min_psnr, "search for the smallest file whose renders have this PSNR (dB)");
   loss->check(in_range(1, 120))->excludes(bytes)->excludes(step_scale);
   bytes->excludes(step_scale);
-  CLI::Option* plain = command.add_flag(
-      "--plain-attributes", s.plain_attributes,
-      "store the compact splats as plain floats too: a large file that other viewers open");
+  CLI::Option* plain =
+      command.add_flag("--plain-attributes", s.plain_attributes,
+                       "also store plain floats: a large file that other viewers open");
   CLI::Option* data = command.add_option(
-      "--data", s.data.folder, "measure by the views of this data set instead of an orbit");
+      "--data", s.data.folder, "measure PSNR on the views of this data set instead of an orbit");
   for (CLI::Option* option : {compact, step_scale, bytes, loss, plain, data}) option->group(group);
 }
 
@@ -173,18 +173,15 @@ void add_compact_options(CLI::App& command, ConvertSettings& s) {
 
 void add_convert(CLI::App& app, Action& action) {
   auto settings = std::make_shared<ConvertSettings>();
-  CLI::App* command = app.add_subcommand("convert", "Rewrite a scene in another format");
+  CLI::App* command = app.add_subcommand("convert", "Convert a scene to another format");
   command->footer(
-      "The format read is found by content, the one written by the file's name. PSNR is that\n"
-      "of the mean square error over twelve views, to the scene with the SH coefficients that are "
-      "kept.\n"
+      "The content of IN tells its format, the name of OUT the other. PSNR is measured on twelve\n"
+      "views, against the scene with the SH coefficients that are kept.\n"
       "Example: fluxgs convert garden.ply garden.glb --min-psnr 40");
   command->add_option("in", settings->in, "the scene to read")->required();
   command->add_option("out", settings->out, "the scene to write: " + writable_extensions())
       ->required();
-  command
-      ->add_option("--sh-degree", settings->sh_degree,
-                   "highest SH degree to keep; the others are left out")
+  command->add_option("--sh-degree", settings->sh_degree, "highest SH degree to keep")
       ->check(CLI::Range(0, 3))
       ->capture_default_str();
   add_compact_options(*command, *settings);

@@ -134,7 +134,7 @@ Expected<void> doctor(bool as_json) {
 void add_doctor(CLI::App& app, Action& action) {
   auto as_json = std::make_shared<bool>(false);
   CLI::App* command =
-      app.add_subcommand("doctor", "What this machine has: GL, CUDA, COLMAP, versions");
+      app.add_subcommand("doctor", "Check this machine: OpenGL, CUDA, COLMAP, versions");
   command->footer("Example: fluxgs doctor");
   command->add_flag("--json", *as_json, "print one JSON object");
   command->callback([=, &action] { action = [=] { return doctor(*as_json); }; });

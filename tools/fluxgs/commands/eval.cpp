@@ -93,14 +93,14 @@ Expected<void> eval(const EvalSettings& s) {
 
 void add_eval(CLI::App& app, Action& action) {
   auto s = std::make_shared<EvalSettings>();
-  CLI::App* command = app.add_subcommand("eval", "Compare a scene with images: PSNR and SSIM");
+  CLI::App* command = app.add_subcommand("eval", "Measure a scene against images: PSNR and SSIM");
   command->footer("Example: fluxgs eval garden.glb --data captures/garden --downscale 2 --json");
   command->add_option("scene", s->scene, "the scene file")->required();
   command->add_option("--data", s->data.folder, "the data set with the images")->required();
   add_split_option(*command, s->split);
   add_data_options(*command, s->data);
   add_renderer_options(*command, s->choice);
-  command->add_flag("--flip", s->flip, "also the FLIP error, 0 to 1 (tools/deps/flip installs it)");
+  command->add_flag("--flip", s->flip, "also measure FLIP, 0 to 1 (tools/deps/flip installs it)");
   command->add_flag("--json", s->as_json, "print one JSON object");
   command->callback([s, &action] { action = [s] { return eval(*s); }; });
 }

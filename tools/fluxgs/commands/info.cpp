@@ -92,11 +92,11 @@ Expected<void> info(const InfoSettings& s) {
 
 void add_info(CLI::App& app, Action& action) {
   auto settings = std::make_shared<InfoSettings>();
-  CLI::App* command = app.add_subcommand("info", "What is in a scene file");
+  CLI::App* command = app.add_subcommand("info", "Describe a scene file");
   command->footer("Example: fluxgs info garden.glb --json");
   command->add_option("scene", settings->scene, "the scene file")->required();
   command->add_flag("--self-test", settings->self_test,
-                    "what this machine computes of it, to compare with the app's benchmark");
+                    "hash this machine's results, to compare with the app's benchmark");
   command->add_flag("--json", settings->as_json, "print one JSON object");
   command->callback([=, &action] { action = [=] { return info(*settings); }; });
 }

@@ -216,11 +216,10 @@ Expected<void> render(const RenderSettings& s) {
 
 void add_render(CLI::App& app, Action& action) {
   auto s = std::make_shared<RenderSettings>();
-  CLI::App* command = app.add_subcommand("render", "Images of a scene");
+  CLI::App* command = app.add_subcommand("render", "Render images of a scene");
   command->footer(
-      "Views come from --data and --view, from --camera, or from --orbit. Without any of them it "
-      "is\n"
-      "the view that the scene asks for, or one of all of it.\n"
+      "Views come from --data and --view, from --camera, or from --orbit. Without any of them:\n"
+      "the scene's initial view, or one that shows all of it.\n"
       "Example: fluxgs render garden.glb -o garden.png\n"
       "Example: fluxgs render garden.glb --data captures/garden --view 0 -o view.png\n"
       "Example: fluxgs render garden.glb --data captures/garden --orbit 8 -o orbit.png");
@@ -233,7 +232,7 @@ void add_render(CLI::App& app, Action& action) {
       command->add_option("--view", s->view, "index of an image of the split, or all");
   CLI::Option* orbit = command
                            ->add_option("--orbit", s->orbit,
-                                        "this many views around the scene, or with --data\n"
+                                        "number of views around the scene, or with --data\n"
                                         "along the arc that its images cover")
                            ->check(CLI::Range(1, 10000));
   CLI::Option* camera = command->add_option("--camera", s->camera_file,
@@ -244,10 +243,10 @@ void add_render(CLI::App& app, Action& action) {
   add_data_options(*command, s->data);
   add_size_option(*command, s->size, "WIDTHxHEIGHT (default: the images', otherwise 1280x720)");
   add_renderer_options(*command, s->choice);
-  command->add_option("--format", s->choice.format, "for gles: rgba8 or rgba16f")
+  command->add_option("--format", s->choice.format, "image format of gles: rgba8 or rgba16f")
       ->check(CLI::IsMember(kFormatNames))
       ->capture_default_str();
-  command->add_option("--sh-degree", s->sh_degree, "evaluate no more than this degree")
+  command->add_option("--sh-degree", s->sh_degree, "highest SH degree to evaluate")
       ->check(CLI::Range(0, 3));
   command->add_flag("--check", s->check, "measure each image against the float64 reference (slow)");
   command->add_flag("--json", s->as_json, "print one JSON object");

@@ -22,7 +22,7 @@ Expected<void> check_report_outputs(const std::string& plot, const std::string& 
 
 void add_report(CLI::App& app, Action& action) {
   CLI::App* command =
-      app.add_subcommand("report", "Size or speed against error: a table, a JSON and a plot");
+      app.add_subcommand("report", "Tables and plots of size or speed against error");
   command->require_subcommand(1);
   command->footer("Example: fluxgs report codec garden.ply --plot codec.png");
   add_report_codec(*command, action);

@@ -285,13 +285,12 @@ Expected<void> report(const CodecReport& s) {
 
 void add_report_codec(CLI::App& app, Action& action) {
   auto s = std::make_shared<CodecReport>();
-  CLI::App* command = app.add_subcommand(
-      "codec", "What a scene takes in each format, against what its images lose");
+  CLI::App* command = app.add_subcommand("codec", "Size and error of a scene in each format");
   command->footer(
-      "PSNR is that of the mean square error over views of the data set, or of an orbit, to the\n"
-      "images of SCENE itself; with --data also to the test images. \"compact N\" are steps "
-      "that\n"
-      "are balanced for this scene, as --min-psnr of convert does, times N.\n"
+      "PSNR is measured on views of the data set, or of an orbit, against the images of SCENE\n"
+      "itself; with --data also against the test images. \"compact N\": quantization steps "
+      "balanced\n"
+      "for this scene, as --min-psnr of convert does, times N.\n"
       "Example: fluxgs report codec garden.ply --data captures/garden --plot codec.png");
   command->add_option("scene", s->scene, "the scene file")->required();
   command->add_option("--data", s->data.folder, "the data set with the images");
@@ -299,8 +298,8 @@ void add_report_codec(CLI::App& app, Action& action) {
   command->add_option("--sh-degree", s->sh_degree, "highest SH degree to keep")
       ->check(CLI::Range(0, 3))
       ->capture_default_str();
-  command->add_option("--plot", s->plot, "draw size against error here: .png or .svg");
-  command->add_option("--json", s->report, "write the numbers here (-: standard output)");
+  command->add_option("--plot", s->plot, "write a plot of size against error: .png or .svg");
+  command->add_option("--json", s->report, "write the results as JSON (-: standard output)");
   add_data_options(*command, s->data);
   command->callback([s, &action] { action = [s] { return report(*s); }; });
 }

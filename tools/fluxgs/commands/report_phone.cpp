@@ -203,18 +203,17 @@ Expected<void> report(const PhoneReport& s) {
 void add_report_phone(CLI::App& app, Action& action) {
   auto s = std::make_shared<PhoneReport>();
   CLI::App* command = app.add_subcommand(
-      "phone", "What the app's benchmark measured, beside the paper and an earlier run");
+      "phone", "Results of the app's benchmark, beside the paper's and an earlier run's");
   command->footer(
-      "RESULT is what the app saves or shares as JSON. tools/phone-benchmark makes one of a\n"
-      "device at hand. draw: one frame, already sorted; sort to display: from a new view to its\n"
-      "finished image; pipelined: frames one after the other, their mean; the others are\n"
-      "medians.\n"
+      "RESULT is the JSON that the app saves or shares; tools/phone-benchmark fetches one from a\n"
+      "connected device. draw: one frame, already sorted. sort to display: from a new view to its\n"
+      "finished image. pipelined: mean of successive frames. All but pipelined are medians.\n"
       "Example: fluxgs report phone garden.json --before last-week.json --scene garden.glb");
   command->add_option("result", s->result, "the app's result")->required();
   command->add_option("--before", s->before, "an earlier result of the same scene");
   command->add_option("--scene", s->scene,
-                      "the scene's file: does the device compute what this machine does?");
-  command->add_option("--json", s->report, "write the numbers here (-: standard output)");
+                      "the scene file, to compare the device's results with this machine's");
+  command->add_option("--json", s->report, "write the results as JSON (-: standard output)");
   command->callback([s, &action] { action = [s] { return report(*s); }; });
 }
 

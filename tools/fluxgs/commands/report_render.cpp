@@ -361,33 +361,35 @@ Expected<void> report(const RenderReport& s) {
 
 void add_report_render(CLI::App& app, Action& action) {
   auto s = std::make_shared<RenderReport>();
-  CLI::App* command = app.add_subcommand(
-      "render", "What each setting of the renderer costs, in time and bytes, against its error");
+  CLI::App* command =
+      app.add_subcommand("render", "Time, bytes and error of each setting of the renderer");
   command->footer(
-      "Errors are those of RGBA16F images, unless the target is what varies, to the float64\n"
-      "reference; times are medians of frames that are sorted for their own view and waited for.\n"
-      "MB/frame is the model of fluxgs bench for a GPU without tiles. \"Order N degrees old\" is\n"
-      "the image of a camera that has just turned by so much. \"Pareto\": nothing else is as\n"
-      "exact and faster by more than the two runs of the defaults differ.\n"
+      "Errors: RGBA16F images against the float64 reference (other formats only in the rows that\n"
+      "name them). Times: medians of frames that are sorted for their own view and waited for.\n"
+      "MB/frame: the traffic model of fluxgs bench for a GPU without tiles. \"Order N degrees "
+      "old\":\n"
+      "the splats are sorted for a camera that has turned by N degrees since. \"Pareto\": no "
+      "other\n"
+      "row is as exact and clearly faster.\n"
       "Example: fluxgs report render garden.glb --data captures/garden --plot render.png\n"
       "Example: fluxgs report render garden.glb --only defaults --rounds 1 --gl angle");
   command->add_option("scene", s->scene, "the scene file")->required();
   command->add_option("--data", s->data.folder, "a data set: views are those of its images");
   add_size_option(*command, s->size, "WIDTHxHEIGHT (default: 640x480)");
-  command->add_option("--views", s->views, "images that errors are measured on")
+  command->add_option("--views", s->views, "number of views for the errors")
       ->check(CLI::Range(1, 12))
       ->capture_default_str();
-  command->add_option("--rounds", s->rounds, "frames that each time is the median of")
+  command->add_option("--rounds", s->rounds, "frames for each median time")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
-  command->add_option("--only", s->only, "these groups of settings only, besides the defaults")
+  command->add_option("--only", s->only, "only these groups of settings, besides the defaults")
       ->delimiter(',')
       ->check(CLI::IsMember(std::vector<std::string>(kGroups.begin(), kGroups.end())));
   command->add_option("--gl", s->gl, "egl, osmesa or angle")
       ->check(CLI::IsMember(kGlNames))
       ->capture_default_str();
-  command->add_option("--plot", s->plot, "draw time against error here: .png or .svg");
-  command->add_option("--json", s->report, "write the numbers here (-: standard output)");
+  command->add_option("--plot", s->plot, "write a plot of time against error: .png or .svg");
+  command->add_option("--json", s->report, "write the results as JSON (-: standard output)");
   add_data_options(*command, s->data);
   command->callback([s, &action] { action = [s] { return report(*s); }; });
 }

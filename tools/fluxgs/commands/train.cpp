@@ -363,13 +363,11 @@ void add_train(CLI::App& app, Action& action) {
   grouped(command->add_option("-o,--out", settings->out,
                               "the scene to write: " + writable_extensions()),
           kFiles);
-  grouped(
-      command->add_option("--float-output", settings->float_output,
-                          "also write the uncompressed scene, such as a .ply, as training ended "
-                          "with it"),
-      kFiles);
+  grouped(command->add_option("--float-output", settings->float_output,
+                              "also write the uncompressed scene, for example as .ply"),
+          kFiles);
   grouped(command->add_option("--json", settings->report,
-                              "write a report of the run here (-: standard output)"),
+                              "write a report of the run as JSON (-: standard output)"),
           kFiles);
   grouped(command->add_option("--resume", settings->resume,
                               "continue from a checkpoint, with its options"),
@@ -378,12 +376,13 @@ void add_train(CLI::App& app, Action& action) {
                               "iterations between saves of OUT.ckpt (0: never)"),
           kFiles)
       ->check(CLI::NonNegativeNumber);
-  grouped(command->add_option("--preset", settings->preset, "defaults of all options of training"),
-          kRun)
+  grouped(
+      command->add_option("--preset", settings->preset, "set of defaults for all training options"),
+      kRun)
       ->check(CLI::IsMember(preset_names()))
       ->capture_default_str();
   grouped(command->add_flag("--plan", settings->plan,
-                            "print the schedule of the options as a table and do nothing else"),
+                            "print the schedule as a table, without training"),
           kRun);
   add_data_options(*command, settings->data);
   for (const char* name : {"--downscale", "--background", "--threads"})

@@ -268,7 +268,7 @@ Expected<void> view(const ViewSettings& s) {
 
 void add_view(CLI::App& app, Action& action) {
   auto s = std::make_shared<ViewSettings>();
-  CLI::App* command = app.add_subcommand("view", "A scene in a window");
+  CLI::App* command = app.add_subcommand("view", "Show a scene in a window");
   command->footer(kKeys +
                   "Example: fluxgs view garden.glb --data captures/garden\n"
                   "Example: fluxgs view garden.glb --frames 1 --screenshot window.png");
@@ -288,22 +288,20 @@ void add_view(CLI::App& app, Action& action) {
           "x,y,z|auto"))
       ->capture_default_str();
   add_size_option(*command, s->size, "WIDTHxHEIGHT of the window (default: 1280x720)");
-  command->add_option("--sh-degree", s->sh_degree, "evaluate no more than this degree")
+  command->add_option("--sh-degree", s->sh_degree, "highest SH degree to evaluate")
       ->check(CLI::Range(0, 3));
   command
       ->add_option("--memory", s->memory,
-                   "MB of graphics memory that may be used; the splats that add least are left out")
+                   "limit of graphics memory, MB; splats of least contribution are left out")
       ->check(in_range(0.001, 1e6));
   add_data_options(*command, s->data);
   CLI::Option* frames =
-      command->add_option("--frames", s->frames, "draw this many frames of 1/60 s, then close")
+      command->add_option("--frames", s->frames, "show this many frames, 1/60 s each, then close")
           ->check(CLI::Range(1, 1'000'000));
-  command
-      ->add_option("--screenshot", s->screenshot,
-                   "a PNG of what is in the window in the last frame")
+  command->add_option("--screenshot", s->screenshot, "write the last frame as a PNG")
       ->needs(frames);
   command->add_option("--input", s->input,
-                      "a JSON list of what the mouse and the keys do (tests, reports of mistakes)");
+                      "play mouse and keys from a JSON list (for tests and bug reports)");
   command->callback([s, &action] { action = [s] { return view(*s); }; });
 }
 

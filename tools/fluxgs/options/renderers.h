@@ -15,7 +15,7 @@ namespace fluxgs::cli {
 struct RendererChoice {
   std::string renderer = "gles";  ///< gles, cpu (the trainer's own) or reference (float64)
   std::string gl = "egl";         ///< for gles: egl, osmesa or angle
-  std::string format = "rgba8";   ///< for gles: rgba8 or rgba16f
+  std::string format = "rgba8";   ///< image format of gles: rgba8 or rgba16f
 };
 
 inline const std::vector<std::string> kRendererNames = {"gles", "cpu", "reference"};

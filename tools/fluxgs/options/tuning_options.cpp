@@ -21,42 +21,44 @@ void add_tuning_options(CLI::App& command, TuningOptions& t) {
   const auto shown = [](CLI::Option* option) { option->capture_default_str()->group("Tuning"); };
   shown(command
             .add_option("--sorter", t.sorter,
-                        "gpu (radix sort), cpu (a thread beside) or exact (float64)")
+                        "gpu (radix sort), cpu (on a thread of its own) or exact (float64)")
             ->check(CLI::IsMember({"gpu", "cpu", "exact"})));
   shown(command.add_option("--key-bits", t.key_bits, "bits of a depth key")
             ->check(CLI::Range(10, 32)));
-  shown(command.add_option("--digit-bits", t.digit_bits, "bits of a pass of the GPU's sort")
+  shown(command.add_option("--digit-bits", t.digit_bits, "bits sorted in each pass of the GPU")
             ->check(CLI::Range(4, 8)));
   shown(command
             .add_option("--splat-precision", t.splat_precision,
                         "full (32 bytes a splat) or half (16)")
             ->check(CLI::IsMember({"full", "half"})));
-  shown(command.add_option("--batch", t.batch, "quads an instance")->check(CLI::Range(1, 128)));
-  shown(command.add_option("--sh-degree", t.sh_degree, "evaluate no more than this degree")
+  shown(command.add_option("--batch", t.batch, "quads per instance")->check(CLI::Range(1, 128)));
+  shown(command.add_option("--sh-degree", t.sh_degree, "highest SH degree to evaluate")
             ->check(CLI::Range(0, 3)));
-  shown(command.add_option("--format", t.format, "of the image: rgba8 or rgba16f")
+  shown(command.add_option("--format", t.format, "image format")
             ->check(CLI::IsMember({"rgba8", "rgba16f"})));
   shown(command
-            .add_option("--blend", t.blend,
-                        "in what: accurate (the best the driver has), float, half or direct")
+            .add_option(
+                "--blend", t.blend,
+                "accumulation buffer format: accurate (best available), float, half or direct")
             ->check(CLI::IsMember({"accurate", "float", "half", "direct"})));
-  shown(command.add_option("--scale", t.scale, "blend in so much smaller an image, enlarged then")
+  shown(command.add_option("--scale", t.scale, "render at this fraction of the size, then enlarge")
             ->check(in_range(0.1, 1.0)));
-  shown(command.add_option("--alpha-min", t.alpha_min, "where a splat ends")
+  shown(command.add_option("--alpha-min", t.alpha_min, "alpha cut-off of a splat")
             ->check(in_range(1e-4, 0.5)));
   shown(command
             .add_option("--max-deviations", t.max_deviations,
-                        "where a splat ends at the latest, in standard deviations; 0: off")
+                        "largest radius of a splat, standard deviations (0: no limit)")
             ->check(in_range(0.0, 100.0)));
   shown(command.add_option("--min-size", t.min_size, "leave out splats smaller than this, px")
             ->check(in_range(0.0, 100.0)));
   shown(command
-            .add_option("--resort", t.resort_degrees,
-                        "sort again when the camera has turned by so many degrees, or moved as far")
+            .add_option(
+                "--resort", t.resort_degrees,
+                "sort again after the camera has turned by this angle, degrees, or moved likewise")
             ->check(in_range(0.0, 180.0)));
   command
       .add_flag("--texture-fetch", t.texture_fetch,
-                "as on devices without storage buffers in the vertex stage")
+                "read splats from textures, for devices without vertex storage buffers")
       ->group("Tuning");
 }
 
