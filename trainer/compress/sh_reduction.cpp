@@ -52,8 +52,8 @@ class ShReductionPhase final : public Phase {
             .until = options_.iteration,
             .interval = 0,
             .what = options_.target == ShTarget::adaptive
-                        ? fmt::format("leaves each splat the lowest SH degree, by {}, for {:g} dB "
-                                      "in all",
+                        ? fmt::format("leaves each splat the lowest SH degree, by {}; at most "
+                                      "{:g} dB less on training images",
                                       way, options_.max_psnr_drop)
                         : fmt::format("reduces all splats to SH degree {} by {}", degree_, way)};
   }
@@ -107,7 +107,9 @@ OptionFields ShReductionOptions::fields(const TrainOptions& all) {
                 "adaptive: 7/10)",
                 iteration, 0, kUnlimited)
               .only_if(reduced, below),
-          real("sh-max-psnr-drop", "dB that adaptive degrees may cost", max_psnr_drop, 0, 10)
+          real("sh-max-psnr-drop",
+               "maximum loss of PSNR on training images by adaptive degrees, dB (an estimate)",
+               max_psnr_drop, 0, 10)
               .only_if(adaptive, "--sh-target adaptive"),
           choice("quadrature", "rule that integrates over directions", quadrature, kQuadratureNames)
               .only_if(integrates, quadratures),

@@ -158,7 +158,7 @@ std::optional<PhaseReport> NetworkColors::after_step(Training& t) {
   if (!psi_ && !phi_) return PhaseReport();
   model_ = make_appearance_model(psi_, phi_, measure_normalisation(state.parameters), seed_);
   const PlanarFloats target = first_order(state.parameters);
-  PlanarFloats latents = psi_ ? std::move(energy) : target;
+  PlanarFloats latents = psi_ ? std::move(energy) : PlanarFloats(target);
   // Without Ψ, the optimiser goes on with the coefficients it knows
   const auto moments = [&](const PlanarFloats& known) -> SplatValues {
     return {psi_ ? PlanarFloats(target.rows(), target.size()) : first_order(known), true};

@@ -223,10 +223,10 @@ class Encoder {
 
   Expected<Bytes> run() {
     Bytes out, section;
-    if (auto ok = encode_positions(exact_.cloud.positions, options_.steps.position, section); !ok)
+    if (auto ok = encode_positions(source_.cloud.positions, options_.steps.position, section); !ok)
       return std::unexpected(ok.error());
     put_section(out, section);
-    for (const Attribute attribute : attributes_of(exact_.has_energy, exact_.cloud.sh_degree)) {
+    for (const Attribute attribute : attributes_of(source_.has_energy, source_.cloud.sh_degree)) {
       const auto encoded = section_of(attribute);
       if (!encoded) return std::unexpected(encoded.error());
       put_section(out, *encoded);
@@ -234,7 +234,7 @@ class Encoder {
       if (auto ok = decode_section(attribute, *encoded, decoded_); !ok)
         return std::unexpected(ok.error());
     }
-    while (exact_.cloud.size() > max_splats(out.size())) out.push_back(std::byte{0});
+    while (source_.cloud.size() > max_splats(out.size())) out.push_back(std::byte{0});
     return out;
   }
 
@@ -243,16 +243,16 @@ class Encoder {
           const RateFactors& rates, const std::vector<std::uint32_t>& order)
       : options_(options),
         rates_(rates),
-        exact_{fluxgs::in_order(cloud, order), !energy.empty(),
-               io::gather(energy, order, kEnergyChannels, kEnergyChannels)},
-        decoded_(exact_),
+        source_{fluxgs::in_order(cloud, order), !energy.empty(),
+                io::gather(energy, order, kEnergyChannels, kEnergyChannels)},
+        decoded_(source_),
         sensitivity_(sensitivity_of(options.sensitivity, cloud.sh_degree, order, cloud.sh_degree)) {
   }
 
   Expected<Bytes> section_of(Attribute attribute) {
-    const bool has_factors = exact_.cloud.sh_degree > 0 && !sensitivity_.sh_factors.empty();
+    const bool has_factors = source_.cloud.sh_degree > 0 && !sensitivity_.sh_factors.empty();
     if (attribute == kDc && has_factors) {
-      auto rest = encode_rest(input_of(kRest), sensitivity_.sh_factors, exact_.cloud.sh_dc);
+      auto rest = encode_rest(input_of(kRest), sensitivity_.sh_factors, source_.cloud.sh_dc);
       if (!rest) return rest;
       rest_ = std::move(*rest);
     }
@@ -273,9 +273,9 @@ class Encoder {
     std::vector<float> weights = quantization_weights(sensitivity_.weights, step_scale);
     Stepped stepped =
         attribute == kScale
-            ? roots_of(exact_.cloud.log_scales, options_.steps.log_scale)
-            : Stepped{values_of(attribute, exact_), step_of(attribute, options_.steps)};
-    return {.channels = {channels_of(attribute, exact_.cloud.sh_degree), std::move(stepped.values),
+            ? roots_of(source_.cloud.log_scales, options_.steps.log_scale)
+            : Stepped{values_of(attribute, source_), step_of(attribute, options_.steps)};
+    return {.channels = {channels_of(attribute, source_.cloud.sh_degree), std::move(stepped.values),
                          std::move(step_scale)},
             .step = stepped.step,
             .rate_weight = options_.rate_weight * factor_of(attribute, rates_),
@@ -284,15 +284,15 @@ class Encoder {
 
   std::vector<float> stored_sensitivity(Attribute attribute) const {
     if (attribute == kScale)
-      return sensitivity_of_roots(sensitivity_.scale, exact_.cloud.log_scales);
+      return sensitivity_of_roots(sensitivity_.scale, source_.cloud.log_scales);
     if (attribute == kRotation)
-      return sensitivity_of_rotations(sensitivity_.rotation, exact_.cloud.rotations);
+      return sensitivity_of_rotations(sensitivity_.rotation, source_.cloud.rotations);
     return {};
   }
 
   const CompactOptions& options_;
   const RateFactors& rates_;
-  Content exact_;    ///< in the order of the file
+  Content source_;   ///< in the order of the file
   Content decoded_;  ///< what later attributes rest on is as it will be read
   SensitivityWeights sensitivity_;
   Bytes rest_;

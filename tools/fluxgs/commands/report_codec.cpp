@@ -47,7 +47,7 @@ struct FormatRow {
   std::string name;
   bool compact = false;  ///< on the curve of the compact codec
   std::size_t splats = 0, bytes = 0;
-  double psnr = 0;                  ///< to the images of the exact scene
+  double psnr = 0;                  ///< to the images of the uncompressed scene
   std::optional<double> view_psnr;  ///< to the test images
   double encode_ms = 0, decode_ms = 0;
   AttributeBits attribute_bits;
@@ -243,7 +243,7 @@ Plot plot_of(const CodecReport& s, const std::vector<FormatRow>& rows) {
   Plot plot{.title = fmt::format("{}: size against error",
                                  std::filesystem::path(s.scene).filename().string()),
             .x_label = "bits a splat",
-            .y_label = "PSNR to the images of the exact scene (dB)",
+            .y_label = "PSNR to the images of the uncompressed scene (dB)",
             .log_x = true,
             .series = {{"compact .glb", {}}}};
   for (const FormatRow& row : rows) {

@@ -29,8 +29,8 @@ struct QuantizationSteps {
 };
 
 /// Steps that suit most scenes, times `step scale` (> 0): at 1, images of scans and of scenes
-/// trained from images are about 40 dB from those of the exact scene. Positions are quantized
-/// relative to the median size of the splats, or as finely as a file can.
+/// trained from images are about 40 dB from those of the uncompressed scene. Positions are
+/// quantized relative to the median size of the splats, or as finely as a file can.
 QuantizationSteps default_quantization_steps(const SplatCloud& cloud, double step_scale = 1);
 
 /// The finest step of positions that a file can have: it counts fewer than 2²⁴ along an axis.
