@@ -20,6 +20,7 @@
 #include "fluxgs/io/file.h"
 #include "fluxgs/io/scene.h"
 #include "trainer/core/clock.h"
+#include "trainer/core/median.h"
 
 namespace fluxgs {
 namespace {
@@ -32,11 +33,6 @@ struct Settings {
   int sh_degree = 1;
 };
 
-double median(std::vector<double> v) {
-  std::ranges::nth_element(v, v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2));
-  return v[v.size() / 2];
-}
-
 /// The median of several runs, in milliseconds.
 template <class Work>
 double milliseconds(const Work& work, int runs = 9) {
@@ -46,7 +42,7 @@ double milliseconds(const Work& work, int runs = 9) {
     work();
     times.push_back(1e3 * (wall_seconds() - start));
   }
-  return median(times);
+  return *median(times);
 }
 
 struct Attribute {

@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "trainer/core/clock.h"
+#include "trainer/core/median.h"
 #include "trainer/data/initial_points.h"
 #include "trainer/densify/densification.h"
 #include "trainer/densify/opacity_reset.h"
@@ -22,11 +23,6 @@ struct Settings {
   std::string data, checkpoint;
   int downscale = 2, warmup = 20, iterations = 200, threads = 0;
 };
-
-double median(std::vector<double> v) {
-  std::ranges::nth_element(v, v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2));
-  return v[v.size() / 2];
-}
 
 /// Contributing splat–pixel pairs per pixel, over the training views, counted by a pass of its own.
 double pairs_per_pixel(const Dataset& data, const TrainState& state, const TrainOptions& options,
@@ -91,12 +87,12 @@ Expected<void> run(const Settings& settings) {
              camera.height, trainer.state.parameters.size(), density, name_of(best_isa()),
              threads.count());
   fmt::print("{:<20} {:>8}\n", "stage", "median ms (wall)");
-  for (const auto& [name, ms] : stage_ms) fmt::print("{:<20} {:>8.3f}\n", name, median(ms));
+  for (const auto& [name, ms] : stage_ms) fmt::print("{:<20} {:>8.3f}\n", name, *median(ms));
   fmt::print(
       "iteration: median {:.2f} ms wall, {:.2f} ms CPU ({:.2f} ns CPU per contributing pair); "
       "cores used: {:.0f}%\n",
-      median(wall_ms), median(cpu_ms), 1e6 * median(cpu_ms) / pairs,
-      100 * median(cpu_ms) / (median(wall_ms) * threads.count()));
+      *median(wall_ms), *median(cpu_ms), 1e6 * *median(cpu_ms) / pairs,
+      100 * *median(cpu_ms) / (*median(wall_ms) * threads.count()));
   return {};
 }
 

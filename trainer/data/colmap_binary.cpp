@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "fluxgs/byte_reader.h"
@@ -71,10 +74,10 @@ Expected<void> read_binary_cameras(const std::filesystem::path& path, ColmapMode
       if (!value) return file->cut("camera", i);
       parameters.push_back(*value);
     }
-    const auto lens =
-        make_colmap_lens(*camera_model, *width, *height, parameters, file->path, field);
-    if (!lens) return std::unexpected(lens.error());
-    if (!model.cameras.emplace(*id, *lens).second)
+    if (!model.cameras
+             .emplace(*id, make_colmap_lens(*camera_model, *width, *height, parameters, file->path,
+                                            field))
+             .second)
       return fail(file->path, field, "listed twice, expected every camera once");
   }
   return expect_end(reader, *file, "cameras");
@@ -167,6 +170,23 @@ Expected<ColmapModel> read_colmap_binary(const std::filesystem::path& folder) {
 
 Expected<ColmapModel> read_colmap_model(const std::filesystem::path& folder) {
   return is_file(folder / "cameras.bin") ? read_colmap_binary(folder) : read_colmap_text(folder);
+}
+
+std::vector<ColmapModelFolder> colmap_models(const std::filesystem::path& sparse) {
+  std::vector<ColmapModelFolder> models;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(sparse, error)) {
+    if (!is_colmap_model(entry.path())) continue;
+    const auto head = read_prefix(entry.path() / "images.bin", 8);
+    std::uint64_t images = head ? ByteReader(*head).take<std::uint64_t>().value_or(0) : 0;
+    if (!head)
+      if (const auto model = read_colmap_text(entry.path())) images = model->images.size();
+    models.push_back({entry.path(), images});
+  }
+  std::ranges::sort(models, [](const ColmapModelFolder& a, const ColmapModelFolder& b) {
+    return std::pair(b.images, a.folder) < std::pair(a.images, b.folder);
+  });
+  return models;
 }
 
 bool is_colmap_model(const std::filesystem::path& folder) {

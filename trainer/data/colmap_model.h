@@ -38,14 +38,26 @@ struct ColmapPoint {
 };
 
 struct ColmapModel {
-  std::map<std::uint32_t, Lens> cameras;
+  /// A camera that no image can have is an error, for the images that use it.
+  std::map<std::uint32_t, Expected<Lens>> cameras;
   std::vector<ColmapImage> images;
   std::vector<ColmapPoint> points;
   bool has_points_file = false;  ///< points3D may be missing; cameras and images may not
+  std::vector<std::string> warnings;
 };
 
 /// True if a folder holds cameras.bin or cameras.txt.
 bool is_colmap_model(const std::filesystem::path& folder);
+
+/// A model by its folder, and the number of images that it says it has.
+struct ColmapModelFolder {
+  std::filesystem::path folder;
+  std::uint64_t images = 0;
+};
+
+/// The models in the sub-folders of a folder, those with most images first: COLMAP makes several
+/// where the images do not hang together.
+std::vector<ColmapModelFolder> colmap_models(const std::filesystem::path& sparse);
 
 /// Read a model; the binary files where cameras.bin exists, otherwise the text files.
 /// Counts are checked against what is left of the file before anything is allocated, and a file
@@ -61,6 +73,7 @@ struct ColmapCameraModel {
   int id;
   std::string_view name;
   int parameters;
+  LensModel lens;
 };
 /// Nothing if there is no such model.
 const ColmapCameraModel* find_camera_model(int id);

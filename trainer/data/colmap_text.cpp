@@ -18,6 +18,7 @@ class LineFile {
 
   const std::string& path() const { return path_; }
   std::size_t line_number() const { return line_; }
+  bool is_empty() const { return text_.empty(); }
 
   /// The next line, whatever it holds; nothing at the end.
   std::optional<std::string_view> next() {
@@ -45,12 +46,15 @@ class LineFile {
     return fail(path_, fmt::format("line {}", line_), fmt::format("expected {}", expected));
   }
 
-  /// COLMAP writes "# Number of images: 97, …" at the top: how a cut file is told from a short one.
-  Expected<void> check_count(std::size_t count) const {
+  /// COLMAP writes "# Number of images: 97, …" at the top. A comment binds nobody, but tells a file
+  /// that was cut inside a line from one that was edited.
+  Expected<void> check_count(std::size_t count, ColmapModel& model) const {
     if (!promised_ || *promised_ == count) return {};
-    return fail(path_, "",
-                fmt::format("promises {} records and has {}: it is truncated or was edited",
-                            *promised_, count));
+    const std::string text = fmt::format("promises {} records and has {}", *promised_, count);
+    if (count < *promised_ && !text_.ends_with('\n'))
+      return fail(path_, "", text + ": it is truncated");
+    model.warnings.push_back(fmt::format("{}: {}: it was edited", path_, text));
+    return {};
   }
 
  private:
@@ -73,7 +77,6 @@ class LineFile {
 Expected<LineFile> open_lines(const std::filesystem::path& path) {
   auto text = read_text(path);
   if (!text) return std::unexpected(text.error());
-  if (text->empty()) return fail(path.string(), "", "is empty, expected a COLMAP text file");
   return LineFile(path.string(), std::move(*text));
 }
 
@@ -111,14 +114,17 @@ bool take_all(std::string_view& line, T&... values) {
 Expected<void> read_text_cameras(const std::filesystem::path& path, ColmapModel& model) {
   auto file = open_lines(path);
   if (!file) return std::unexpected(file.error());
+  if (file->is_empty()) return fail(path.string(), "", "is empty, expected a COLMAP text file");
   while (auto line = file->next_record()) {
     std::uint32_t id = 0;
     if (!take(*line, id)) return file->bad("CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]");
     const std::string name(take_word(*line));
     const ColmapCameraModel* camera_model = find_camera_model(std::string_view(name));
-    if (!camera_model)
-      return fail(path.string(), fmt::format("camera {}", id),
-                  fmt::format("unknown camera model \"{}\"", one_line(name)));
+    if (!camera_model) {
+      model.cameras.emplace(id, fail(path.string(), fmt::format("camera {}", id),
+                                     fmt::format("unknown camera model \"{}\"", one_line(name))));
+      continue;
+    }
     std::uint64_t width = 0, height = 0;
     std::vector<double> parameters(static_cast<std::size_t>(camera_model->parameters));
     bool ok = take_all(*line, width, height);
@@ -126,14 +132,14 @@ Expected<void> read_text_cameras(const std::filesystem::path& path, ColmapModel&
     if (!ok || !trim(*line).empty())
       return file->bad(
           fmt::format("CAMERA_ID {} WIDTH HEIGHT and {} parameters", name, parameters.size()));
-    const auto lens = make_colmap_lens(*camera_model, width, height, parameters, path.string(),
-                                       fmt::format("camera {}", id));
-    if (!lens) return std::unexpected(lens.error());
-    if (!model.cameras.emplace(id, *lens).second)
+    if (!model.cameras
+             .emplace(id, make_colmap_lens(*camera_model, width, height, parameters, path.string(),
+                                           fmt::format("camera {}", id)))
+             .second)
       return fail(path.string(), fmt::format("camera {}", id),
                   "listed twice, expected every camera once");
   }
-  return file->check_count(model.cameras.size());
+  return file->check_count(model.cameras.size(), model);
 }
 
 /// POINTS2D[] as (X, Y, POINT3D_ID); false if it is anything else.
@@ -149,6 +155,7 @@ bool read_observations(std::string_view line, std::vector<ColmapObservation>& ob
 Expected<void> read_text_images(const std::filesystem::path& path, ColmapModel& model) {
   auto file = open_lines(path);
   if (!file) return std::unexpected(file.error());
+  if (file->is_empty()) return fail(path.string(), "", "is empty, expected a COLMAP text file");
   while (auto line = file->next_record()) {
     ColmapImage image;
     std::uint32_t id = 0;
@@ -163,7 +170,7 @@ Expected<void> read_text_images(const std::filesystem::path& path, ColmapModel& 
       return file->bad("POINTS2D[] as (X, Y, POINT3D_ID)");
     model.images.push_back(std::move(image));
   }
-  return file->check_count(model.images.size());
+  return file->check_count(model.images.size(), model);
 }
 
 Expected<void> read_text_points(const std::filesystem::path& path, ColmapModel& model) {
@@ -181,7 +188,7 @@ Expected<void> read_text_points(const std::filesystem::path& path, ColmapModel& 
     point.color = glm::u8vec3(r, g, b);
     model.points.push_back(point);
   }
-  return file->check_count(model.points.size());
+  return file->check_count(model.points.size(), model);
 }
 
 }  // namespace

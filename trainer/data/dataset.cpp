@@ -1,14 +1,18 @@
 #include "trainer/data/dataset.h"
 
 #include <algorithm>
-#include <iterator>
+#include <optional>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "trainer/data/colmap_model.h"
 #include "trainer/data/colmap_source.h"
+#include "trainer/data/file_bytes.h"
+#include "trainer/data/file_list.h"
+#include "trainer/data/fit_images.h"
 #include "trainer/data/load_views.h"
+#include "trainer/data/outliers.h"
 #include "trainer/data/run_colmap.h"
 #include "trainer/data/source.h"
 #include "trainer/data/transforms_source.h"
@@ -22,7 +26,9 @@ bool has_image_extension(const fs::path& file) {
   std::string extension = file.extension().string();
   std::ranges::transform(extension, extension.begin(),
                          [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
+  constexpr std::string_view kExtensions[] = {".jpg", ".jpeg", ".png", ".webp",
+                                              ".tif", ".tiff", ".bmp"};
+  return std::ranges::find(kExtensions, extension) != std::end(kExtensions);
 }
 
 bool holds_views(const fs::path& folder) {
@@ -36,18 +42,18 @@ bool holds_views(const fs::path& folder) {
 /// The images of a folder without poses: those that COLMAP found earlier, or finds now.
 Expected<Source> read_views_source(const fs::path& folder) {
   const fs::path work = folder / "colmap";
-  auto model = largest_model(work / "sparse");
-  if (!model) {
+  auto models = colmap_models(work / "sparse");
+  if (models.empty()) {
     const fs::path images = holds_views(folder / "images") ? folder / "images" : folder;
     if (!holds_views(images))
       return fail(folder.string(), "",
                   "no data set here; expected a COLMAP model (sparse/0), transforms.json, or "
-                  "images (.jpg, .png)");
+                  "images (.jpg, .png, .webp, .tif, .bmp)");
     if (const auto ok = run_colmap(images, work); !ok) return std::unexpected(ok.error());
-    model = largest_model(work / "sparse");
+    models = colmap_models(work / "sparse");
   }
-  if (!model) return fail((work / "sparse").string(), "", "holds no COLMAP model");
-  return read_colmap_source(*model, folder);
+  if (models.empty()) return fail((work / "sparse").string(), "", "holds no COLMAP model");
+  return read_colmap_source(models.front().folder, folder);
 }
 
 struct Found {
@@ -55,15 +61,90 @@ struct Found {
   Source source;
 };
 
+Expected<Found> named(std::string kind, Expected<Source> source) {
+  if (!source) return std::unexpected(source.error());
+  return Found{std::move(kind), std::move(*source)};
+}
+
+/// A COLMAP model in `sparse` or its numbered folders; of several the one with most images.
+Expected<Found> read_sparse(const fs::path& sparse, const fs::path& folder) {
+  if (is_colmap_model(sparse)) return named("COLMAP", read_colmap_source(sparse, folder));
+  const auto models = colmap_models(sparse);
+  if (models.empty()) return fail(sparse.string(), "", "holds no COLMAP model");
+  auto found = named("COLMAP", read_colmap_source(models.front().folder, folder));
+  if (found && models.size() > 1)
+    found->source.warnings.push_back(fmt::format(
+        "{}: the largest of {} models, with {} images; the next has {}",
+        models.front().folder.string(), models.size(), models[0].images, models[1].images));
+  return found;
+}
+
+/// The folder with the images of a model that is itself given as the data set: the nearest of those
+/// above it that has a folder images/.
+fs::path folder_of_images(const fs::path& model) {
+  fs::path folder = fs::absolute(model).lexically_normal();
+  for (int up = 0; up < 4; ++up, folder = folder.parent_path()) {
+    std::error_code ignored;
+    if (fs::is_directory(folder / "images", ignored)) return folder;
+  }
+  return model;
+}
+
+bool holds_poses(const fs::path& folder) {
+  return !colmap_models(folder / "sparse").empty() || is_colmap_model(folder / "sparse") ||
+         is_colmap_model(folder) || has_transforms(folder);
+}
+
 Expected<Found> read_source(const fs::path& folder) {
-  const auto named = [](std::string kind, Expected<Source> source) -> Expected<Found> {
-    if (!source) return std::unexpected(source.error());
-    return Found{std::move(kind), std::move(*source)};
-  };
-  for (const fs::path& model : {folder / "sparse" / "0", folder / "sparse", folder})
-    if (is_colmap_model(model)) return named("COLMAP", read_colmap_source(model, folder));
+  const fs::path sparse = folder / "sparse";
+  if (is_colmap_model(sparse) || !colmap_models(sparse).empty()) return read_sparse(sparse, folder);
+  if (is_colmap_model(folder))
+    return named("COLMAP", read_colmap_source(folder, folder_of_images(folder)));
   if (has_transforms(folder)) return named("transforms.json", read_transforms_source(folder));
+  if (!colmap_models(folder).empty()) return read_sparse(folder, folder_of_images(folder));
   return named("images (COLMAP)", read_views_source(folder));
+}
+
+/// The folder that was meant: that of a transforms.json, the one above images/ that has the poses,
+/// or the only one inside.
+fs::path meant_folder(const fs::path& given) {
+  std::error_code ignored;
+  if (is_file(given) && given.extension() == ".json") return given.parent_path();
+  if (!fs::is_directory(given, ignored) || holds_poses(given)) return given;
+  const fs::path above = fs::absolute(given).lexically_normal() / "..";
+  if (holds_views(given) && holds_poses(above.lexically_normal())) return above.lexically_normal();
+  if (holds_views(given) || holds_views(given / "images")) return given;
+  std::optional<fs::path> only;
+  for (const auto& entry : fs::directory_iterator(given, ignored)) {
+    if (!entry.is_directory() || !holds_poses(entry.path())) continue;
+    if (only) return given;
+    only = entry.path();
+  }
+  return only.value_or(given);
+}
+
+/// The views that were loaded; the others are counted. Fails with the first error where most of
+/// them failed: that is not one bad image of many.
+Expected<std::vector<View>> take_loaded(std::vector<Expected<View>>& loaded, Source& source) {
+  std::vector<View> views;
+  FileList bad;
+  std::string first_error;
+  for (auto& view : loaded) {
+    if (view) {
+      views.push_back(std::move(*view));
+      continue;
+    }
+    if (bad.empty()) first_error = view.error().message();
+    bad.add(view.error().file);
+    if (2 * bad.size() >= loaded.size()) return std::unexpected(view.error());
+  }
+  source.skipped_images += bad.size();
+  if (bad.size() == 1)
+    source.warnings.push_back(first_error + "; it is left out");
+  else if (!bad.empty())
+    source.warnings.push_back(fmt::format("{} images are left out: {}; the first: {}", bad.size(),
+                                          bad.text(), first_error));
+  return views;
 }
 
 /// Every n-th frame of those sorted by name moves to the test split; a single frame stays.
@@ -105,7 +186,8 @@ std::vector<Camera> spread_cameras(const std::vector<Camera>& cameras, std::size
   return chosen;
 }
 
-Expected<Dataset> load_dataset(const fs::path& folder, const LoadOptions& options) {
+Expected<Dataset> load_dataset(const fs::path& given, const LoadOptions& options) {
+  const fs::path folder = meant_folder(given);
   if (const auto ok = check_options(options); !ok) return std::unexpected(ok.error());
   std::error_code error;
   const auto status = fs::status(folder, error);
@@ -116,21 +198,24 @@ Expected<Dataset> load_dataset(const fs::path& folder, const LoadOptions& option
   auto found = read_source(folder);
   if (!found) return std::unexpected(found.error());
   Source& source = found->source;
+  fit_to_images(source);
+  remove_outliers(source);
   split(source, options.test_every);
   if (source.frames.empty())
     return fail(folder.string(), "",
-                fmt::format("no training images: {} listed without a file, {} for testing",
-                            source.skipped_images, source.test_frames.size()));
+                fmt::format("no training images: {} left out, {} for testing{}",
+                            source.skipped_images, source.test_frames.size(),
+                            source.warnings.empty() ? "" : "; " + source.warnings.front()));
 
-  const auto train_count = static_cast<std::ptrdiff_t>(source.frames.size());
-  std::vector<SourceFrame> frames = std::move(source.frames);
-  frames.insert(frames.end(), source.test_frames.begin(), source.test_frames.end());
-  auto views = load_views(frames, options);
-  if (!views) return std::unexpected(views.error());
-  const auto first_test = std::make_move_iterator(views->begin() + train_count);
+  auto loaded = load_views(source.frames, options);
+  auto train = take_loaded(loaded, source);
+  if (!train) return std::unexpected(train.error());
+  loaded = load_views(source.test_frames, options);
+  auto test = take_loaded(loaded, source);
+  if (!test) return std::unexpected(test.error());
   Dataset dataset{.kind = found->kind,
-                  .train = {std::make_move_iterator(views->begin()), first_test},
-                  .test = {first_test, std::make_move_iterator(views->end())},
+                  .train = std::move(*train),
+                  .test = std::move(*test),
                   .points = std::move(source.points),
                   .point_colors = std::move(source.point_colors),
                   .points_file = std::move(source.points_file),

@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdlib>
 #include <cstring>
+#include <string_view>
+
+#include <webp/decode.h>
 
 namespace fluxgs {
 namespace {
@@ -36,6 +40,131 @@ std::size_t skip_scan(Bytes bytes, std::size_t at) {
   return bytes.size();
 }
 
+/// The first directory of a TIFF file (TIFF 6.0, section 2), which Exif data are too.
+class TiffDirectory {
+ public:
+  explicit TiffDirectory(Bytes bytes) : bytes_(bytes) {
+    if (bytes.size() < 8) return;
+    little_ = bytes[0] == 'I';
+    begin_ = read(4, 4);
+    count_ = read(begin_, 2);
+  }
+
+  /// Where the values of a tag lie: bytes, 16 or 32-bit integers, all of them inside of the file.
+  struct Values {
+    std::size_t at = 0, size = 1, count = 0;
+  };
+  Values find(std::uint32_t tag) const {
+    constexpr std::size_t kEntry = 12;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const std::size_t at = begin_ + 2 + kEntry * i;
+      if (at + kEntry > bytes_.size()) break;
+      if (read(at, 2) != tag) continue;
+      Values values{.at = at + 8, .size = size_of(read(at + 2, 2)), .count = read(at + 4, 4)};
+      if (values.size * values.count > 4) values.at = read(at + 8, 4);
+      if (values.size == 0 || values.at + values.size * values.count > bytes_.size()) break;
+      return values;
+    }
+    return {};
+  }
+  std::uint32_t value(const Values& values, std::size_t index) const {
+    return read(values.at + values.size * index, values.size);
+  }
+  /// The first value of a tag; nothing where it has none.
+  std::optional<std::uint32_t> first(std::uint32_t tag) const {
+    const Values values = find(tag);
+    return values.count > 0 ? std::optional(value(values, 0)) : std::nullopt;
+  }
+
+ private:
+  static std::size_t size_of(std::uint32_t type) {
+    return type == 1 ? 1 : type == 3 ? 2 : type == 4 ? 4 : 0;
+  }
+  std::uint32_t read(std::size_t at, std::size_t size) const {
+    if (at > bytes_.size() || bytes_.size() - at < size) return 0;
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < size; ++i)
+      value = value << 8 | bytes_[little_ ? at + size - 1 - i : at + i];
+    return value;
+  }
+  Bytes bytes_;
+  bool little_ = false;
+  std::size_t begin_ = 0, count_ = 0;
+};
+
+int orientation_of(const TiffDirectory& directory) {
+  constexpr std::uint32_t kOrientation = 274;
+  const std::uint32_t value = directory.first(kOrientation).value_or(1);
+  return value >= 1 && value <= 8 ? static_cast<int>(value) : 1;
+}
+
+/// The orientation in Exif data, which are a TIFF file behind "Exif\0\0" (CIPA DC-008, 4.5.2).
+int exif_orientation(Bytes segment) {
+  constexpr std::array<std::uint8_t, 6> kExif{'E', 'x', 'i', 'f', 0, 0};
+  if (segment.size() < kExif.size() || !std::ranges::equal(segment.first(kExif.size()), kExif))
+    return 1;
+  return orientation_of(TiffDirectory(segment.subspan(kExif.size())));
+}
+
+ImageHeader parse_tiff(Bytes bytes) {
+  constexpr std::uint32_t kWidth = 256, kHeight = 257;
+  const TiffDirectory directory(bytes);
+  ImageHeader header{.format = ImageFormat::kTiff};
+  const auto width = directory.first(kWidth), height = directory.first(kHeight);
+  if (!width || !height) return header;
+  header.width = *width;
+  header.height = *height;
+  header.orientation = orientation_of(directory);
+  // Offsets and lengths of strips, or of tiles
+  TiffDirectory::Values offsets = directory.find(273), lengths = directory.find(279);
+  if (offsets.count == 0) {
+    offsets = directory.find(324);
+    lengths = directory.find(325);
+  }
+  header.complete = offsets.count > 0 && offsets.count == lengths.count;
+  for (std::size_t i = 0; i < offsets.count && header.complete; ++i)
+    header.complete =
+        std::uint64_t{directory.value(offsets, i)} + directory.value(lengths, i) <= bytes.size();
+  return header;
+}
+
+std::uint32_t little_endian(Bytes bytes, std::size_t at, std::size_t count) {
+  std::uint32_t value = 0;
+  for (std::size_t i = count; i-- > 0;) value = value << 8 | bytes[at + i];
+  return value;
+}
+
+/// Windows bitmap: file header of 14 bytes, then BITMAPCOREHEADER or a later one.
+ImageHeader parse_bmp(Bytes bytes) {
+  ImageHeader header{.format = ImageFormat::kBmp};
+  constexpr std::size_t kCore = 12;
+  if (bytes.size() < 26) return header;
+  const bool core = little_endian(bytes, 14, 4) == kCore;
+  header.width = core ? little_endian(bytes, 18, 2) : little_endian(bytes, 18, 4);
+  const auto height = core ? static_cast<std::int32_t>(little_endian(bytes, 20, 2))
+                           : static_cast<std::int32_t>(little_endian(bytes, 22, 4));
+  header.height = std::abs(std::int64_t{height});  // Negative: the top row is first
+  const std::size_t depth_at = core ? 24 : 28, compression_at = 30;
+  if (bytes.size() < compression_at + 4) return header;
+  const std::uint64_t depth = little_endian(bytes, depth_at, 2);
+  const bool packed = !core && little_endian(bytes, compression_at, 4) != 0;
+  const std::uint64_t stride = (depth * static_cast<std::uint64_t>(header.width) + 31) / 32 * 4;
+  const std::uint64_t end = little_endian(bytes, 10, 4) +
+                            (packed ? 1 : stride * static_cast<std::uint64_t>(header.height));
+  header.complete = end <= bytes.size();
+  return header;
+}
+
+ImageHeader parse_webp(Bytes bytes) {
+  ImageHeader header{.format = ImageFormat::kWebp};
+  int width = 0, height = 0;
+  if (!WebPGetInfo(bytes.data(), bytes.size(), &width, &height)) return header;
+  header.width = width;
+  header.height = height;
+  header.complete = std::uint64_t{little_endian(bytes, 4, 4)} + 8 <= bytes.size();
+  return header;
+}
+
 ImageHeader parse_jpeg(Bytes bytes) {
   constexpr std::uint8_t kEndOfImage = 0xd9, kStartOfScan = 0xda;
   ImageHeader header{.format = ImageFormat::kJpeg};
@@ -61,6 +190,10 @@ ImageHeader parse_jpeg(Bytes bytes) {
       header.height = big_endian(bytes, at + 5, 2);
       header.width = big_endian(bytes, at + 7, 2);
     }
+    constexpr std::uint8_t kExifMarker = 0xe1;
+    if (marker == kExifMarker && length >= 2 && at + 2 + length <= bytes.size() &&
+        header.orientation == 1)
+      header.orientation = exif_orientation(bytes.subspan(at + 4, length - 2));
     at += 2 + length;
     if (marker == kStartOfScan) at = skip_scan(bytes, std::min(at, bytes.size()));
   }
@@ -94,11 +227,16 @@ ImageHeader parse_png(Bytes bytes) {
 
 std::optional<ImageHeader> parse_image_header(std::span<const std::byte> raw) {
   const Bytes bytes(reinterpret_cast<const std::uint8_t*>(raw.data()), raw.size());
-  constexpr std::array<std::uint8_t, 8> kPng{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-  if (bytes.size() >= kPng.size() && std::ranges::equal(bytes.first(kPng.size()), kPng))
-    return parse_png(bytes);
-  if (bytes.size() >= 3 && bytes[0] == 0xff && bytes[1] == 0xd8 && bytes[2] == 0xff)
-    return parse_jpeg(bytes);
+  const auto begins = [&](std::string_view magic, std::size_t at = 0) {
+    return bytes.size() >= at + magic.size() &&
+           std::memcmp(bytes.data() + at, magic.data(), magic.size()) == 0;
+  };
+  using namespace std::string_view_literals;
+  if (begins("\x89PNG\r\n\x1a\n"sv)) return parse_png(bytes);
+  if (begins("\xff\xd8\xff"sv)) return parse_jpeg(bytes);
+  if (begins("II*\0"sv) || begins("MM\0*"sv)) return parse_tiff(bytes);
+  if (begins("RIFF"sv) && begins("WEBP"sv, 8)) return parse_webp(bytes);
+  if (begins("BM"sv)) return parse_bmp(bytes);
   return std::nullopt;
 }
 

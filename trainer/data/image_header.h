@@ -1,4 +1,4 @@
-// The outline of JPEG and PNG files, read without decoding: the size, and whether the end is there.
+// The outline of image files, read without decoding: the size, and whether the end is there.
 #pragma once
 
 #include <cstddef>
@@ -8,15 +8,16 @@
 
 namespace fluxgs {
 
-enum class ImageFormat { kJpeg, kPng };
+enum class ImageFormat { kJpeg, kPng, kTiff, kBmp, kWebp };
 
 struct ImageHeader {
   ImageFormat format = ImageFormat::kJpeg;
   std::int64_t width = -1, height = -1;  ///< −1: the bytes do not reach as far as the frame header
-  bool complete = false;                 ///< the end marker (EOI, IEND) is in its place
+  bool complete = false;                 ///< the bytes reach to the end that the header announces
+  int orientation = 1;  ///< of Exif and TIFF: 1 upright … 8, as TIFF 6.0 defines it
 };
 
-/// Nothing if the bytes start like neither format.
+/// Nothing if the bytes start like none of the formats.
 std::optional<ImageHeader> parse_image_header(std::span<const std::byte> bytes);
 
 }  // namespace fluxgs

@@ -24,9 +24,10 @@ namespace {
 constexpr std::uint64_t kLargestFile = 1ULL << 30;  // OpenCV counts the bytes in an int.
 
 Expected<ImageHeader> checked_header(std::span<const std::byte> bytes, const std::string& file) {
-  if (bytes.empty()) return fail(file, "", "is empty, expected a JPEG or PNG image");
+  if (bytes.empty()) return fail(file, "", "is empty, expected an image");
   const auto header = parse_image_header(bytes);
-  if (!header) return fail(file, "", "not an image that can be read, expected JPEG or PNG");
+  if (!header)
+    return fail(file, "", "not an image that can be read, expected JPEG, PNG, WebP, TIFF or BMP");
   if (header->width < 0) return fail(file, "", "the image is truncated: its header is incomplete");
   // Neither product can overflow: JPEG has 16 bits for a side, PNG 32.
   if (header->width < 1 || header->height < 1 ||
@@ -58,13 +59,17 @@ cv::Mat to_rgb8(cv::Mat decoded) {
   return rgb;
 }
 
-/// A PNG by OpenCV.
-Expected<Image<std::uint8_t>> decode_png(std::vector<std::byte>& bytes, const std::string& file) {
+/// All formats but JPEG, by OpenCV.
+Expected<Image<std::uint8_t>> decode_by_opencv(std::vector<std::byte>& bytes,
+                                               const std::string& file) {
   try {
     // IMREAD_UNCHANGED keeps alpha
     const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U, bytes.data());
-    const cv::Mat rgb = to_rgb8(cv::imdecode(encoded, cv::IMREAD_UNCHANGED));
-    if (rgb.empty()) return fail(file, "", "the image is corrupt: it cannot be decoded");
+    const cv::Mat decoded = cv::imdecode(encoded, cv::IMREAD_UNCHANGED);
+    if (decoded.empty()) return fail(file, "", "the image is corrupt: it cannot be decoded");
+    const cv::Mat rgb = to_rgb8(decoded);
+    if (rgb.empty())
+      return fail(file, "", "its pixels are no integers of 8 or 16 bits with 1, 3 or 4 channels");
     Image<std::uint8_t> image(rgb.cols, rgb.rows, rgb.channels());
     rgb.copyTo(cv::Mat(rgb.rows, rgb.cols, rgb.type(), image.pixels.data()));
     return image;
@@ -77,8 +82,8 @@ Expected<Image<std::uint8_t>> decode_png(std::vector<std::byte>& bytes, const st
 Expected<Image<std::uint8_t>> decode(std::vector<std::byte>& bytes, const ImageHeader& header,
                                      const std::string& file) {
   Expected<Image<std::uint8_t>> image;
-  if (header.format == ImageFormat::kPng) {
-    image = decode_png(bytes, file);
+  if (header.format != ImageFormat::kJpeg) {
+    image = decode_by_opencv(bytes, file);
   } else {
     auto decoded = decode_jpeg(bytes);
     if (!decoded) return fail(file, "", "the image is corrupt: " + decoded.error());
@@ -105,18 +110,15 @@ Expected<Image<std::uint8_t>> read_image(const std::filesystem::path& file) {
     if (!bytes) return std::unexpected(bytes.error());
     const auto header = checked_header(*bytes, file.string());
     if (!header) return std::unexpected(header.error());
-    if (!header->complete)
-      return fail(file.string(), "",
-                  header->format == ImageFormat::kJpeg
-                      ? "the image is truncated: JPEG without its end marker (EOI)"
-                      : "the image is truncated: PNG without its end chunk (IEND)");
+    if (header->format != ImageFormat::kJpeg && !header->complete)
+      return fail(file.string(), "", "the image is truncated: its end is missing");
     return decode(*bytes, *header, file.string());
   } catch (const std::bad_alloc&) {
     return fail(file.string(), "", "not enough memory to read the image");
   }
 }
 
-Expected<ImageSize> read_image_size(const std::filesystem::path& file) {
+Expected<ImageOutline> read_image_outline(const std::filesystem::path& file) {
   // Metadata before a JPEG's frame header seldom exceeds this; if it does, read everything.
   constexpr std::size_t kDefault = 1 << 18;
   auto bytes = read_prefix(file, kDefault);
@@ -128,7 +130,29 @@ Expected<ImageSize> read_image_size(const std::filesystem::path& file) {
   }
   const auto checked = checked_header(*bytes, file.string());
   if (!checked) return std::unexpected(checked.error());
-  return ImageSize{static_cast<int>(checked->width), static_cast<int>(checked->height)};
+  return ImageOutline{.size = {static_cast<int>(checked->width), static_cast<int>(checked->height)},
+                      .orientation = checked->orientation};
+}
+
+Image<std::uint8_t> upright(const Image<std::uint8_t>& image, int orientation) {
+  if (orientation <= 1) return image;
+  const bool swapped = swaps_sides(orientation);
+  Image<std::uint8_t> result(swapped ? image.height : image.width,
+                             swapped ? image.width : image.height, image.channels);
+  const int right = image.width - 1, bottom = image.height - 1;
+  for (int y = 0; y < result.height; ++y)
+    for (int x = 0; x < result.width; ++x) {
+      // Column and row of the stored image: 2 mirrors, 3 turns by 180 degrees, 4 both; 5 to 8 the
+      // same with the axes swapped
+      const int u = swapped ? y : x, v = swapped ? x : y;
+      const bool from_right =
+          orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
+      const bool from_bottom =
+          orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
+      std::copy_n(image.at(from_right ? right - u : u, from_bottom ? bottom - v : v),
+                  image.channels, result.at(x, y));
+    }
+  return result;
 }
 
 Expected<void> write_png(const std::filesystem::path& file, const Image<std::uint8_t>& image) {

@@ -1,4 +1,4 @@
-// Image files: JPEG and PNG in, PNG out.
+// Image files: JPEG, PNG, WebP, TIFF and BMP in, PNG out.
 #pragma once
 
 #include <cstdint>
@@ -8,23 +8,32 @@
 
 #include "fluxgs/error.h"
 #include "fluxgs/image.h"
+#include "trainer/data/lens.h"
 
 namespace fluxgs {
 
-struct ImageSize {
-  int width = 0, height = 0;  ///< pixels; 0: not known
+/// An image file as its header describes it.
+struct ImageOutline {
+  ImageSize size;       ///< as stored
+  int orientation = 1;  ///< EXIF's, 1 to 8: how to turn the stored image
 };
 
-/// Decode a JPEG or PNG to 8 bits a channel: RGBA if the file has transparency (straight, as
+/// True for orientations that turn an image on its side.
+inline bool swaps_sides(int orientation) { return orientation >= 5; }
+
+/// Decode an image file to 8 bits a channel: RGBA if the file has transparency (straight, as
 /// stored), otherwise RGB; grey becomes RGB, 16 bits are rounded to 8.
-/// EXIF orientation is ignored: intrinsics in COLMAP and transforms.json refer to the pixels as
-/// they are stored.
-/// Errors: not a JPEG or PNG, larger than kMaxPixels (before anything is allocated), truncated
+/// EXIF orientation is ignored: most intrinsics refer to the pixels as they are stored (see
+/// fit_images.h).
+/// Errors: none of these formats, larger than kMaxPixels (before anything is allocated), truncated
 /// (even where decoders would only warn and fill up with grey), or undecodable.
 Expected<Image<std::uint8_t>> read_image(const std::filesystem::path& file);
 
-/// The size from the header of a JPEG or PNG, without decoding it.
-Expected<ImageSize> read_image_size(const std::filesystem::path& file);
+/// The size and orientation from the header of an image file, without decoding it.
+Expected<ImageOutline> read_image_outline(const std::filesystem::path& file);
+
+/// The image turned upright from how an EXIF orientation says that it is stored.
+Image<std::uint8_t> upright(const Image<std::uint8_t>& image, int orientation);
 
 /// The image as a PNG of 8 bits a channel, 3 or 4 channels; floats are clamped to 0…1 and
 /// rounded. The file appears complete or not at all.

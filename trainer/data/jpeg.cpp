@@ -4,6 +4,7 @@
 #include <cstdio>  // jpeglib.h needs it first
 #include <vector>
 
+#include <jerror.h>
 #include <jpeglib.h>
 
 namespace fluxgs {
@@ -22,8 +23,26 @@ void complain(j_common_ptr info) {
   std::longjmp(complaint->leave, 1);
 }
 
+/// Warnings have level -1. Most are about headers, and every pixel is there: odd numbers in a scan
+/// header (Samsung), an unknown Adobe marker, bytes before a marker, a missing end marker. Errors
+/// are those that lose pixels: data that end inside a scan or cannot be decoded, and a progressive
+/// image that ends before its last scan.
 void message(j_common_ptr info, int level) {
-  if (level < 0) complain(info);  // a warning: the data is corrupt
+  if (level >= 0) return;
+  const bool decodes = info->is_decompressor != 0;
+  switch (info->err->msg_code) {
+    case JWRN_HIT_MARKER:
+    case JWRN_HUFF_BAD_CODE:
+    case JWRN_MUST_RESYNC:
+    case JWRN_BOGUS_PROGRESSION:
+      return complain(info);
+    case JWRN_JPEG_EOF:
+      if (decodes && reinterpret_cast<j_decompress_ptr>(info)->progressive_mode) complain(info);
+      return;
+    default:
+      // Behind the last of the header's come those of arithmetic coding, which it may not name
+      if (info->err->msg_code > JWRN_TOO_MUCH_DATA) complain(info);
+  }
 }
 
 /// Ink of Adobe's inverted CMYK to RGB.

@@ -8,8 +8,8 @@
 namespace fluxgs {
 
 bool is_distorted(const Lens& lens) {
-  // A fisheye bends straight lines even where its polynomial is the identity.
-  if (lens.model == LensModel::kFisheye) return true;
+  // The others bend straight lines even where their coefficients are zeros.
+  if (lens.model != LensModel::kPerspective) return true;
   return std::ranges::any_of(lens.distortion, [](double k) { return k != 0; });
 }
 
@@ -46,14 +46,11 @@ Lens lens_for_image(const Lens& lens, int width, int height) {
   return scaled;
 }
 
-std::string shape_warning(const Lens& lens, int width, int height, const std::string& file) {
+bool has_shape(const Lens& lens, ImageSize size) {
   // One side may be rounded by up to a pixel while the other fits exactly.
-  const double skew =
-      std::abs(static_cast<double>(width) * lens.height - static_cast<double>(height) * lens.width);
-  if (skew <= std::max(lens.width, lens.height)) return {};
-  return fmt::format(
-      "{}: is {}x{}, not of the shape of its camera, {}x{}; scaled each way by itself", file, width,
-      height, lens.width, lens.height);
+  const double skew = std::abs(static_cast<double>(size.width) * lens.height -
+                               static_cast<double>(size.height) * lens.width);
+  return skew <= std::max(lens.width, lens.height);
 }
 
 }  // namespace fluxgs

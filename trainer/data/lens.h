@@ -10,8 +10,13 @@
 namespace fluxgs {
 
 enum class LensModel {
-  kPerspective,  ///< pinhole, then radial and tangential distortion (OpenCV's rational model)
-  kFisheye       ///< equidistant, then a polynomial of the angle (cv::fisheye)
+  kPerspective,             ///< pinhole, then OpenCV's rational and tangential distortion
+  kFisheye,                 ///< equidistant, then a polynomial of the angle (cv::fisheye)
+  kFieldOfView,             ///< COLMAP's FOV
+  kDivision,                ///< COLMAP's SIMPLE_DIVISION and DIVISION
+  kEucm,                    ///< the extended unified camera model
+  kThinPrismFisheye,        ///< COLMAP's THIN_PRISM_FISHEYE
+  kRadTanThinPrismFisheye,  ///< COLMAP's RAD_TAN_THIN_PRISM_FISHEYE, Project Aria's
 };
 
 struct Lens {
@@ -19,8 +24,9 @@ struct Lens {
   int width = 0, height = 0;  ///< pixels, of the image as stored
   double fx = 0, fy = 0;      ///< pixels
   double cx = 0, cy = 0;      ///< pixels; the centre of the first pixel is at (½, ½)
-  /// Perspective: k1 k2 p1 p2 k3 k4 k5 k6, in OpenCV's order; fisheye: k1 k2 k3 k4.
-  std::array<double, 8> distortion{};
+  /// Perspective: k1 k2 p1 p2 k3 k4 k5 k6, in OpenCV's order; fisheye: k1 k2 k3 k4; the others as
+  /// COLMAP has them behind the principal point.
+  std::array<double, 12> distortion{};
 
   auto operator<=>(const Lens&) const = default;
 };
@@ -37,8 +43,12 @@ Expected<void> check_lens(const Lens& lens, const std::string& file, const std::
 /// The lens for an image of another size: everything in pixels is scaled, each way by itself.
 Lens lens_for_image(const Lens& lens, int width, int height);
 
-/// A warning if an image does not have the shape of its camera, but for rounding to whole pixels:
-/// it is then hardly the same image reduced or enlarged. Empty if it does.
-std::string shape_warning(const Lens& lens, int width, int height, const std::string& file);
+struct ImageSize {
+  int width = 0, height = 0;  ///< pixels; 0: not known
+};
+
+/// True if an image of that size has the shape of its camera, but for rounding to whole pixels: it
+/// is then the same image reduced or enlarged.
+bool has_shape(const Lens& lens, ImageSize size);
 
 }  // namespace fluxgs

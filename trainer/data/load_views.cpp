@@ -81,6 +81,7 @@ Expected<View> make_view(const SourceFrame& frame, const Rectification& rectific
                             glm::length(t), kFarthest));
   auto image = read_image(frame.file);
   if (!image) return std::unexpected(image.error());
+  if (frame.orientation > 1) *image = upright(*image, frame.orientation);
   if (image->width != frame.lens.width || image->height != frame.lens.height)
     return fail(file, "",
                 fmt::format("the image is {}x{}, expected {}x{} as its camera says", image->width,
@@ -122,7 +123,7 @@ Expected<View> load_view(const SourceFrame& frame, const SharedLenses& shared,
 
 }  // namespace
 
-Expected<std::vector<View>> load_views(const std::vector<SourceFrame>& frames,
+std::vector<Expected<View>> load_views(const std::vector<SourceFrame>& frames,
                                        const LoadOptions& options) {
   std::vector<Expected<View>> loaded(frames.size());
   ProgressCounter counter(options.progress, frames.size());
@@ -134,13 +135,7 @@ Expected<std::vector<View>> load_views(const std::vector<SourceFrame>& frames,
       counter.add_one();
     });
   });
-  std::vector<View> views;
-  views.reserve(frames.size());
-  for (auto& view : loaded) {
-    if (!view) return std::unexpected(view.error());
-    views.push_back(std::move(*view));
-  }
-  return views;
+  return loaded;
 }
 
 }  // namespace fluxgs

@@ -10,8 +10,8 @@
 namespace fluxgs {
 
 /// Decode, composite on the background, undistort and reduce every frame, in parallel; the result
-/// has the order of the frames. The first error in that order is returned.
-Expected<std::vector<View>> load_views(const std::vector<SourceFrame>& frames,
+/// has the order of the frames.
+std::vector<Expected<View>> load_views(const std::vector<SourceFrame>& frames,
                                        const LoadOptions& options);
 
 }  // namespace fluxgs

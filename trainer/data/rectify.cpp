@@ -1,96 +1,147 @@
 #include "trainer/data/rectify.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <limits>
+#include <optional>
 
-#include <opencv2/calib3d.hpp>
+#include <tbb/parallel_for.h>
+#include <glm/vec2.hpp>
+
 #include <opencv2/imgproc.hpp>
+
+#include "trainer/data/lens_distortion.h"
 
 namespace fluxgs {
 namespace {
 
-// OpenCV counts pixels from the centre of the first one, we (and COLMAP) from its corner.
-constexpr double kCornerToCentre = 0.5;
+using glm::dvec2;
 
-cv::Matx33d to_opencv(const Lens& lens) {
-  return {lens.fx, 0, lens.cx - kCornerToCentre, 0, lens.fy, lens.cy - kCornerToCentre, 0, 0, 1};
+/// A part of the plane z = 1.
+struct Rectangle {
+  dvec2 low{0.0}, high{0.0};
+};
+
+dvec2 place_of(const Lens& lens, const dvec2& pixel) {
+  return {(pixel.x - lens.cx) / lens.fx, (pixel.y - lens.cy) / lens.fy};
 }
 
-Lens to_pinhole(const cv::Matx33d& matrix, const Lens& lens) {
-  return {.model = LensModel::kPerspective,
-          .width = lens.width,
-          .height = lens.height,
-          .fx = matrix(0, 0),
-          .fy = matrix(1, 1),
-          .cx = matrix(0, 2) + kCornerToCentre,
-          .cy = matrix(1, 2) + kCornerToCentre};
+dvec2 pixel_of(const Lens& lens, const dvec2& place) {
+  return {place.x * lens.fx + lens.cx, place.y * lens.fy + lens.cy};
 }
 
-/// True if a pinhole found by OpenCV is a camera, and one like the lens: an image stretched
-/// more than tenfold comes from coefficients that are wrong.
+constexpr int kBorderSteps = 32;  // places of each side of the image
+
+/// The largest rectangle whose sides lie inside of the rays of the image's border. Nothing where
+/// the middle of a side shows no ray, since distortion folds the image before it.
+std::optional<Rectangle> inner_rectangle(const Lens& lens) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Rectangle inner{dvec2(-kInfinity), dvec2(kInfinity)};
+  const dvec2 size(lens.width, lens.height);
+  for (int axis = 0; axis < 2; ++axis)
+    for (int side = 0; side < 2; ++side)
+      for (int i = 0; i <= kBorderSteps; ++i) {
+        dvec2 pixel;
+        pixel[axis] = side * size[axis];
+        pixel[1 - axis] = size[1 - axis] * i / kBorderSteps;
+        const RayOfPlace found = undistort(lens, place_of(lens, pixel));
+        if (!found.reached && found.folded && i == kBorderSteps / 2) return std::nullopt;
+        if (side == 0)
+          inner.low[axis] = std::max(inner.low[axis], found.ray[axis]);
+        else
+          inner.high[axis] = std::min(inner.high[axis], found.ray[axis]);
+      }
+  return inner;
+}
+
+/// True if the lens sees all of a rectangle's border.
+bool sees(const Lens& lens, const Rectangle& r) {
+  for (int i = 0; i <= kBorderSteps; ++i) {
+    const double t = static_cast<double>(i) / kBorderSteps;
+    const dvec2 at = r.low + t * (r.high - r.low);
+    for (const dvec2& ray : {dvec2(at.x, r.low.y), dvec2(at.x, r.high.y), dvec2(r.low.x, at.y),
+                             dvec2(r.high.x, at.y)}) {
+      const auto place = distort(lens, ray);
+      if (!place) return false;
+      const dvec2 pixel = pixel_of(lens, *place);
+      constexpr double kSlack = 1e-3;  // pixels
+      const bool inside = pixel.x > -kSlack && pixel.y > -kSlack && pixel.x < lens.width + kSlack &&
+                          pixel.y < lens.height + kSlack;
+      if (!inside) return false;
+    }
+  }
+  return true;
+}
+
+/// The pinhole whose image is that rectangle.
+Lens pinhole_of(const Lens& lens, const Rectangle& r) {
+  Lens pinhole{.model = LensModel::kPerspective, .width = lens.width, .height = lens.height};
+  pinhole.fx = lens.width / (r.high.x - r.low.x);
+  pinhole.fy = lens.height / (r.high.y - r.low.y);
+  pinhole.cx = -r.low.x * pinhole.fx;
+  pinhole.cy = -r.low.y * pinhole.fy;
+  return pinhole;
+}
+
+/// True if a pinhole is a camera, and one like the lens: an image stretched more than tenfold comes
+/// from coefficients that are wrong.
 bool is_plausible(const Lens& pinhole, const Lens& lens) {
   const auto near = [](double a, double b) { return a > b / 10 && a < b * 10; };
   return near(pinhole.fx, lens.fx) && near(pinhole.fy, lens.fy) && std::isfinite(pinhole.cx) &&
          std::isfinite(pinhole.cy);
 }
 
-Rectification rectify_perspective(const Lens& lens) {
-  const cv::Size size(lens.width, lens.height);
-  const cv::Matx33d camera = to_opencv(lens);
-  const cv::Mat coefficients(lens.distortion, true);
-  // Its search for the inner rectangle ends at the size given (OpenCV 4.6), one pixel beyond the
-  // last pixel's centre.
-  const cv::Size centres(std::max(lens.width - 1, 1), std::max(lens.height - 1, 1));
-  const cv::Matx33d inner = cv::getOptimalNewCameraMatrix(camera, coefficients, centres, 0.0, size);
-  Rectification result{.pinhole = to_pinhole(inner, lens), .map_x = {}, .map_y = {}};
-  if (is_plausible(result.pinhole, lens))
-    cv::initUndistortRectifyMap(camera, coefficients, cv::noArray(), inner, size, CV_32FC1,
-                                result.map_x, result.map_y);
-  return result;
+/// The pinhole of the inner rectangle, which is made smaller about its middle until the lens sees
+/// all of it.
+std::optional<Lens> inner_pinhole(const Lens& lens) {
+  const auto widest = inner_rectangle(lens);
+  if (!widest) return std::nullopt;
+  const dvec2 middle = 0.5 * (widest->low + widest->high);
+  for (double scale = 1; scale > 0.5; scale *= 0.98) {
+    const Rectangle r{middle + scale * (widest->low - middle),
+                      middle + scale * (widest->high - middle)};
+    if (!(r.low.x < r.high.x) || !(r.low.y < r.high.y)) return std::nullopt;
+    if (!sees(lens, r)) continue;
+    const Lens pinhole = pinhole_of(lens, r);
+    return is_plausible(pinhole, lens) ? std::optional(pinhole) : std::nullopt;
+  }
+  return std::nullopt;
 }
 
-Rectification rectify_fisheye(const Lens& lens) {
-  const cv::Size size(lens.width, lens.height);
-  const cv::Matx33d camera = to_opencv(lens);
-  const cv::Vec4d coefficients(lens.distortion[0], lens.distortion[1], lens.distortion[2],
-                               lens.distortion[3]);
-  cv::Matx33d inner;
-  cv::fisheye::estimateNewCameraMatrixForUndistortRectify(camera, coefficients, size,
-                                                          cv::Matx33d::eye(), inner, 0.0);
-  Rectification result{.pinhole = to_pinhole(inner, lens), .map_x = {}, .map_y = {}};
-  if (is_plausible(result.pinhole, lens))
-    cv::fisheye::initUndistortRectifyMap(camera, coefficients, cv::Matx33d::eye(), inner, size,
-                                         CV_32FC1, result.map_x, result.map_y);
-  return result;
-}
-
-/// All of the image comes from inside the image, give or take the rounding of OpenCV's search.
-bool maps_inside(const Rectification& r) {
-  double x0, x1, y0, y1;
-  cv::minMaxLoc(r.map_x, &x0, &x1);
-  cv::minMaxLoc(r.map_y, &y0, &y1);
-  const double slack_x = 2 + 0.02 * r.pinhole.width, slack_y = 2 + 0.02 * r.pinhole.height;
-  return cv::checkRange(r.map_x) && cv::checkRange(r.map_y) && x0 > -slack_x && y0 > -slack_y &&
-         x1 < r.pinhole.width + slack_x && y1 < r.pinhole.height + slack_y;
+/// False where a pixel of the pinhole has no place in the image.
+bool make_maps(const Lens& lens, Rectification& r) {
+  constexpr double kCornerToCentre = 0.5;  // OpenCV counts from the centre of the first pixel
+  r.map_x.create(lens.height, lens.width, CV_32FC1);
+  r.map_y.create(lens.height, lens.width, CV_32FC1);
+  std::atomic<bool> complete = true;
+  tbb::parallel_for(0, lens.height, [&](int y) {
+    for (int x = 0; x < lens.width; ++x) {
+      const dvec2 ray = place_of(r.pinhole, {x + kCornerToCentre, y + kCornerToCentre});
+      const auto place = distort(lens, ray);
+      if (!place) {
+        complete = false;
+        return;
+      }
+      const dvec2 pixel = pixel_of(lens, *place);
+      r.map_x.at<float>(y, x) = static_cast<float>(pixel.x - kCornerToCentre);
+      r.map_y.at<float>(y, x) = static_cast<float>(pixel.y - kCornerToCentre);
+    }
+  });
+  return complete;
 }
 
 }  // namespace
 
 Expected<Rectification> make_rectification(const Lens& lens, const std::string& file) {
-  if (!is_distorted(lens)) return Rectification{.pinhole = lens, .map_x = {}, .map_y = {}};
-  const auto impossible = [&] {
+  Rectification result{.pinhole = lens, .map_x = {}, .map_y = {}};
+  if (!is_distorted(lens)) return result;
+  const auto pinhole = inner_pinhole(lens);
+  if (pinhole) result.pinhole = *pinhole;
+  if (!pinhole || !make_maps(lens, result))
     return fail(file, "distortion",
-                "cannot be undone, expected coefficients that bend the image only moderately "
-                "(a view of less than 180 degrees)");
-  };
-  try {
-    auto result =
-        lens.model == LensModel::kFisheye ? rectify_fisheye(lens) : rectify_perspective(lens);
-    if (result.map_x.empty() || !maps_inside(result)) return impossible();
-    return result;
-  } catch (const cv::Exception&) {  // OpenCV finds the numbers impossible as well.
-    return impossible();
-  }
+                "cannot be undone: it folds the image before its border; check the coefficients");
+  return result;
 }
 
 cv::Mat rectify(const cv::Mat& view, const Rectification& rectification) {

@@ -19,7 +19,8 @@ struct Rectification {
 };
 
 /// The pinhole camera of the same size whose whole image lies inside the image, so that no pixel
-/// is made up. Errors: distortion so strong that there is none; a fisheye of 180° and more.
+/// is made up, and within kMaxRay of the axis (lens_distortion.h). Fails where distortion folds
+/// the image before the middle of a side.
 Expected<Rectification> make_rectification(const Lens& lens, const std::string& file);
 
 /// Resample an 8-bit image (bicubic).

@@ -10,6 +10,7 @@
 
 #include "fluxgs/byte_reader.h"
 #include "trainer/core/process.h"
+#include "trainer/data/colmap_model.h"
 #include "trainer/data/file_bytes.h"
 
 namespace fluxgs {
@@ -67,21 +68,6 @@ Expected<void> prepare(const fs::path& work_folder, const fs::path& partial) {
 
 }  // namespace
 
-std::optional<fs::path> largest_model(const fs::path& sparse) {
-  std::optional<fs::path> best;
-  std::uint64_t most = 0;
-  for (int i = 0;; ++i) {
-    const fs::path model = sparse / std::to_string(i);
-    const auto head = read_prefix(model / "images.bin", 8);
-    if (!head) return best;
-    const std::uint64_t images = ByteReader(*head).take<std::uint64_t>().value_or(0);
-    if (images > most || !best) {
-      best = model;
-      most = images;
-    }
-  }
-}
-
 Expected<void> run_colmap(const fs::path& images, const fs::path& work_folder) {
   const auto colmap = find_program("colmap");
   if (!colmap)
@@ -93,7 +79,7 @@ Expected<void> run_colmap(const fs::path& images, const fs::path& work_folder) {
   for (const Step& step : reconstruction_steps(
            images.string(), (work_folder / "database.db").string(), partial.string()))
     if (const auto ok = run_step(*colmap, step, log); !ok) return ok;
-  if (!largest_model(partial))
+  if (colmap_models(partial).empty())
     return fail(log.string(), "",
                 "COLMAP found no cameras; expected sharp images that overlap, from many sides");
   std::error_code error;

@@ -2,15 +2,10 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 
 #include "fluxgs/error.h"
 
 namespace fluxgs {
-
-/// The model with the most images among `sparse`/0, `sparse`/1, …: COLMAP makes several where the
-/// images do not hang together. Nothing if there is none.
-std::optional<std::filesystem::path> largest_model(const std::filesystem::path& sparse);
 
 /// Run COLMAP's feature extraction, exhaustive matching and mapping on the CPU over the images of a
 /// folder, with files and a log in `work_folder`, which is created. On success the models are in

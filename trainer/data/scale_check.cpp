@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "fluxgs/render_options.h"
+#include "trainer/core/median.h"
 #include "trainer/data/scene_focus.h"
 
 namespace fluxgs {
@@ -15,13 +16,6 @@ namespace {
 constexpr std::size_t kMaxCameras = 32, kMaxPoints = 1000;  // enough for a median
 constexpr double kMaxBlur = 0.1;
 constexpr double kMinNearPlanes = 5;
-
-std::optional<double> median(std::vector<double> values) {
-  if (values.empty()) return std::nullopt;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
 
 /// Median depth of some points, evenly spread, in front of a camera.
 std::optional<double> depth_of_points(const Camera& camera, const std::vector<glm::vec3>& points) {

@@ -2,7 +2,11 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
 #include <Eigen/Eigenvalues>
+
+#include "fluxgs/io/file.h"
+#include "fluxgs/io/ply_points.h"
 
 namespace fluxgs {
 
@@ -12,6 +16,20 @@ bool add_point(Source& source, const glm::dvec3& position, const glm::u8vec3& co
   source.points.push_back(p);
   source.point_colors.push_back(color);
   return true;
+}
+
+Expected<void> add_ply_points(const std::filesystem::path& file, Source& source) {
+  const auto bytes = read_file(file);
+  if (!bytes) return std::unexpected(bytes.error());
+  const auto points = read_ply_points(*bytes, file.string());
+  if (!points) return std::unexpected(points.error());
+  std::size_t dropped = 0;
+  for (std::size_t i = 0; i < points->positions.size(); ++i)
+    dropped += !add_point(source, points->positions[i], points->colors[i]);
+  if (dropped > 0)
+    source.warnings.push_back(
+        fmt::format("{}: {} points that are not finite were dropped", file.string(), dropped));
+  return {};
 }
 
 std::optional<glm::dmat3> nearest_rotation(const glm::dmat3& matrix) {

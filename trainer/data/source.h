@@ -19,6 +19,7 @@ struct SourceFrame {
   std::filesystem::path file;
   std::string name;
   Lens lens;
+  int orientation = 1;          ///< EXIF's: how the stored image is turned when it is loaded
   glm::dmat3 rotation{1.0};     ///< world → camera, OpenCV axes
   glm::dvec3 translation{0.0};  ///< as in Camera
 };
@@ -36,6 +37,10 @@ struct Source {
 
 /// Add a point unless it is not finite; returns whether it was added.
 bool add_point(Source& source, const glm::dvec3& position, const glm::u8vec3& color);
+
+/// Adds the vertices of a .ply to the points, and a warning where some are not finite. Errors:
+/// those of read_file() and read_ply_points().
+Expected<void> add_ply_points(const std::filesystem::path& file, Source& source);
 
 /// The closest rotation to a matrix that is one but for rounding and a uniform scale (some
 /// exporters scale their poses). Nothing if it is not finite, mirrors, or shears by more

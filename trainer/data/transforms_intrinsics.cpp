@@ -126,7 +126,7 @@ Expected<Lens> make_lens(const TransformsIntrinsics& in, ImageSize image, const 
             .fy = fy ? *fy : *fx,
             .cx = in.center_x.value_or(width / 2),
             .cy = in.center_y.value_or(height / 2)};
-  for (std::size_t i = 0; i < lens.distortion.size(); ++i)
+  for (std::size_t i = 0; i < in.distortion.size(); ++i)
     lens.distortion[i] = in.distortion[i].value_or(0);
   if (const auto ok = check_lens(lens, file, field + "intrinsics"); !ok)
     return std::unexpected(ok.error());

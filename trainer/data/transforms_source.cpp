@@ -1,15 +1,16 @@
 #include "trainer/data/transforms_source.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "fluxgs/io/file.h"
-#include "fluxgs/io/ply_points.h"
 #include "fluxgs/sanitize.h"
 #include "trainer/data/file_bytes.h"
+#include "trainer/data/file_list.h"
+#include "trainer/data/image_finder.h"
 #include "trainer/data/transforms_intrinsics.h"
 
 namespace fluxgs {
@@ -18,54 +19,45 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-/// Adds the vertices of a .ply to the points of the source.
-Expected<void> add_ply_points(const fs::path& file, Source& source) {
-  const auto bytes = read_file(file);
-  if (!bytes) return std::unexpected(bytes.error());
-  const auto points = read_ply_points(*bytes, file.string());
-  if (!points) return std::unexpected(points.error());
-  std::size_t dropped = 0;
-  for (std::size_t i = 0; i < points->positions.size(); ++i)
-    dropped += !add_point(source, points->positions[i], points->colors[i]);
-  if (dropped > 0)
-    source.warnings.push_back(
-        fmt::format("{}: {} points that are not finite were dropped", file.string(), dropped));
-  return {};
-}
-
 constexpr std::uint64_t kLargestJson = 1ULL << 28;  // Parsed, it takes ten times as much.
+
+/// NaN and Infinity, which Python writes and JSON does not have, become null. Nothing inside of
+/// texts is touched.
+std::string with_finite_numbers(const std::string& text) {
+  std::string result;
+  result.reserve(text.size());
+  bool quoted = false;
+  for (std::size_t at = 0; at < text.size();) {
+    const char c = text[at];
+    if (quoted && c == '\\' && at + 1 < text.size()) {
+      result += text.substr(at, 2);
+      at += 2;
+      continue;
+    }
+    if (c == '"') quoted = !quoted;
+    bool replaced = false;
+    for (const std::string_view word : {"-Infinity", "Infinity", "NaN"})
+      if (!quoted && !replaced && text.compare(at, word.size(), word) == 0) {
+        result += "null";
+        at += word.size();
+        replaced = true;
+      }
+    if (!replaced) result += text[at++];
+  }
+  return result;
+}
 
 Expected<Json> parse_json(const fs::path& file) {
   const auto text = read_text(file, kLargestJson);
   if (!text) return std::unexpected(text.error());
   try {
-    Json json = Json::parse(*text);
+    Json json = Json::parse(with_finite_numbers(*text));
     if (!json.is_object() || !json.contains("frames") || !json["frames"].is_array())
       return fail(file.string(), "frames", "missing, expected a list of frames");
     return json;
   } catch (const Json::exception& e) {
-    // NaN and Infinity, which Python writes, are no JSON and end here as well.
     return fail(file.string(), "", "not valid JSON: " + one_line(e.what()));
   }
-}
-
-/// The image file of a frame: as it says, with an extension added, or under images/ by its bare
-/// name (paths from another machine). Nothing if there is no such file.
-std::optional<fs::path> find_image(const fs::path& folder, std::string name) {
-  const auto with_extensions = [](const fs::path& base) -> std::optional<fs::path> {
-    for (const char* extension : {"", ".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG"}) {
-      fs::path candidate = base;
-      candidate += extension;
-      if (is_file(candidate)) return candidate;
-    }
-    return std::nullopt;
-  };
-  if (auto found = with_extensions((folder / name).lexically_normal())) return found;
-  std::ranges::replace(name, '\\', '/');  // Written on Windows
-  if (auto found = with_extensions((folder / name).lexically_normal())) return found;
-  const fs::path bare = fs::path(name).filename();
-  if (bare.empty()) return std::nullopt;
-  return with_extensions(folder / "images" / bare);
 }
 
 /// The three or four rows of transform_matrix; nothing if they are not rows of four finite numbers
@@ -86,6 +78,30 @@ std::optional<glm::dmat4> parse_matrix(const Json& json) {
                      std::abs(matrix[3][3] - 1);
   if (off > 1e-3) return std::nullopt;
   return matrix;
+}
+
+/// True if a matrix of numbers holds one that is not finite: tracking was lost.
+bool has_lost_pose(const Json& frame) {
+  const auto found = frame.find("transform_matrix");
+  if (found == frame.end() || !found->is_array()) return false;
+  bool lost = false;
+  for (const Json& row : *found)
+    for (const Json& value : row)
+      lost = lost || value.is_null() || (value.is_number() && !std::isfinite(value.get<double>()));
+  return lost;
+}
+
+/// Names the frames by their paths below the folder that all of them are in.
+void name_frames(std::vector<SourceFrame>& frames) {
+  if (frames.empty()) return;
+  fs::path common = frames.front().file.parent_path();
+  const auto holds = [&](const SourceFrame& f) {
+    const fs::path below = f.file.lexically_relative(common);
+    return !below.empty() && *below.begin() != "..";
+  };
+  while (!std::ranges::all_of(frames, holds) && common.has_relative_path())
+    common = common.parent_path();
+  for (SourceFrame& f : frames) f.name = f.file.lexically_relative(common).generic_string();
 }
 
 Expected<void> set_pose(const Json& frame_json, const std::string& file, const std::string& field,
@@ -122,33 +138,33 @@ Expected<std::string> file_path_of(const Json& frame, const std::string& file,
 
 struct FrameList {
   std::vector<SourceFrame> frames;
-  std::size_t skipped = 0;
-  std::string first_missing;
-  std::vector<std::string> warnings;
+  FileList missing, without_pose;
 };
 
-/// One frame appended to the list, or counted as skipped.
+/// One frame appended to the list, or counted as left out.
 Expected<void> add_frame(const Json& json, const TransformsIntrinsics& global, const fs::path& file,
-                         const std::string& field, FrameList& list) {
+                         const std::string& field, ImageFinder& images, FrameList& list) {
   const auto path = file_path_of(json, file.string(), field);
   if (!path) return std::unexpected(path.error());
-  const auto image = find_image(file.parent_path(), *path);
+  const auto image = images.find(*path);
   if (!image) {
-    if (list.skipped++ == 0) list.first_missing = one_line(*path);
+    list.missing.add(*path);
     return {};
   }
-  SourceFrame frame{.file = *image, .name = image->filename().string(), .lens = {}};
+  if (has_lost_pose(json)) {
+    list.without_pose.add(*path);
+    return {};
+  }
+  SourceFrame frame{.file = *image, .name = {}, .lens = {}};
   const auto in = parse_intrinsics(json, global, file.string(), field);
   if (!in) return std::unexpected(in.error());
   if (const auto ok = set_pose(json, file.string(), field, frame); !ok)
     return std::unexpected(ok.error());
-  const auto size = read_image_size(*image);
-  if (!size) return std::unexpected(size.error());
-  const auto lens = make_lens(*in, *size, file.string(), field);
+  const auto outline = read_image_outline(*image);
+  // An image that cannot be read is left out later (fit_images.h)
+  const auto lens = make_lens(*in, outline ? outline->size : ImageSize{1, 1}, file.string(), field);
   if (!lens) return std::unexpected(lens.error());
-  frame.lens = lens_for_image(*lens, size->width, size->height);
-  if (auto odd = shape_warning(*lens, size->width, size->height, image->string()); !odd.empty())
-    list.warnings.push_back(std::move(odd));
+  frame.lens = *lens;
   list.frames.push_back(std::move(frame));
   return {};
 }
@@ -157,12 +173,14 @@ Expected<FrameList> read_frames(const Json& json, const fs::path& file) {
   const auto global = parse_intrinsics(json, {}, file.string(), "");
   if (!global) return std::unexpected(global.error());
   FrameList list;
+  ImageFinder images({file.parent_path(), file.parent_path() / "images"});
   std::size_t index = 0;
   for (const Json& frame : json["frames"]) {
     const std::string field = fmt::format("frame {}: ", index++);
-    if (const auto ok = add_frame(frame, *global, file, field, list); !ok)
+    if (const auto ok = add_frame(frame, *global, file, field, images, list); !ok)
       return std::unexpected(ok.error());
   }
+  name_frames(list.frames);
   std::set<fs::path> files;
   for (const SourceFrame& frame : list.frames)
     if (!files.insert(frame.file).second)
@@ -172,12 +190,16 @@ Expected<FrameList> read_frames(const Json& json, const fs::path& file) {
 }
 
 void note_warnings(const FrameList& list, const fs::path& file, Source& source) {
-  source.warnings.insert(source.warnings.end(), list.warnings.begin(), list.warnings.end());
-  source.skipped_images += list.skipped;
-  if (list.skipped > 0)
+  source.skipped_images += list.missing.size() + list.without_pose.size();
+  if (!list.missing.empty())
     source.warnings.push_back(fmt::format(
-        "{}: {} of {} frames have no image file and are skipped; first: {}", file.string(),
-        list.skipped, list.skipped + list.frames.size(), list.first_missing));
+        "{}: {} of {} frames have no image file and are skipped: {}", file.string(),
+        list.missing.size(), list.missing.size() + list.without_pose.size() + list.frames.size(),
+        list.missing.text()));
+  if (!list.without_pose.empty())
+    source.warnings.push_back(
+        fmt::format("{}: the poses of {} frames are not finite; they are skipped: {}",
+                    file.string(), list.without_pose.size(), list.without_pose.text()));
 }
 
 /// nerfstudio's sparse points, which its exporter has already moved into the frames' world.

@@ -155,7 +155,7 @@ Expected<json> take(const Shot& shot, const std::string& file, const ViewRendere
 void print_entry(const json& entry) {
   std::string line = fmt::format("{}", entry["file"].get<std::string>());
   if (entry.contains("psnr"))
-    line += fmt::format("  {:.2f} dB to the image", entry["psnr"].get<double>());
+    line += fmt::format("  {:.2f} dB to the photo", entry["psnr"].get<double>());
   if (entry.contains("reference_psnr"))
     line += fmt::format("  {:.2f} dB to the float64 reference, largest error {:.5f}",
                         entry["reference_psnr"].get<double>(),
