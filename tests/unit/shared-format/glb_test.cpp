@@ -346,6 +346,31 @@ TEST(Glb, ConcatenatesPrimitivesAndPadsBands) {
   EXPECT_EQ(scene.cloud.sh_rest[7 * 3 + 1], cloud.sh_rest[2 * 3 + 1]);
 }
 
+// A draft of the extension stored logarithms, and splat-transform wrote them until its version 2.6.
+TEST(Glb, NegativeScalesAreLogarithms) {
+  using nlohmann::json;
+  const SplatCloud cloud = random_cloud(30, 0, 4);
+  const auto file = encode_glb(cloud, "logs.glb");
+  ASSERT_TRUE(file) << file.error().message();
+  const json root = json::parse(json_of(*file));
+  const int accessor =
+      root["meshes"][0]["primitives"][0]["attributes"]["KHR_gaussian_splatting:SCALE"];
+  const json& view = root["bufferViews"][root["accessors"][accessor]["bufferView"].get<int>()];
+  const std::size_t first = view.value("byteOffset", std::size_t{0}) +
+                            root["accessors"][accessor].value("byteOffset", std::size_t{0});
+  const std::size_t stride = view.value("byteStride", std::size_t{12});
+  Bytes bin = bin_of(*file);
+  for (std::size_t i = 0; i < 30; ++i) {
+    const glm::vec3 logs = glm::vec3(-4, -5, -0.5f * static_cast<float>(i));
+    std::memcpy(bin.data() + first + i * stride, &logs, sizeof logs);
+  }
+  const auto scene = read_glb(make_glb(json_of(*file), bin), "logs.glb");
+  ASSERT_TRUE(scene) << scene.error().message();
+  EXPECT_EQ(scene->dropped, 0u);
+  for (std::size_t i = 0; i < 30; ++i)
+    EXPECT_EQ(scene->cloud.log_scales[i], glm::vec3(-4, -5, -0.5f * static_cast<float>(i)));
+}
+
 TEST(Glb, OtherContentIsIgnored) {
   const Bytes bytes = small_glb();
   const Bytes busy = edited(

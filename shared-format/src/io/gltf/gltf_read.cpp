@@ -74,14 +74,24 @@ struct Placement {
   }
 };
 
+// True if SCALE holds logarithms, as a draft of KHR_gaussian_splatting had it and splat-transform
+// wrote until its version 2.6: scales are never negative, and logarithms of most splats are.
+bool has_log_scales(const GltfSplats& splats) {
+  std::size_t negative = 0;
+  for (std::size_t i = 0; i < splats.count; ++i)
+    for (int c = 0; c < 3; ++c) negative += component(splats.scale, i, c) < 0;
+  return negative > 0 && 2 * negative >= 3 * splats.count;
+}
+
 // A splat as the attributes say it, in glTF's frame.
-SplatValues load_splat(const GltfSplats& from, std::size_t i) {
+SplatValues load_splat(const GltfSplats& from, bool log_scales, std::size_t i) {
   SplatValues splat{};
   splat.position = vec3(from.position, i);
   splat.rotation = glm::quat(component(from.rotation, i, 3), component(from.rotation, i, 0),
                              component(from.rotation, i, 1), component(from.rotation, i, 2));
   const glm::vec3 scale = vec3(from.scale, i);
-  for (int c = 0; c < 3; ++c) splat.log_scale[c] = static_cast<float>(log_scale(scale[c]));
+  for (int c = 0; c < 3; ++c)
+    splat.log_scale[c] = log_scales ? scale[c] : static_cast<float>(log_scale(scale[c]));
   splat.opacity_logit = logit_of(component(from.opacity, i, 0));
   splat.sh_dc = vec3(from.sh[0], i);
   const auto rest = static_cast<std::size_t>(sh_rest_count(from.sh_degree));
@@ -128,8 +138,9 @@ Expected<void> read_instance(const GltfInstance& instance, const std::string& na
     store_splat(splat, rest, cloud, next++);
   };
   if (from.compression == GltfCompression::none) {
+    const bool log_scales = has_log_scales(from);
     for (std::size_t i = 0; i < from.count; ++i) {
-      SplatValues splat = load_splat(from, i);
+      SplatValues splat = load_splat(from, log_scales, i);
       append(splat);
     }
     return {};

@@ -8,6 +8,11 @@
 
 namespace fluxgs::io {
 
+bool has_ply_property(const PlyElement& element, std::string_view property) {
+  return std::ranges::find(element.properties, property, &PlyProperty::name) !=
+         element.properties.end();
+}
+
 Expected<int> ply_sh_degree(const PlyElement& element, const std::string& name) {
   const auto rest = std::ranges::count_if(
       element.properties, [](const auto& p) { return p.name.starts_with("f_rest_"); });

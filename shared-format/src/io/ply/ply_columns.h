@@ -10,6 +10,8 @@
 
 namespace fluxgs::io {
 
+bool has_ply_property(const PlyElement& element, std::string_view property);
+
 /// The degree, 0…3, that the number of properties f_rest_* tells: 0, 9, 24 or 45.
 Expected<int> ply_sh_degree(const PlyElement& element, const std::string& name);
 

@@ -14,11 +14,6 @@ using namespace io;
 
 constexpr std::array<std::string_view, 3> kPosition{"x", "y", "z"}, kColor{"red", "green", "blue"};
 
-bool has_property(const PlyElement& element, std::string_view name) {
-  return std::ranges::find(element.properties, name, &PlyProperty::name) !=
-         element.properties.end();
-}
-
 /// Columns of x, y, z and, if all are there, of red, green, blue.
 Expected<std::vector<std::size_t>> find_columns(const PlyElement& vertex, const std::string& name) {
   if (vertex.has_lists())
@@ -32,7 +27,8 @@ Expected<std::vector<std::size_t>> find_columns(const PlyElement& vertex, const 
   };
   for (const std::string_view property : kPosition)
     if (auto found = add(property); !found) return std::unexpected(found.error());
-  if (std::ranges::all_of(kColor, [&](auto property) { return has_property(vertex, property); }))
+  if (std::ranges::all_of(kColor,
+                          [&](auto property) { return has_ply_property(vertex, property); }))
     for (const std::string_view property : kColor)
       if (auto found = add(property); !found) return std::unexpected(found.error());
   return columns;

@@ -24,11 +24,26 @@ constexpr std::array<const char*, kPlain> kNames{
     "x",       "y",       "z",       "f_dc_0", "f_dc_1", "f_dc_2", "opacity",
     "scale_0", "scale_1", "scale_2", "rot_0",  "rot_1",  "rot_2",  "rot_3"};
 
+constexpr std::size_t kFirstColor = 3, kLastScale = 9;  // of kNames
+constexpr float kFlat = -20;                            // log-scale of an axis without length
+
 // Where the values of a splat stand in a row of the file: kNames, then f_rest_0 ….
 struct SplatColumns {
   int sh_degree = 0;
   std::vector<std::size_t> property;  // index among the element's properties
+  bool flat = false;                  // a 2D Gaussian: scale_2 is missing
+  float color_unit = 0;  // of red, green, blue, which stand for f_dc_*; 0: f_dc_* are there
 };
+
+// The name of column i in this file. 2D Gaussian Splatting (Huang et al. 2024) writes two scales;
+// nerfstudio writes colours instead of SH on demand.
+std::string column_name(const SplatColumns& columns, std::size_t i) {
+  constexpr std::array<const char*, 3> kColors{"red", "green", "blue"};
+  if (i >= kPlain) return fmt::format("f_rest_{}", i - kPlain);
+  if (columns.color_unit > 0 && i >= kFirstColor && i < kFirstColor + 3)
+    return kColors[i - kFirstColor];
+  return columns.flat && i == kLastScale ? kNames[kLastScale - 1] : kNames[i];
+}
 
 Expected<SplatColumns> find_splat_columns(const PlyElement& vertex, const std::string& name) {
   if (vertex.has_lists()) {
@@ -38,10 +53,15 @@ Expected<SplatColumns> find_splat_columns(const PlyElement& vertex, const std::s
   if (!degree) return std::unexpected(degree.error());
   SplatColumns columns;
   columns.sh_degree = *degree;
+  columns.flat = has_ply_property(vertex, "scale_1") && !has_ply_property(vertex, "scale_2");
+  const auto red = std::ranges::find(vertex.properties, "red", &PlyProperty::name);
+  if (!has_ply_property(vertex, "f_dc_0") && red != vertex.properties.end())
+    columns.color_unit = red->type == PlyType::uint8    ? 1 / 255.0F
+                         : red->type == PlyType::uint16 ? 1 / 65535.0F
+                                                        : 1.0F;
   const std::size_t count = kPlain + 3 * static_cast<std::size_t>(sh_rest_count(*degree));
   for (std::size_t i = 0; i < count; ++i) {
-    const auto found = find_ply_property(
-        vertex, i < kPlain ? kNames[i] : fmt::format("f_rest_{}", i - kPlain), "3DGS .ply", name);
+    const auto found = find_ply_property(vertex, column_name(columns, i), "3DGS .ply", name);
     if (!found) return std::unexpected(found.error());
     columns.property.push_back(*found);
   }
@@ -52,11 +72,18 @@ Expected<SplatColumns> find_splat_columns(const PlyElement& vertex, const std::s
 // (splat-transform 3.7: most splats of some scenes).
 float finite_logit(float value) { return std::isinf(value) ? logit_of(value > 0 ? 1 : 0) : value; }
 
-void store(const float* v, std::size_t i, SplatCloud& cloud) {
+// The logarithm of 0, which some writers store for flat splats, is a length, too.
+float finite_log_scale(float value) { return value < kFlat && std::isinf(value) ? kFlat : value; }
+
+void store(const SplatColumns& columns, const float* v, std::size_t i, SplatCloud& cloud) {
   cloud.positions[i] = {v[0], v[1], v[2]};
   cloud.sh_dc[i] = {v[3], v[4], v[5]};
+  if (columns.color_unit > 0)
+    for (int c = 0; c < 3; ++c)
+      cloud.sh_dc[i][c] = dc_of(static_cast<double>(v[3 + c] * columns.color_unit));
   cloud.opacity_logits[i] = finite_logit(v[6]);
-  cloud.log_scales[i] = {v[7], v[8], v[9]};
+  cloud.log_scales[i] = {finite_log_scale(v[7]), finite_log_scale(v[8]),
+                         columns.flat ? kFlat : finite_log_scale(v[9])};
   cloud.rotations[i] = glm::quat(v[10], v[11], v[12], v[13]);  // w first
   const auto rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
   for (std::size_t k = 0; k < rest; ++k) {
@@ -81,7 +108,7 @@ Expected<SplatCloud> read_elements(std::span<const std::byte> bytes, const PlyHe
       cloud = allocate_cloud(static_cast<std::size_t>(vertex->count), columns->sh_degree, name);
       if (!cloud) return cloud;
       done = data.read<float>(*vertex, columns->property, [&](std::size_t i, const float* values) {
-        store(values, i, *cloud);
+        store(*columns, values, i, *cloud);
       });
     }
     if (!done) return std::unexpected(done.error());
