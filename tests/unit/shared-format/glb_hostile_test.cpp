@@ -164,7 +164,8 @@ TEST(HostileGlb, HugeNumbersAreRefusedBeforeAllocating) {
     EXPECT_FALSE(read(edited(ok, R"("nodes":[0])", fmt::format(R"("nodes":[{}])", index))));
     EXPECT_FALSE(read(edited(ok, R"("scene":0)", fmt::format(R"("scene":{})", index))));
   }
-  expect_error(read(edited(ok, R"("bufferView":0,)", "")), {"POSITION", "no bufferView"});
+  const Bytes zeros = edited(ok, R"("bufferView":0,)", "");
+  expect_error(read(edited(zeros, R"("count":2)", R"("count":2000000000)")), {"POSITION", "zeros"});
   expect_error(read(edited(ok, R"("count":2)", R"("count":1)")),
                {"has 2 elements", "POSITION has 1"});
   expect_error(read(edited(ok, R"("byteLength":24,)", R"("byteLength":24,"byteStride":8,)")),
@@ -207,7 +208,7 @@ TEST(HostileGlb, WrongTypesAreNamed) {
                {"KHR_gaussian_splatting", "expected an object"});
   expect_error(with(R"("normalized":true)", R"("normalized":1)"), {"accessors[1].normalized"});
   expect_error(with(R"("bufferView":0,)", R"("bufferView":0,"sparse":{"count":1},)"),
-               {"POSITION", "sparse"});
+               {"accessors[0].sparse", "bufferView"});
 }
 
 TEST(HostileGlb, MissingAttributesAreNamed) {

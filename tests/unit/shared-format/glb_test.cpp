@@ -371,6 +371,51 @@ TEST(Glb, NegativeScalesAreLogarithms) {
     EXPECT_EQ(scene->cloud.log_scales[i], glm::vec3(-4, -5, -0.5f * static_cast<float>(i)));
 }
 
+/// A scene whose opacities 3 and 7 are replaced by those of a sparse accessor, and whose second
+/// coefficient of SH is zeros without data.
+Bytes sparse_glb(const SplatCloud& cloud, std::uint16_t second_index) {
+  using nlohmann::json;
+  const auto file = encode_glb(cloud, "sparse.glb");
+  EXPECT_TRUE(file) << file.error().message();
+  json root = json::parse(json_of(*file));
+  Bytes bin = bin_of(*file);
+  const json attributes = root["meshes"][0]["primitives"][0]["attributes"];
+  const std::size_t begin = bin.size();
+  append(bin, std::uint16_t{3});
+  append(bin, second_index);
+  append(bin, 0.9f);
+  append(bin, 0.25f);
+  const std::size_t view = root["bufferViews"].size();
+  root["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", begin}, {"byteLength", 4}});
+  root["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", begin + 4}, {"byteLength", 8}});
+  root["buffers"][0]["byteLength"] = bin.size();
+  const int opacity = attributes["KHR_gaussian_splatting:OPACITY"];
+  root["accessors"][opacity]["sparse"] = {
+      {"count", 2},
+      {"indices", {{"bufferView", view}, {"componentType", 5123}}},
+      {"values", {{"bufferView", view + 1}}}};
+  const int band = attributes["KHR_gaussian_splatting:SH_DEGREE_1_COEF_1"];
+  root["accessors"][band].erase("bufferView");
+  root["accessors"][band].erase("byteOffset");
+  return make_glb(root.dump(), bin);
+}
+
+TEST(Glb, SparseAccessorsAndZeros) {
+  const SplatCloud cloud = random_cloud(20, 1, 9);
+  const auto plain = read_glb(*encode_glb(cloud, "plain.glb"), "plain.glb");
+  const auto scene = read_glb(sparse_glb(cloud, 7), "sparse.glb");
+  ASSERT_TRUE(scene) << scene.error().message();
+  for (std::size_t i = 0; i < 20; ++i) {
+    const float opacity = i == 3   ? std::log(9.0f)
+                          : i == 7 ? -std::log(3.0f)
+                                   : plain->cloud.opacity_logits[i];
+    EXPECT_NEAR(scene->cloud.opacity_logits[i], opacity, 1e-5) << i;
+    EXPECT_EQ(scene->cloud.sh_rest[3 * i], plain->cloud.sh_rest[3 * i]);
+    EXPECT_EQ(scene->cloud.sh_rest[3 * i + 1], glm::vec3(0));
+  }
+  expect_error(read_glb(sparse_glb(cloud, 20), "sparse.glb"), {"OPACITY", "element 20 of 20"});
+}
+
 TEST(Glb, OtherContentIsIgnored) {
   const Bytes bytes = small_glb();
   const Bytes busy = edited(

@@ -1,6 +1,10 @@
 #include "io/gltf/gltf_accessor.h"
 
+#include <array>
 #include <cstdint>
+#include <cstring>
+#include <memory>
+#include <vector>
 
 #include <fmt/format.h>
 #include <tiny_gltf.h>
@@ -123,22 +127,31 @@ Expected<void> check_accessor(const tinygltf::Model& model, int accessor,
                           component_name(a.componentType, a.normalized), expected_types(expected)));
 }
 
-Expected<GltfAttribute> resolve_accessor(const tinygltf::Model& model, int accessor,
-                                         const GltfExpectation& expected,
-                                         std::span<const std::byte> buffer, const std::string& name,
-                                         const std::string& field) {
-  if (auto ok = check_accessor(model, accessor, expected, name, field); !ok) {
-    return std::unexpected(ok.error());
-  }
-  const std::string where = place_of(field, expected, accessor);
-  const tinygltf::Accessor& a = model.accessors[static_cast<std::size_t>(accessor)];
-  // Zeros by the specification, but of any number, whatever the size of the file.
-  if (a.bufferView < 0) return fail(name, where, "has no bufferView; expected data");
-  const auto view = resolve_view(model, a.bufferView, buffer, name);
-  if (!view) return std::unexpected(view.error());
+namespace {
+
+std::size_t element_size(const tinygltf::Accessor& a) {
   const int components = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type));
   const int bytes = tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(a.componentType));
-  const auto size = static_cast<std::size_t>(components) * static_cast<std::size_t>(bytes);
+  return static_cast<std::size_t>(components) * static_cast<std::size_t>(bytes);
+}
+
+// An accessor without a bufferView is zeros (glTF 2.0, 3.6.2.1), of as many elements as it says: no
+// more than the file has bytes, of which the positions of as many splats take at least three.
+Expected<GltfAttribute> zeros(const tinygltf::Accessor& a, std::span<const std::byte> buffer,
+                              const std::string& name, const std::string& where) {
+  static constexpr std::array<std::byte, 64> kZeros{};
+  if (a.count > buffer.size())
+    return fail(name, where,
+                fmt::format("promises {} zeros in a file of {} bytes", a.count, buffer.size()));
+  return GltfAttribute{kZeros.data(), 0, a.count, a.componentType, a.normalized};
+}
+
+Expected<GltfAttribute> resolve_elements(const tinygltf::Model& model, const tinygltf::Accessor& a,
+                                         std::span<const std::byte> buffer, const std::string& name,
+                                         const std::string& where) {
+  const auto view = resolve_view(model, a.bufferView, buffer, name);
+  if (!view) return std::unexpected(view.error());
+  const std::size_t size = element_size(a);
   const std::size_t given = model.bufferViews[static_cast<std::size_t>(a.bufferView)].byteStride;
   const std::size_t stride = given == 0 ? size : given;
   if (stride < size) {
@@ -152,6 +165,79 @@ Expected<GltfAttribute> resolve_accessor(const tinygltf::Model& model, int acces
                             a.count, size, a.byteOffset, view->size()));
   }
   return GltfAttribute{view->data() + a.byteOffset, stride, a.count, a.componentType, a.normalized};
+}
+
+// `count` elements of `size` bytes behind `offset` of a bufferView, close together.
+Expected<std::span<const std::byte>> packed_elements(const tinygltf::Model& model, int view_index,
+                                                     std::size_t offset, std::size_t count,
+                                                     std::size_t size,
+                                                     std::span<const std::byte> buffer,
+                                                     const std::string& name,
+                                                     const std::string& where) {
+  const auto view = resolve_view(model, view_index, buffer, name);
+  if (!view) return view;
+  if (offset > view->size() || !fits(count, size, size, view->size() - offset))
+    return fail(name, where,
+                fmt::format("promises {} elements of {} bytes at offset {}, but its bufferView "
+                            "holds {} bytes",
+                            count, size, offset, view->size()));
+  return view->subspan(offset, count * size);
+}
+
+// A copy of the elements in which some are replaced (glTF 2.0, 3.6.2.3).
+Expected<GltfAttribute> with_sparse_elements(const tinygltf::Model& model,
+                                             const tinygltf::Accessor& a, const GltfAttribute& base,
+                                             std::span<const std::byte> buffer, std::size_t& room,
+                                             const std::string& name, const std::string& where) {
+  const std::size_t size = element_size(a), count = static_cast<std::size_t>(a.sparse.count);
+  const int type = a.sparse.indices.componentType;
+  const bool unsigned_type = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+                             type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
+                             type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+  if (!unsigned_type)
+    return fail(name, where + ".sparse", "expected indices of unsigned bytes, shorts or integers");
+  const auto index_size =
+      static_cast<std::size_t>(tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(type)));
+  const auto indices =
+      packed_elements(model, a.sparse.indices.bufferView, a.sparse.indices.byteOffset, count,
+                      index_size, buffer, name, where + ".sparse.indices");
+  if (!indices) return std::unexpected(indices.error());
+  const auto values = packed_elements(model, a.sparse.values.bufferView, a.sparse.values.byteOffset,
+                                      count, size, buffer, name, where + ".sparse.values");
+  if (!values) return std::unexpected(values.error());
+  if (base.count > room / size)
+    return fail(name, where, "sparse accessors unfold to more than 64 times the file");
+  room -= base.count * size;
+  auto owned = std::make_shared<std::vector<std::byte>>(base.count * size);
+  for (std::size_t i = 0; i < base.count; ++i)
+    std::memcpy(owned->data() + i * size, base.data + i * base.stride, size);
+  for (std::size_t k = 0; k < count; ++k) {
+    std::uint32_t index = 0;  // little-endian, as this machine is (byte_reader.h)
+    std::memcpy(&index, indices->data() + k * index_size, index_size);
+    if (index >= base.count)
+      return fail(name, where + ".sparse",
+                  fmt::format("replaces element {} of {}", index, base.count));
+    std::memcpy(owned->data() + index * size, values->data() + k * size, size);
+  }
+  return GltfAttribute{owned->data(), size, base.count, a.componentType, a.normalized, owned};
+}
+
+}  // namespace
+
+Expected<GltfAttribute> resolve_accessor(const tinygltf::Model& model, int accessor,
+                                         const GltfExpectation& expected,
+                                         std::span<const std::byte> buffer,
+                                         std::size_t& sparse_room, const std::string& name,
+                                         const std::string& field) {
+  if (auto ok = check_accessor(model, accessor, expected, name, field); !ok) {
+    return std::unexpected(ok.error());
+  }
+  const std::string where = place_of(field, expected, accessor);
+  const tinygltf::Accessor& a = model.accessors[static_cast<std::size_t>(accessor)];
+  auto base = a.bufferView < 0 ? zeros(a, buffer, name, where)
+                               : resolve_elements(model, a, buffer, name, where);
+  if (!base || !a.sparse.isSparse) return base;
+  return with_sparse_elements(model, a, *base, buffer, sparse_room, name, where);
 }
 
 }  // namespace fluxgs::io

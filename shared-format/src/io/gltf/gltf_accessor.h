@@ -41,10 +41,13 @@ Expected<void> check_accessor(const tinygltf::Model& model, int accessor,
                               const GltfExpectation& expected, const std::string& name,
                               const std::string& field);
 
-/// Resolve an accessor of `model` into memory, checked as above.
+/// Resolve an accessor of `model` into memory, checked as above. Without a bufferView all elements
+/// are zeros. A sparse one is unfolded into memory of its own, which is taken from `sparse_room`
+/// bytes; an error if there are fewer.
 Expected<GltfAttribute> resolve_accessor(const tinygltf::Model& model, int accessor,
                                          const GltfExpectation& expected,
-                                         std::span<const std::byte> buffer, const std::string& name,
+                                         std::span<const std::byte> buffer,
+                                         std::size_t& sparse_room, const std::string& name,
                                          const std::string& field);
 
 }  // namespace fluxgs::io

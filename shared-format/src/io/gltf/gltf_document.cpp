@@ -114,12 +114,8 @@ class PrimitiveReader {
     if (found == primitive.attributes.end()) {
       return fail(name_, field, fmt::format("attribute {} is missing", expected.semantic));
     }
-    const auto index = static_cast<std::size_t>(found->second);
-    if (index < json_.sparse.size() && json_.sparse[index]) {
-      return fail(name_, fmt::format("{}: {}", field, expected.semantic),
-                  fmt::format("accessor {} is sparse, which is not supported", index));
-    }
-    auto attribute = resolve_accessor(model_, found->second, expected, buffer_, name_, field);
+    auto attribute =
+        resolve_accessor(model_, found->second, expected, buffer_, sparse_room_, name_, field);
     if (attribute && expected.semantic != kPosition.semantic && attribute->count != splats.count) {
       return fail(
           name_, fmt::format("{}: {}", field, expected.semantic),
@@ -150,6 +146,8 @@ class PrimitiveReader {
   const GltfJson& json_;
   std::span<const std::byte> buffer_;
   const std::string& name_;
+  mutable std::size_t sparse_room_ =
+      64 * buffer_.size();  // a bound for what sparse accessors unfold to
 };
 
 glm::dmat4 local_matrix(const tinygltf::Node& node) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -22,10 +23,11 @@ namespace fluxgs::io {
 /// A checked accessor: element i begins at data + i·stride and lies inside the file.
 struct GltfAttribute {
   const std::byte* data = nullptr;
-  std::size_t stride = 0;
+  std::size_t stride = 0;  ///< 0: all elements are the first one
   std::size_t count = 0;
   int component_type = 0;  ///< TINYGLTF_COMPONENT_TYPE_…
   bool normalized = false;
+  std::shared_ptr<const std::vector<std::byte>> owned = {};  ///< the data of a sparse accessor
 };
 
 /// The smallest and the largest position that an accessor states.

@@ -153,7 +153,28 @@ bool is_vector(const json& value) {
          std::ranges::all_of(value, [](const json& v) { return v.is_number(); });
 }
 
-json reduce_accessors(Checker& check, std::vector<bool>& sparse) {
+// Elements that replace those of an accessor (glTF 2.0, 5.1: accessor.sparse).
+json reduce_sparse(Checker& check, const json& sparse, const std::string& field) {
+  json result = {{"count", member(sparse, "count")}};
+  check.whole(result["count"], field + ".count", kIndexLimit);
+  for (const char* part : {"indices", "values"}) {
+    const json& from = member(sparse, part);
+    const std::string where = fmt::format("{}.{}", field, part);
+    json& to = result[part] = json::object();
+    to["bufferView"] = member(from, "bufferView");
+    check.whole(to["bufferView"], where + ".bufferView", kIndexLimit);
+    if (const json& offset = member(from, "byteOffset"); !offset.is_null()) {
+      check.whole(offset, where + ".byteOffset", kSizeLimit);
+      to["byteOffset"] = offset;
+    }
+  }
+  json& type = result["indices"]["componentType"];
+  type = member(member(sparse, "indices"), "componentType");
+  check.whole(type, field + ".indices.componentType", kIndexLimit);
+  return result;
+}
+
+json reduce_accessors(Checker& check) {
   const json& accessors = check.list("accessors");
   json result = reduce(check, accessors, "accessors", {"bufferView", "componentType"},
                        {"byteOffset", "count"});
@@ -171,7 +192,8 @@ json reduce_accessors(Checker& check, std::vector<bool>& sparse) {
     for (const char* key : {"min", "max"}) {
       if (const json& bound = member(accessors[i], key); is_vector(bound)) result[i][key] = bound;
     }
-    sparse.push_back(accessors[i].contains("sparse"));
+    if (const json& sparse = member(accessors[i], "sparse"); !sparse.is_null())
+      result[i]["sparse"] = reduce_sparse(check, sparse, field + ".sparse");
   }
   return result;
 }
@@ -341,7 +363,7 @@ Expected<GltfJson> check_document(const json& root, std::size_t bin_bytes,
   json reduced = {{"asset", {{"version", "2.0"}}}};
   reduced["bufferViews"] = reduce(check, check.list("bufferViews"), "bufferViews", {"buffer"},
                                   {"byteOffset", "byteLength", "byteStride"});
-  reduced["accessors"] = reduce_accessors(check, result.sparse);
+  reduced["accessors"] = reduce_accessors(check);
   reduced["meshes"] = reduce_meshes(check);
   reduced["nodes"] = reduce_nodes(check);
   reduced["scenes"] = reduce_scenes(check);

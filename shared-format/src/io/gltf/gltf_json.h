@@ -31,7 +31,6 @@ struct GltfJson {
   /// kCompactExtension becomes the members kCompression and kCompressedView.
   std::string reduced;
   std::vector<std::string> extensions_used;
-  std::vector<bool> sparse;          ///< for each accessor, whether it is a sparse one
   std::size_t buffer_bytes = 0;      ///< length of buffer 0, at most that of the BIN chunk
   std::optional<InitialView> start;  ///< see gltf_camera.h
 };
