@@ -56,9 +56,9 @@ Expected<tinygltf::Model> load_model(const std::string& reduced, const std::stri
 // Reads the primitives of one document; every failure names the primitive.
 class PrimitiveReader {
  public:
-  PrimitiveReader(const tinygltf::Model& model, const GltfJson& parsed,
-                  std::span<const std::byte> buffer, const std::string& name)
-      : model_(model), json_(parsed), buffer_(buffer), name_(name) {}
+  PrimitiveReader(const tinygltf::Model& model, std::span<const std::byte> buffer,
+                  const std::string& name)
+      : model_(model), buffer_(buffer), name_(name) {}
 
   Expected<GltfSplats> read(const tinygltf::Primitive& primitive, const std::string& field) const {
     if (auto ok = check_kind(primitive, field); !ok) return std::unexpected(ok.error());
@@ -143,7 +143,6 @@ class PrimitiveReader {
   }
 
   const tinygltf::Model& model_;
-  const GltfJson& json_;
   std::span<const std::byte> buffer_;
   const std::string& name_;
   mutable std::size_t sparse_room_ =
@@ -289,7 +288,7 @@ Expected<std::vector<GltfInstance>> find_gltf_splats(const GltfJson& json,
                                                      const std::string& name) {
   const auto model = load_model(json.reduced, name);
   if (!model) return std::unexpected(model.error());
-  const PrimitiveReader reader(*model, json, bin.first(json.buffer_bytes), name);
+  const PrimitiveReader reader(*model, bin.first(json.buffer_bytes), name);
   std::vector<int> roots = root_nodes(*model);
   if (model->defaultScene >= 0) {
     const auto scene = static_cast<std::size_t>(model->defaultScene);
