@@ -172,17 +172,31 @@ Expected<ColmapModel> read_colmap_model(const std::filesystem::path& folder) {
   return is_file(folder / "cameras.bin") ? read_colmap_binary(folder) : read_colmap_text(folder);
 }
 
-std::vector<ColmapModelFolder> colmap_models(const std::filesystem::path& sparse) {
+namespace {
+
+std::vector<ColmapModelFolder> list_models(const std::filesystem::path& sparse) {
   std::vector<ColmapModelFolder> models;
   std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(sparse, error)) {
-    if (!is_colmap_model(entry.path())) continue;
-    const auto head = read_prefix(entry.path() / "images.bin", 8);
-    std::uint64_t images = head ? ByteReader(*head).take<std::uint64_t>().value_or(0) : 0;
-    if (!head)
-      if (const auto model = read_colmap_text(entry.path())) images = model->images.size();
-    models.push_back({entry.path(), images});
-  }
+  for (const auto& entry : std::filesystem::directory_iterator(sparse, error))
+    if (is_colmap_model(entry.path())) models.push_back({entry.path()});
+  return models;
+}
+
+std::uint64_t count_images(const std::filesystem::path& model) {
+  if (const auto head = read_prefix(model / "images.bin", 8))
+    return ByteReader(*head).take<std::uint64_t>().value_or(0);
+  const auto text = read_colmap_text(model);
+  return text ? text->images.size() : 0;
+}
+
+}  // namespace
+
+bool has_colmap_models(const std::filesystem::path& sparse) { return !list_models(sparse).empty(); }
+
+std::vector<ColmapModelFolder> colmap_models(const std::filesystem::path& sparse) {
+  std::vector<ColmapModelFolder> models = list_models(sparse);
+  if (models.size() < 2) return models;
+  for (ColmapModelFolder& model : models) model.images = count_images(model.folder);
   std::ranges::sort(models, [](const ColmapModelFolder& a, const ColmapModelFolder& b) {
     return std::pair(b.images, a.folder) < std::pair(a.images, b.folder);
   });

@@ -52,8 +52,11 @@ bool is_colmap_model(const std::filesystem::path& folder);
 /// A model by its folder, and the number of images that it says it has.
 struct ColmapModelFolder {
   std::filesystem::path folder;
-  std::uint64_t images = 0;
+  std::uint64_t images = 0;  ///< counted only where there are several models
 };
+
+/// True if a folder has a model in a sub-folder.
+bool has_colmap_models(const std::filesystem::path& sparse);
 
 /// The models in the sub-folders of a folder, those with most images first: COLMAP makes several
 /// where the images do not hang together.

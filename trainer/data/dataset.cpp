@@ -91,17 +91,17 @@ fs::path folder_of_images(const fs::path& model) {
 }
 
 bool holds_poses(const fs::path& folder) {
-  return !colmap_models(folder / "sparse").empty() || is_colmap_model(folder / "sparse") ||
+  return is_colmap_model(folder / "sparse") || has_colmap_models(folder / "sparse") ||
          is_colmap_model(folder) || has_transforms(folder);
 }
 
 Expected<Found> read_source(const fs::path& folder) {
   const fs::path sparse = folder / "sparse";
-  if (is_colmap_model(sparse) || !colmap_models(sparse).empty()) return read_sparse(sparse, folder);
+  if (is_colmap_model(sparse) || has_colmap_models(sparse)) return read_sparse(sparse, folder);
   if (is_colmap_model(folder))
     return named("COLMAP", read_colmap_source(folder, folder_of_images(folder)));
   if (has_transforms(folder)) return named("transforms.json", read_transforms_source(folder));
-  if (!colmap_models(folder).empty()) return read_sparse(folder, folder_of_images(folder));
+  if (has_colmap_models(folder)) return read_sparse(folder, folder_of_images(folder));
   return named("images (COLMAP)", read_views_source(folder));
 }
 
@@ -123,27 +123,30 @@ fs::path meant_folder(const fs::path& given) {
   return only.value_or(given);
 }
 
-/// The views that were loaded; the others are counted. Fails with the first error where most of
-/// them failed: that is not one bad image of many.
-Expected<std::vector<View>> take_loaded(std::vector<Expected<View>>& loaded, Source& source) {
-  std::vector<View> views;
-  FileList bad;
-  std::string first_error;
-  for (auto& view : loaded) {
-    if (view) {
-      views.push_back(std::move(*view));
+struct LoadedViews {
+  std::vector<View> train, test;
+};
+
+/// The images of all frames; those that fail are left out and counted. An error where half of them
+/// fail or no training image is left: that is not one bad image of many.
+Expected<LoadedViews> load_all(Source& source, const LoadOptions& options) {
+  const std::size_t train_count = source.frames.size();
+  std::vector<SourceFrame> frames = std::move(source.frames);
+  frames.insert(frames.end(), source.test_frames.begin(), source.test_frames.end());
+  auto loaded = load_views(frames, options);
+  LoadedViews views;
+  FailedImages bad;
+  for (std::size_t i = 0; i < loaded.size(); ++i) {
+    if (loaded[i]) {
+      (i < train_count ? views.train : views.test).push_back(std::move(*loaded[i]));
       continue;
     }
-    if (bad.empty()) first_error = view.error().message();
-    bad.add(view.error().file);
-    if (2 * bad.size() >= loaded.size()) return std::unexpected(view.error());
+    bad.add(frames[i].file.string(), loaded[i].error());
+    const bool none_left = i + 1 == train_count && views.train.empty();
+    if (2 * bad.size() >= loaded.size() || none_left) return std::unexpected(loaded[i].error());
   }
   source.skipped_images += bad.size();
-  if (bad.size() == 1)
-    source.warnings.push_back(first_error + "; it is left out");
-  else if (!bad.empty())
-    source.warnings.push_back(fmt::format("{} images are left out: {}; the first: {}", bad.size(),
-                                          bad.text(), first_error));
+  bad.warn(source.warnings);
   return views;
 }
 
@@ -207,15 +210,11 @@ Expected<Dataset> load_dataset(const fs::path& given, const LoadOptions& options
                             source.skipped_images, source.test_frames.size(),
                             source.warnings.empty() ? "" : "; " + source.warnings.front()));
 
-  auto loaded = load_views(source.frames, options);
-  auto train = take_loaded(loaded, source);
-  if (!train) return std::unexpected(train.error());
-  loaded = load_views(source.test_frames, options);
-  auto test = take_loaded(loaded, source);
-  if (!test) return std::unexpected(test.error());
+  auto views = load_all(source, options);
+  if (!views) return std::unexpected(views.error());
   Dataset dataset{.kind = found->kind,
-                  .train = std::move(*train),
-                  .test = std::move(*test),
+                  .train = std::move(views->train),
+                  .test = std::move(views->test),
                   .points = std::move(source.points),
                   .point_colors = std::move(source.point_colors),
                   .points_file = std::move(source.points_file),

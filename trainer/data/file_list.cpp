@@ -18,4 +18,17 @@ std::string FileList::text() const {
                                  : fmt::format("{} and {} more", named, count_ - first_.size());
 }
 
+void FailedImages::add(const std::string& file, const Error& error) {
+  if (files_.empty()) first_error_ = error.message();
+  files_.add(file);
+}
+
+void FailedImages::warn(std::vector<std::string>& warnings) const {
+  if (files_.size() == 1)
+    warnings.push_back(first_error_ + "; it is left out");
+  else if (!files_.empty())
+    warnings.push_back(fmt::format("{} images are left out: {}; the first: {}", files_.size(),
+                                   files_.text(), first_error_));
+}
+
 }  // namespace fluxgs

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "fluxgs/error.h"
+
 namespace fluxgs {
 
 class FileList {
@@ -18,6 +20,19 @@ class FileList {
  private:
   std::vector<std::string> first_;
   std::size_t count_ = 0;
+};
+
+/// Images that failed, and why the first one did.
+class FailedImages {
+ public:
+  void add(const std::string& file, const Error& error);
+  std::size_t size() const { return files_.size(); }
+  /// Adds one line to the warnings, if any image failed.
+  void warn(std::vector<std::string>& warnings) const;
+
+ private:
+  FileList files_;
+  std::string first_error_;
 };
 
 }  // namespace fluxgs

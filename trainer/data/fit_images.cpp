@@ -1,17 +1,15 @@
 #include "trainer/data/fit_images.h"
 
-#include <fmt/format.h>
-
 #include "trainer/data/file_list.h"
 #include "trainer/data/image_io.h"
 
 namespace fluxgs {
 namespace {
 
-/// What a warning is needed for.
+/// Images by the warning that they need.
 struct ImageFindings {
-  FileList unreadable, turned, swapped, scaled;
-  std::string first_error;
+  FailedImages unreadable;
+  FileList turned, swapped, scaled;
 };
 
 /// False for a frame that is to be left out.
@@ -19,8 +17,7 @@ bool fit(SourceFrame& frame, ImageFindings& found) {
   const std::string file = frame.file.string();
   const auto image = read_image_outline(frame.file);
   if (!image) {
-    if (found.unreadable.empty()) found.first_error = image.error().message();
-    found.unreadable.add(file);
+    found.unreadable.add(file, image.error());
     return false;
   }
   ImageSize size = image->size;
@@ -53,19 +50,13 @@ void fit_to_images(Source& source) {
   fit(source.test_frames, found);
   source.skipped_images += found.unreadable.size() + found.swapped.size();
   auto& warnings = source.warnings;
-  if (found.unreadable.size() == 1)
-    warnings.push_back(found.first_error + "; it is left out");
-  else if (!found.unreadable.empty())
-    warnings.push_back(fmt::format("{} images cannot be read and are left out: {}; the first: {}",
-                                   found.unreadable.size(), found.unreadable.text(),
-                                   found.first_error));
+  found.unreadable.warn(warnings);
   if (!found.turned.empty())
     warnings.push_back("lying on their side, turned as EXIF says: " + found.turned.text());
   if (!found.swapped.empty())
     warnings.push_back(
-        "left out, since width and height are swapped against their camera and EXIF does not say "
-        "how "
-        "to turn them: " +
+        "left out, since width and height are swapped against their camera and EXIF names no "
+        "turn: " +
         found.swapped.text());
   if (!found.scaled.empty())
     warnings.push_back("not of the shape of their camera, which is scaled each way by itself: " +

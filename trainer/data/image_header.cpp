@@ -14,10 +14,20 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-std::uint32_t big_endian(Bytes bytes, std::size_t at, int count) {
+/// `count` bytes, at most 4, of which all must be there.
+std::uint32_t integer(Bytes bytes, std::size_t at, std::size_t count, bool little) {
   std::uint32_t value = 0;
-  for (int i = 0; i < count; ++i) value = value << 8 | bytes[at + static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < count; ++i)
+    value = value << 8 | bytes[little ? at + count - 1 - i : at + i];
   return value;
+}
+
+std::uint32_t big_endian(Bytes bytes, std::size_t at, std::size_t count) {
+  return integer(bytes, at, count, false);
+}
+
+std::uint32_t little_endian(Bytes bytes, std::size_t at, std::size_t count) {
+  return integer(bytes, at, count, true);
 }
 
 /// Start of frame: every marker FFC0…FFCF but those for Huffman tables, arithmetic conditioning and
@@ -50,7 +60,7 @@ class TiffDirectory {
     count_ = read(begin_, 2);
   }
 
-  /// Where the values of a tag lie: bytes, 16 or 32-bit integers, all of them inside of the file.
+  /// Place of a tag's values: bytes, 16 or 32-bit integers, all of them inside of the file.
   struct Values {
     std::size_t at = 0, size = 1, count = 0;
   };
@@ -82,11 +92,9 @@ class TiffDirectory {
   }
   std::uint32_t read(std::size_t at, std::size_t size) const {
     if (at > bytes_.size() || bytes_.size() - at < size) return 0;
-    std::uint32_t value = 0;
-    for (std::size_t i = 0; i < size; ++i)
-      value = value << 8 | bytes_[little_ ? at + size - 1 - i : at + i];
-    return value;
+    return integer(bytes_, at, size, little_);
   }
+
   Bytes bytes_;
   bool little_ = false;
   std::size_t begin_ = 0, count_ = 0;
@@ -126,12 +134,6 @@ ImageHeader parse_tiff(Bytes bytes) {
     header.complete =
         std::uint64_t{directory.value(offsets, i)} + directory.value(lengths, i) <= bytes.size();
   return header;
-}
-
-std::uint32_t little_endian(Bytes bytes, std::size_t at, std::size_t count) {
-  std::uint32_t value = 0;
-  for (std::size_t i = count; i-- > 0;) value = value << 8 | bytes[at + i];
-  return value;
 }
 
 /// Windows bitmap: file header of 14 bytes, then BITMAPCOREHEADER or a later one.

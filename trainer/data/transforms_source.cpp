@@ -160,9 +160,11 @@ Expected<void> add_frame(const Json& json, const TransformsIntrinsics& global, c
   if (!in) return std::unexpected(in.error());
   if (const auto ok = set_pose(json, file.string(), field, frame); !ok)
     return std::unexpected(ok.error());
-  const auto outline = read_image_outline(*image);
-  // An image that cannot be read is left out later (fit_images.h)
-  const auto lens = make_lens(*in, outline ? outline->size : ImageSize{1, 1}, file.string(), field);
+  // Only a camera without a size needs that of its image. One that cannot be read is left out later
+  ImageSize size{1, 1};
+  if (!in->width || !in->height)
+    if (const auto outline = read_image_outline(*image)) size = outline->size;
+  const auto lens = make_lens(*in, size, file.string(), field);
   if (!lens) return std::unexpected(lens.error());
   frame.lens = *lens;
   list.frames.push_back(std::move(frame));

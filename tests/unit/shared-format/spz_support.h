@@ -99,9 +99,9 @@ inline SpzWorst spz_compare(const SplatCloud& a, const SplatCloud& b) {
   return worst;
 }
 
-/// What quantization allows, half a step each. Rotation: three components are off by half a step of
-/// 1/(511·√2) each; the fourth follows, at worst by three times that where it is the smallest that
-/// a largest component can be (1/2).
+/// Errors that quantization allows, half a step each. Rotation: three components are off by half a
+/// step of 1/(511·√2) each; the fourth follows, at worst by three times that where it is the
+/// smallest that a largest component can be (1/2).
 inline SpzWorst spz_allowed(int fractional_bits = 12, int sh1_bits = 5, int sh_rest_bits = 4) {
   const double step = 0.5 / (511 * std::sqrt(2.0));
   const double tiny = 1e-6;  // single precision

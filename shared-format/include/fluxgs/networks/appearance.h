@@ -57,7 +57,7 @@ struct Normalisation {
   float log_scale_mean = 0;                 ///< of all axes
   float log_scale_deviation = 1;            ///< of all axes
   std::array<float, kShColumns> sh_mean{};  ///< of each coefficient
-  /// Of each coefficient.
+  /// Standard deviation of each coefficient.
   std::array<float, kShColumns> sh_deviation = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
 };
 

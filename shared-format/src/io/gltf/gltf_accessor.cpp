@@ -135,6 +135,19 @@ std::size_t element_size(const tinygltf::Accessor& a) {
   return static_cast<std::size_t>(components) * static_cast<std::size_t>(bytes);
 }
 
+struct Elements {
+  std::size_t offset, count, stride, size;
+};
+
+Expected<void> check_elements(std::span<const std::byte> view, const Elements& e,
+                              const std::string& name, const std::string& where) {
+  if (e.offset <= view.size() && fits(e.count, e.stride, e.size, view.size() - e.offset)) return {};
+  return fail(name, where,
+              fmt::format("promises {} elements of {} bytes at offset {}, but its bufferView "
+                          "holds {} bytes",
+                          e.count, e.size, e.offset, view.size()));
+}
+
 // An accessor without a bufferView is zeros (glTF 2.0, 3.6.2.1), of as many elements as it says: no
 // more than the file has bytes, of which the positions of as many splats take at least three.
 Expected<GltfAttribute> zeros(const tinygltf::Accessor& a, std::span<const std::byte> buffer,
@@ -158,12 +171,9 @@ Expected<GltfAttribute> resolve_elements(const tinygltf::Model& model, const tin
     return fail(name, fmt::format("bufferViews[{}].byteStride", a.bufferView),
                 fmt::format("is {}, less than the {} bytes of an element", stride, size));
   }
-  if (a.byteOffset > view->size() || !fits(a.count, stride, size, view->size() - a.byteOffset)) {
-    return fail(name, where,
-                fmt::format("promises {} elements of {} bytes at offset {}, but its bufferView "
-                            "holds {} bytes",
-                            a.count, size, a.byteOffset, view->size()));
-  }
+  const Elements elements{a.byteOffset, a.count, stride, size};
+  if (auto ok = check_elements(*view, elements, name, where); !ok)
+    return std::unexpected(ok.error());
   return GltfAttribute{view->data() + a.byteOffset, stride, a.count, a.componentType, a.normalized};
 }
 
@@ -176,11 +186,8 @@ Expected<std::span<const std::byte>> packed_elements(const tinygltf::Model& mode
                                                      const std::string& where) {
   const auto view = resolve_view(model, view_index, buffer, name);
   if (!view) return view;
-  if (offset > view->size() || !fits(count, size, size, view->size() - offset))
-    return fail(name, where,
-                fmt::format("promises {} elements of {} bytes at offset {}, but its bufferView "
-                            "holds {} bytes",
-                            count, size, offset, view->size()));
+  if (auto ok = check_elements(*view, {offset, count, size, size}, name, where); !ok)
+    return std::unexpected(ok.error());
   return view->subspan(offset, count * size);
 }
 

@@ -215,6 +215,21 @@ TEST(Colmap, StrayCamerasAndPointsAreLeftOut) {
                                                   testing::HasSubstr("most: 1")));
 }
 
+// The only image for testing, too.
+TEST(Colmap, OneBadImageOfManyIsLeftOut) {
+  const TempFolder folder;
+  auto model = ten_images();
+  model.images.resize(5);
+  write_dataset(folder.path(), model);
+  const fs::path image = folder.path() / "images" / "a.png";
+  fs::resize_file(image, fs::file_size(image) - 20);
+  const auto data = load_dataset(folder.path(), {});
+  ASSERT_TRUE(data) << data.error().message();
+  EXPECT_EQ(data->train.size(), 4u);
+  EXPECT_TRUE(data->test.empty());
+  EXPECT_THAT(data->warnings, testing::ElementsAre(testing::HasSubstr("a.png")));
+}
+
 TEST(Colmap, CamerasThatNoImageUsesAreNotJudged) {
   const auto data = load_changed([](auto& m) {
     m.cameras.push_back({7, 1, "PINHOLE", 16, 12, {0, -1, kNaN, 6}});

@@ -91,7 +91,7 @@ class EglScreen final : public viewer::Screen {
 
   /// For a window without buffers of that size: buffers that a driver has taken already keep the
   /// size that the window had before, and nobody would draw a second frame of a view at rest.
-  /// Whether there is one then.
+  /// True if there is one then.
   Expected<bool> make_surface(const Size& size) {
     if (size != size_) destroy_surface();
     if (window_surface_ != EGL_NO_SURFACE) return true;
