@@ -24,6 +24,7 @@ std::vector<glm::vec3> first_of_each(const std::vector<glm::vec3>& sh, std::size
 SplatCloud in_order(const SplatCloud& cloud, std::span<const std::uint32_t> order) {
   SplatCloud result;
   result.sh_degree = cloud.sh_degree;
+  result.filter = cloud.filter;
   result.resize(order.size());
   const auto rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
   for (std::size_t k = 0; k < order.size(); ++k) {

@@ -9,6 +9,8 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/vec3.hpp>
 
+#include "fluxgs/screen_filter.h"
+
 namespace fluxgs {
 
 /// Coefficients of spherical harmonics (SH) for each colour channel beyond the constant one: 0, 3,
@@ -19,7 +21,8 @@ constexpr int sh_rest_count(int degree) { return (degree + 1) * (degree + 1) - 1
 /// the first COLMAP camera); readers and writers of other conventions convert at the door.
 /// Every array has size() entries, sh_rest has size()·sh_rest_count(sh_degree).
 struct SplatCloud {
-  int sh_degree = 0;  ///< 0…3
+  int sh_degree = 0;    ///< 0…3
+  ScreenFilter filter;  ///< to draw it with
 
   std::vector<glm::vec3> positions;   ///< centre, scene units
   std::vector<glm::vec3> log_scales;  ///< natural logarithm of the standard deviations

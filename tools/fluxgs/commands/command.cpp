@@ -9,6 +9,7 @@ namespace fluxgs::cli {
 Expected<SceneFile> load_scene(const std::string& path) {
   auto scene = read_scene(path);
   if (!scene) return scene;
+  for (const std::string& warning : scene->warnings) spdlog::warn("warning: {}: {}", path, warning);
   if (scene->dropped > 0)
     spdlog::warn("warning: {}: {} splats with NaN or infinity left out", path, scene->dropped);
   if (scene->cloud.size() == 0) spdlog::warn("warning: {}: has no splats", path);

@@ -32,7 +32,8 @@ void add_report(CLI::App& app, Action& action);
 void add_view(CLI::App& app, Action& action);
 void add_doctor(CLI::App& app, Action& action);
 
-/// Reads a scene; warns of splats that were left out and of a scene without any.
+/// Reads a scene; prints the reader's warnings, and warns of splats that were left out and of a
+/// scene without any.
 Expected<SceneFile> load_scene(const std::string& path);
 
 /// Warns if the format does not store all degrees of a scene that goes to `path`.

@@ -1,0 +1,19 @@
+// The screen-space filter that a scene was trained with and must be drawn with.
+#pragma once
+
+namespace fluxgs {
+
+/// A low-pass filter on the image: a 2D Gaussian that every footprint is convolved with, so that no
+/// splat falls between pixels.
+struct ScreenFilter {
+  float dilation = 0.3f;  ///< px², > 0, its variance: added to the diagonal of the projected
+                          ///< covariance Σ, which becomes Σ′
+  /// Multiplies opacities by √(det Σ / det Σ′), so that a splat smaller than a pixel keeps its
+  /// total weight when it is widened ("antialiased", Mip-Splatting, Yu et al. 2024, section 5.2).
+  /// False: classic 3DGS, which makes such splats brighter.
+  bool compensated = false;
+
+  friend bool operator==(const ScreenFilter&, const ScreenFilter&) = default;
+};
+
+}  // namespace fluxgs
