@@ -27,6 +27,12 @@ bool same_file(const fs::path& a, const fs::path& b) {
   return !a.empty() && !b.empty() && resolved(a) == resolved(b);
 }
 
+Expected<void> check_overwrite(const fs::path& path, bool force) {
+  std::error_code ignored;
+  if (force || !fs::exists(path, ignored)) return {};
+  return fail(path.string(), "", "exists already; --force replaces it, or choose another name");
+}
+
 TempFolder::TempFolder() {
   std::error_code ignored;
   std::string pattern = (fs::temp_directory_path(ignored) / "fluxgs-XXXXXX").string();

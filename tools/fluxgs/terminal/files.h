@@ -1,7 +1,9 @@
-// Comparison of paths that follows symbolic links; temporary folders.
+// Comparison of paths that follows symbolic links; files that are there already; temporary folders.
 #pragma once
 
 #include <filesystem>
+
+#include "fluxgs/error.h"
 
 namespace fluxgs::cli {
 
@@ -10,6 +12,10 @@ bool lies_in(const std::filesystem::path& inner, const std::filesystem::path& fo
 
 /// True for two paths of one file, which need not exist; false for an empty path.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
+
+/// An error that names --force if something lies under `path` already, unless `force`. For results:
+/// asked before long work, so that nobody loses a scene to a habit.
+Expected<void> check_overwrite(const std::filesystem::path& path, bool force);
 
 /// A folder with an unguessable name that is deleted with this object.
 class TempFolder {
