@@ -4,7 +4,6 @@
 
 #include "fluxgs/io/scene.h"
 #include "fluxgs/io/sog.h"
-#include "io/gltf/glb_container.h"
 #include "io/gltf/gltf_document.h"
 #include "io/ply/ply_header.h"
 #include "io/splat/splat_record.h"
@@ -43,15 +42,11 @@ Expected<Announced> in_ply(std::span<const std::byte> bytes, std::uint64_t size,
   return result;
 }
 
-Expected<Announced> in_glb(std::span<const std::byte> bytes, const std::string& name) {
-  const auto chunks = parse_glb_container(bytes, name);
-  if (!chunks) return std::unexpected(chunks.error());
-  const auto json = check_gltf_json(chunks->json, chunks->bin.size(), name);
-  if (!json) return std::unexpected(json.error());
-  const auto instances = find_gltf_splats(*json, chunks->bin, name);
-  if (!instances) return std::unexpected(instances.error());
+Expected<Announced> in_gltf(std::span<const std::byte> bytes, const std::string& name) {
+  const auto document = open_gltf(bytes, {}, name);
+  if (!document) return std::unexpected(document.error());
   Announced result;
-  for (const GltfInstance& instance : *instances) {
+  for (const GltfInstance& instance : document->instances) {
     result.splats += instance.splats.count;
     result.sh_degree = std::max(result.sh_degree, instance.splats.sh_degree);
   }
@@ -73,7 +68,7 @@ Expected<Announced> in_sog(std::span<const std::byte> bytes, const std::string& 
 Expected<Announced> announced(const std::string& format, std::span<const std::byte> bytes,
                               const std::string& name) {
   if (format == "ply" || format == "compressed.ply") return in_ply(bytes, bytes.size(), name);
-  if (format == "glb") return in_glb(bytes, name);
+  if (format == "glb" || format == "gltf") return in_gltf(bytes, name);
   if (format == "spz") return in_spz(bytes, name);
   if (format == "splat") return Announced{bytes.size() / sizeof(SplatRecord), 0};
   if (format == "sog") return in_sog(bytes, name);

@@ -141,6 +141,50 @@ TEST(GlbSpz, CountsAndDegreesMustAgree) {
                {"SH_DEGREE_1_COEF_1 is missing"});
 }
 
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != text.npos; at += to.size())
+    text.replace(at, from.size(), to);
+  return text;
+}
+
+// Cesium's files of 2025, before the name of today: beside KHR_gaussian_splatting's object or in
+// its place, attributes with underscores, harmonics not named.
+TEST(GlbSpz, ReadsTheDraftsBeforeIt) {
+  const Fixture f = fixture(20, 2);
+  const std::string json = json_of(f.glb);
+  const auto scene_of = [&](const std::string& text) {
+    const auto scene = read(make_glb(text, bin_of(f.glb)));
+    EXPECT_TRUE(scene) << scene.error().message();
+    return scene ? scene->cloud : SplatCloud{};
+  };
+  const auto expect_same = [&](const SplatCloud& cloud) {
+    EXPECT_EQ(cloud.sh_degree, 2);
+    EXPECT_EQ(cloud.positions, f.cloud.positions);
+    EXPECT_EQ(cloud.sh_rest, f.cloud.sh_rest);
+  };
+  const std::string last = "KHR_gaussian_splatting_compression_spz_2";
+  expect_same(scene_of(replaced(json, last, "KHR_gaussian_splatting_compression_spz")));
+  const std::string nested =
+      R"("KHR_gaussian_splatting":{"extensions":{")" + last + R"(":{"bufferView":0}}})";
+  ASSERT_NE(json.find(nested), json.npos);
+  for (const char* first : {"KHR_spz_gaussian_splats_compression", "KHR_spz_compression"}) {
+    std::string alone =
+        replaced(json, nested, fmt::format(R"("{}":{{"bufferView":0,"numPoints":20}})", first));
+    alone =
+        replaced(alone, R"("KHR_gaussian_splatting",")" + last + '"', fmt::format("\"{}\"", first));
+    alone = replaced(alone, "KHR_gaussian_splatting:", "_");
+    expect_same(scene_of(alone));
+    expect_same(scene_of(replaced(alone, "_SH_DEGREE_", "_OTHER_")));
+    expect_same(scene_of(
+        replaced(json, nested,
+                 fmt::format(R"("KHR_gaussian_splatting":{{}},"{}":{{"bufferView":0}})", first))));
+  }
+  const std::string twice =
+      replaced(json, R"("KHR_gaussian_splatting":{"ext)",
+               R"("KHR_spz_compression":{"bufferView":0},"KHR_gaussian_splatting":{"ext)");
+  expect_error(read(make_glb(twice, bin_of(f.glb))), {"compressed twice"});
+}
+
 TEST(GlbSpz, ReferencesAreChecked) {
   const Fixture f = fixture();
   const auto view = [&](const std::string& value) {

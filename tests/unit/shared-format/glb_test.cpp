@@ -299,23 +299,100 @@ TEST(Glb, AppliesMatricesAlongTheTree) {
   expect_transformed(still, scene.cloud, linear, glm::dvec3(parent * glm::dvec4(10, 0, 0, 1)));
 }
 
+// Covariances are exact under any map, colours under turns and mirrors; `exact_colours` tells
+// which.
+void expect_mapped(const std::string& node, const glm::dmat4& map, int degree, bool exact_colours) {
+  const SplatCloud still = random_cloud(40, degree, 23);
+  FLUXGS_UNWRAP(bytes, encode_glb(still, "x"));
+  FLUXGS_UNWRAP(moved, read(edited(bytes, R"({"mesh":0})", R"({"mesh":0,)" + node + "}")));
+  ASSERT_EQ(moved.cloud.size(), still.size());
+  EXPECT_EQ(moved.warnings.size(), exact_colours ? 0u : 1u) << node;
+  const glm::dmat3 linear = kTurn * glm::dmat3(map) * kTurn;
+  const glm::dvec3 shift = kTurn * glm::dvec3(map[3]);
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  for (std::size_t i = 0; i < still.size(); ++i) {
+    const glm::dvec3 position = linear * glm::dvec3(still.positions[i]) + shift;
+    EXPECT_LT(glm::length(position - glm::dvec3(moved.cloud.positions[i])), 1e-4) << node;
+    const glm::dmat3 s = linear * covariance(still, i) * glm::transpose(linear);
+    const glm::dmat3 off = s - covariance(moved.cloud, i);
+    const double size = s[0][0] + s[1][1] + s[2][2];
+    for (int c = 0; c < 3; ++c) EXPECT_LT(glm::length(off[c]), 1e-5 * size) << node;
+    if (!exact_colours) continue;
+    const glm::dvec3 d = glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
+    const glm::dvec3 before = glm::normalize(glm::inverse(linear) * d);
+    EXPECT_LT(glm::length(colour(moved.cloud, i, d) - colour(still, i, before)), 1e-5) << node;
+  }
+}
+
+glm::dmat4 scaling(double x, double y, double z) {
+  return glm::scale(glm::dmat4(1), glm::dvec3(x, y, z));
+}
+
+TEST(Glb, FollowsMirrorsExactly) {
+  for (const int degree : {0, 1, 2, 3}) {
+    expect_mapped(R"("scale":[-1,1,1])", scaling(-1, 1, 1), degree, true);
+    expect_mapped(R"("scale":[2,-2,2])", scaling(2, -2, 2), degree, true);
+    expect_mapped(R"("scale":[-0.5,-0.5,-0.5])", scaling(-0.5, -0.5, -0.5), degree, true);
+    // A mirror, then a turn
+    expect_mapped(R"("rotation":[0,0.6,0,0.8],"scale":[1,1,-1])",
+                  glm::mat4_cast(glm::dquat(0.8, 0, 0.6, 0)) * scaling(1, 1, -1), degree, true);
+  }
+}
+
+TEST(Glb, FollowsStretchesInShapeAndWarnsOfColours) {
+  expect_mapped(R"("scale":[1,2,1])", scaling(1, 2, 1), 0, true);
+  expect_mapped(R"("scale":[1,2,1])", scaling(1, 2, 1), 2, false);
+  expect_mapped(R"("scale":[-3,0.1,1])", scaling(-3, 0.1, 1), 1, false);
+  expect_mapped(R"("scale":[1,1,1.0002])", scaling(1, 1, 1.0002), 0, true);
+  const glm::dmat4 shear(1, 0.5, 0, 0, 0, 1, -0.25, 0, 0, 0, 1, 0, 3, 4, 5, 1);
+  expect_mapped(R"("matrix":[1,0.5,0,0,0,1,-0.25,0,0,0,1,0,3,4,5,1])", shear, 0, true);
+  expect_mapped(R"("matrix":[1,0.5,0,0,0,1,-0.25,0,0,0,1,0,3,4,5,1])", shear, 3, false);
+  // Nearly even: no warning, and shapes are exact all the same
+  const SplatCloud still = random_cloud(5, 2);
+  FLUXGS_UNWRAP(bytes, encode_glb(still, "x"));
+  FLUXGS_UNWRAP(nearly, read(edited(bytes, R"({"mesh":0})", R"({"mesh":0,"scale":[1,1,1.002]})")));
+  EXPECT_TRUE(nearly.warnings.empty());
+}
+
+// A stretch inside of a turn inside of a mirror: the node's own map alone says nothing.
+TEST(Glb, FollowsUnevenScalesAlongTheTree) {
+  const SplatCloud still = random_cloud(30, 0, 24);
+  FLUXGS_UNWRAP(bytes, encode_glb(still, "x"));
+  FLUXGS_UNWRAP(scene, read(edited(bytes, R"({"mesh":0})",
+                                   R"({"children":[1],"scale":[1,3,-1]},)"
+                                   R"({"children":[2],"rotation":[0.6,0,0,0.8]},)"
+                                   R"({"mesh":0,"scale":[2,1,0.5],"translation":[1,0,0]})")));
+  const glm::dmat4 map = scaling(1, 3, -1) * glm::mat4_cast(glm::dquat(0.8, 0.6, 0, 0)) *
+                         glm::translate(glm::dmat4(1), glm::dvec3(1, 0, 0)) * scaling(2, 1, 0.5);
+  const glm::dmat3 linear = kTurn * glm::dmat3(map) * kTurn;
+  for (std::size_t i = 0; i < still.size(); ++i) {
+    const glm::dmat3 s = linear * covariance(still, i) * glm::transpose(linear);
+    const glm::dmat3 off = s - covariance(scene.cloud, i);
+    for (int c = 0; c < 3; ++c)
+      EXPECT_LT(glm::length(off[c]), 1e-5 * (s[0][0] + s[1][1] + s[2][2])) << i;
+  }
+}
+
 TEST(Glb, RefusesTransformsThatSplatsCannotFollow) {
   const Bytes bytes = small_glb();
   const auto with = [&](const std::string& transform) {
     return read(edited(bytes, R"({"mesh":0})", R"({"mesh":0,)" + transform + "}"));
   };
-  expect_error(with(R"("scale":[1,1,2])"), {"nodes[0]", "uniform scale"});
-  expect_error(with(R"("scale":[-1,1,1])"), {"nodes[0]", "mirrors"});
   expect_error(with(R"("scale":[0,0,0])"), {"nodes[0]", "flattens"});
-  expect_error(with(R"("matrix":[1,0,0,0,0.5,1,0,0,0,0,1,0,0,0,0,1])"), {"nodes[0]", "shear"});
+  expect_error(with(R"("scale":[1,0,1])"), {"nodes[0]", "flattens", "no scale of 0"});
+  expect_error(with(R"("matrix":[1,0,0,0,1,0,0,0,0,0,1,0,0,0,0,1])"), {"nodes[0]", "flattens"});
   expect_error(
       with(
-          R"("translation":[1e308,1e308,0],"matrix":[1e300,0,0,0,0,1e300,0,0,0,0,1e300,0,0,0,0,1])"),
+          R"("translation":[1e308,1e308,0],"matrix":[1e300,0,0,0,0,1e-300,0,0,0,0,1e300,0,0,0,0,1])"),
       {"nodes[0]"});
   expect_error(with(R"("matrix":[1,2,3])"), {"nodes[0].matrix", "16 numbers"});
   expect_error(with(R"("rotation":[0,0,1])"), {"nodes[0].rotation", "4 numbers"});
   expect_error(with(R"("translation":"up")"), {"nodes[0].translation", "3 numbers"});
-  EXPECT_TRUE(with(R"("scale":[1.00001,1,1])"));  // rounding of single precision
+  // Beyond float: the splats are left out and counted
+  FLUXGS_UNWRAP(far,
+                read(edited(bytes, R"({"mesh":0})", R"({"mesh":0,"scale":[1e300,1e300,1e300]})")));
+  EXPECT_EQ(far.cloud.size() + far.dropped, 2u);
 }
 
 TEST(Glb, ConcatenatesPrimitivesAndPadsBands) {
@@ -414,6 +491,85 @@ TEST(Glb, SparseAccessorsAndZeros) {
     EXPECT_EQ(scene->cloud.sh_rest[3 * i + 1], glm::vec3(0));
   }
   expect_error(read_glb(sparse_glb(cloud, 20), "sparse.glb"), {"OPACITY", "element 20 of 20"});
+}
+
+TEST(Glb, NamesOfDraftsAreKnown) {
+  const Bytes bytes = small_glb(3, 1);
+  const std::string space = R"("colorSpace":"srgb_rec709_display")";
+  for (const char* name : {R"("colorSpace":"BT.709-srgb")", R"("colorSpace":"BT.709")", R"("a":0)"})
+    EXPECT_TRUE(read(edited(bytes, space, name))) << name;
+  EXPECT_TRUE(read(edited(bytes, R"("kernel":"ellipse",)", "")));
+  FLUXGS_UNWRAP(underscored, read(edited(edited(bytes, "KHR_gaussian_splatting:SCALE", "_SCALE"),
+                                         "KHR_gaussian_splatting:ROTATION", "_ROTATION")));
+  EXPECT_EQ(underscored.cloud.size(), 3u);
+}
+
+double encoded(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+TEST(Glb, LinearColoursBecomeSrgb) {
+  for (const char* name : {"lin_rec709_display", "BT.709-linear", "linear"}) {
+    SplatCloud cloud = random_cloud(30, 0, 5);
+    FLUXGS_UNWRAP(bytes, encode_glb(cloud, "x"));
+    FLUXGS_UNWRAP(scene, read(edited(bytes, "srgb_rec709_display", name)));
+    ASSERT_EQ(scene.warnings.size(), 1u);
+    EXPECT_NE(scene.warnings[0].find("linear"), std::string::npos);
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+      for (int c = 0; c < 3; ++c) {
+        const double linear = std::max(math::kSh0 * double{cloud.sh_dc[i][c]} + 0.5, 0.0);
+        EXPECT_NEAR(math::kSh0 * double{scene.cloud.sh_dc[i][c]} + 0.5, encoded(linear), 1e-6);
+      }
+  }
+  // Harmonics that stay within 0.3…0.7: the encoded colours are nearly harmonics, too
+  SplatCloud cloud = random_cloud(30, 2, 6);
+  for (glm::vec3& dc : cloud.sh_dc) dc = glm::vec3(0);
+  for (glm::vec3& band : cloud.sh_rest) band *= 0.02f / std::max(0.02f, glm::length(band));
+  FLUXGS_UNWRAP(bytes, encode_glb(cloud, "x"));
+  FLUXGS_UNWRAP(scene, read(edited(bytes, "srgb_rec709_display", "lin_rec709_display")));
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const glm::dvec3 d = glm::normalize(glm::dvec3(0.3 * double(i) - 4, 1, -2));
+    const glm::dvec3 linear = colour(cloud, i, d) + 0.5, shown = colour(scene.cloud, i, d) + 0.5;
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(shown[c], encoded(linear[c]), 2e-3);
+  }
+}
+
+TEST(Glb, CarriesTheScreenFilter) {
+  SplatCloud cloud = random_cloud(4, 1);
+  FLUXGS_UNWRAP(classic, encode_glb(cloud, "x"));
+  EXPECT_EQ(json_of(classic).find("screenFilter"), std::string::npos);
+  cloud.filter = {0.1f, true};
+  FLUXGS_UNWRAP(bytes, encode_glb(cloud, "x"));
+  FLUXGS_UNWRAP(scene, read(bytes));
+  EXPECT_EQ(scene.cloud.filter, cloud.filter);
+  EXPECT_TRUE(scene.warnings.empty());
+  FLUXGS_UNWRAP(plain, read(classic));
+  EXPECT_EQ(plain.cloud.filter, ScreenFilter{});
+}
+
+TEST(Glb, ScreenFiltersOutOfRangeAreReplacedWithAWarning) {
+  SplatCloud cloud = random_cloud(4, 1);
+  cloud.filter = {0.5f, true};
+  FLUXGS_UNWRAP(bytes, encode_glb(cloud, "x"));
+  for (const char* wrong :
+       {"0", "-1", "0.0", "1e9", "1e-300", "\"NaN\"", "null", "[0.3]", "true"}) {
+    FLUXGS_UNWRAP(scene,
+                  read(edited(bytes, R"("dilation":0.5)", fmt::format(R"("dilation":{})", wrong))));
+    EXPECT_EQ(scene.cloud.filter, (ScreenFilter{0.3f, true})) << wrong;
+    EXPECT_EQ(scene.warnings.size(), 1u) << wrong;
+  }
+  FLUXGS_UNWRAP(scene, read(edited(bytes, R"("compensated":true)", R"("compensated":1)")));
+  EXPECT_EQ(scene.cloud.filter, (ScreenFilter{0.5f, false}));
+  EXPECT_EQ(scene.warnings.size(), 1u);
+  // A member of another kind is none
+  FLUXGS_UNWRAP(none, read(edited(bytes, R"("screenFilter":{)", R"("screenFilter":7,"was":{)")));
+  EXPECT_EQ(none.cloud.filter, ScreenFilter{});
+  SplatCloud other = cloud;
+  other.filter = {};
+  other.filter.dilation = 0.2f;
+  FLUXGS_UNWRAP(two, read(joined_glb({bytes, *encode_glb(other, "y")})));
+  EXPECT_EQ(two.cloud.filter, cloud.filter);
+  EXPECT_EQ(two.warnings.size(), 1u);
 }
 
 TEST(Glb, OtherContentIsIgnored) {

@@ -1,7 +1,8 @@
-// Binary glTF 2.0 with the ratified extension KHR_gaussian_splatting (kernel "ellipse").
+// glTF 2.0, binary or JSON, with the ratified extension KHR_gaussian_splatting (kernel "ellipse").
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,20 +20,25 @@ bool is_glb(std::span<const std::byte> bytes);
 void turn_gltf_frame(SplatCloud& cloud);
 
 /// Read every splat primitive of the default scene (without one: of the first, or of all root
-/// nodes) into one cloud, its nodes' transforms applied, turned from glTF's frame (y up) into that
-/// of a SplatCloud (y down) by half a turn about z. The degree is the highest among the primitives;
-/// missing bands are zero.
+/// nodes) into one cloud, its nodes' transforms applied (transform.h), turned from glTF's frame (y
+/// up) into that of a SplatCloud (y down) by half a turn about z. The degree is the highest among
+/// the primitives; missing bands are zero. Scales that are mostly negative are logarithms, as a
+/// draft of the extension had them.
 ///
-/// Splats compressed by KHR_gaussian_splatting_compression_spz_2 are read too, with the bounds of
-/// spz.h; the draft of that extension and those who write it disagree about the axes, and the
-/// bounds of POSITION tell which it was.
+/// Splats compressed by SPZ are read too, by all drafts of that extension
+/// (KHR_gaussian_splatting_compression_spz_2 the last), with the bounds of spz.h; the drafts and
+/// those who write by them disagree about the axes, and the bounds of POSITION tell which it was.
 ///
-/// Memory only: nothing is fetched, every URI is refused by name. Refused by name too: required
-/// extensions we do not know, splats compressed otherwise, sparse accessors, kernels other than
-/// "ellipse", colour spaces other than "srgb_rec709_display", transforms with shear, mirroring or
-/// non-uniform scale. All counts are checked against the size of `bytes` before anything is
-/// allocated, and instances of a mesh may not make more than one splat per 8 bytes of the file
-/// (compressed: 2 per byte, or 2^20).
+/// Colours in linear light ("lin_rec709_display") become sRGB, splat by splat: the harmonics
+/// nearest to what each shows. Splats that blend look a little different, and a warning says so. A
+/// warning also names nodes that stretch splats with view-dependent colours (transform.h).
+///
+/// Memory only: nothing is fetched. Buffers may be data: URIs; other URIs of buffers are refused by
+/// name, those of images do not matter. Refused by name too: required extensions that we do not
+/// know, splats compressed otherwise, kernels other than "ellipse", other colour spaces, transforms
+/// that flatten. All counts are checked against the size of `bytes` before anything is allocated,
+/// and instances of a mesh may not make more than one splat per 8 bytes of the file (compressed: 2
+/// per byte, or 2^20).
 ///
 /// glTF stores opacity and scale themselves, a cloud their logit and logarithm. So that the ends of
 /// the range stay finite, opacity ≤ 0 becomes logit ≈ −87.3 (2⁻¹²⁶), opacity ≥ 1 becomes ≈ 17.3
@@ -40,8 +46,21 @@ void turn_gltf_frame(SplatCloud& cloud);
 /// scales are invalid: such splats count as dropped.
 Expected<SceneFile> read_glb(std::span<const std::byte> bytes, const std::string& name);
 
+/// True if the bytes look like the JSON form of glTF, a .gltf.
+bool is_gltf(std::span<const std::byte> bytes);
+
+/// Read the JSON form, as read_glb() does.
+Expected<SceneFile> read_gltf(std::span<const std::byte> bytes, const std::string& name);
+
+/// Read a .glb or .gltf whose buffers may be files, given its content and where it lies. Names of
+/// files must be plain and lie in its folder or below (symbolic links that lead out are refused);
+/// a file may be larger than its buffer by 4,096 bytes. `bytes` of the result counts all files.
+Expected<SceneFile> read_gltf_folder(std::span<const std::byte> bytes,
+                                     const std::filesystem::path& path);
+
 /// Write one node with one POINTS primitive: float attributes, unit quaternions, and COLOR_0
-/// (linear, 8 bits) for viewers that do not know the extension. Scales and opacities beyond the
+/// (linear, 8 bits) for viewers that do not know the extension. A screen filter other than the
+/// classic one is in `extras` of the extension's object (schema/README.md). Scales and opacities beyond the
 /// range of float are limited to it. Splats with a NaN or infinity are left out. A scene without
 /// splats is written without a mesh (glTF has no empty accessors) and so loses its degree. An error
 /// if the file would exceed the 4 GiB that a .glb can hold.

@@ -21,6 +21,7 @@
 #include "fluxgs/io/gltf_frame.h"
 #include "io/gltf/gltf_builder.h"
 #include "io/gltf/gltf_compact.h"
+#include "io/gltf/gltf_filter.h"
 #include "io/gltf/gltf_json.h"
 #include "io/gltf/gltf_plain.h"
 
@@ -237,7 +238,8 @@ Expected<std::vector<Part>> parts_by_degree(const SplatCloud& splats, const Comp
   return parts;
 }
 
-io::GltfPrimitive describe(const Part& part, bool plain_attributes, io::GltfBuilder& builder) {
+io::GltfPrimitive describe(const Part& part, const ScreenFilter& filter, bool plain_attributes,
+                           io::GltfBuilder& builder) {
   const Payload& payload = part.payload;
   json extension = {{"version", io::kCompactVersion},
                     {"bufferView", builder.add_view(payload.stream.size(), false)}};
@@ -245,7 +247,9 @@ io::GltfPrimitive describe(const Part& part, bool plain_attributes, io::GltfBuil
     extension["networks"] = networks_json(*payload.networks, builder);
   json attributes = plain_attributes ? io::add_plain_attributes(part.decoded, builder)
                                      : add_described_attributes(part.decoded, builder);
-  return {std::move(attributes), {{io::kCompactExtension, std::move(extension)}}};
+  return {std::move(attributes),
+          {{io::kCompactExtension, std::move(extension)}},
+          io::screen_filter_extras(filter)};
 }
 
 void put_part(const Part& part, bool plain_attributes, BinWriter& bin) {
@@ -257,11 +261,13 @@ void put_part(const Part& part, bool plain_attributes, BinWriter& bin) {
   if (plain_attributes) bin.put_plain_attributes(part.decoded);
 }
 
-Expected<std::vector<std::byte>> make_file(const std::vector<Part>& parts, bool plain_attributes,
+Expected<std::vector<std::byte>> make_file(const std::vector<Part>& parts,
+                                           const ScreenFilter& filter, bool plain_attributes,
                                            const std::string& name) {
   io::GltfBuilder builder;
   std::vector<io::GltfPrimitive> primitives;
-  for (const Part& part : parts) primitives.push_back(describe(part, plain_attributes, builder));
+  for (const Part& part : parts)
+    primitives.push_back(describe(part, filter, plain_attributes, builder));
   auto file =
       io::allocate_glb(builder.document(primitives, !plain_attributes), builder.bin_bytes(), name);
   if (!file) return std::unexpected(file.error());
@@ -344,7 +350,7 @@ Expected<std::vector<std::byte>> encode_compact_glb(const SplatCloud& cloud,
   const auto parts =
       own.networks ? whole_scene(splats, own, name) : parts_by_degree(splats, own, name);
   if (!parts) return std::unexpected(parts.error());
-  return make_file(*parts, options.plain_attributes, name);
+  return make_file(*parts, cloud.filter, options.plain_attributes, name);
 }
 
 }  // namespace fluxgs

@@ -93,23 +93,20 @@ std::string place_of(const std::string& field, const GltfExpectation& expected, 
 }  // namespace
 
 Expected<std::span<const std::byte>> resolve_view(const tinygltf::Model& model, int index,
-                                                  std::span<const std::byte> buffer,
-                                                  const std::string& name) {
+                                                  GltfBuffers& buffers, const std::string& name) {
   const std::string where = fmt::format("bufferViews[{}]", index);
   if (static_cast<std::size_t>(index) >= model.bufferViews.size()) {
     return fail(name, where, "does not exist");
   }
   const tinygltf::BufferView& view = model.bufferViews[static_cast<std::size_t>(index)];
-  if (view.buffer != 0) {
-    return fail(name, where,
-                fmt::format("is in buffer {}; only buffer 0 is inside a .glb", view.buffer));
-  }
-  if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset) {
+  const auto buffer = buffers.get(static_cast<std::size_t>(view.buffer));
+  if (!buffer) return buffer;
+  if (view.byteOffset > buffer->size() || view.byteLength > buffer->size() - view.byteOffset) {
     return fail(name, where,
                 fmt::format("{} bytes at {} are outside the buffer of {}", view.byteLength,
-                            view.byteOffset, buffer.size()));
+                            view.byteOffset, buffer->size()));
   }
-  return buffer.subspan(view.byteOffset, view.byteLength);
+  return buffer->subspan(view.byteOffset, view.byteLength);
 }
 
 Expected<void> check_accessor(const tinygltf::Model& model, int accessor,
@@ -150,19 +147,19 @@ Expected<void> check_elements(std::span<const std::byte> view, const Elements& e
 
 // An accessor without a bufferView is zeros (glTF 2.0, 3.6.2.1), of as many elements as it says: no
 // more than the file has bytes, of which the positions of as many splats take at least three.
-Expected<GltfAttribute> zeros(const tinygltf::Accessor& a, std::span<const std::byte> buffer,
+Expected<GltfAttribute> zeros(const tinygltf::Accessor& a, GltfBuffers& buffers,
                               const std::string& name, const std::string& where) {
   static constexpr std::array<std::byte, 64> kZeros{};
-  if (a.count > buffer.size())
+  if (a.count > buffers.bytes())
     return fail(name, where,
-                fmt::format("promises {} zeros in a file of {} bytes", a.count, buffer.size()));
+                fmt::format("promises {} zeros in a file of {} bytes", a.count, buffers.bytes()));
   return GltfAttribute{kZeros.data(), 0, a.count, a.componentType, a.normalized};
 }
 
 Expected<GltfAttribute> resolve_elements(const tinygltf::Model& model, const tinygltf::Accessor& a,
-                                         std::span<const std::byte> buffer, const std::string& name,
+                                         GltfBuffers& buffers, const std::string& name,
                                          const std::string& where) {
-  const auto view = resolve_view(model, a.bufferView, buffer, name);
+  const auto view = resolve_view(model, a.bufferView, buffers, name);
   if (!view) return std::unexpected(view.error());
   const std::size_t size = element_size(a);
   const std::size_t given = model.bufferViews[static_cast<std::size_t>(a.bufferView)].byteStride;
@@ -180,11 +177,10 @@ Expected<GltfAttribute> resolve_elements(const tinygltf::Model& model, const tin
 // `count` elements of `size` bytes behind `offset` of a bufferView, close together.
 Expected<std::span<const std::byte>> packed_elements(const tinygltf::Model& model, int view_index,
                                                      std::size_t offset, std::size_t count,
-                                                     std::size_t size,
-                                                     std::span<const std::byte> buffer,
+                                                     std::size_t size, GltfBuffers& buffers,
                                                      const std::string& name,
                                                      const std::string& where) {
-  const auto view = resolve_view(model, view_index, buffer, name);
+  const auto view = resolve_view(model, view_index, buffers, name);
   if (!view) return view;
   if (auto ok = check_elements(*view, {offset, count, size, size}, name, where); !ok)
     return std::unexpected(ok.error());
@@ -194,7 +190,7 @@ Expected<std::span<const std::byte>> packed_elements(const tinygltf::Model& mode
 // A copy of the elements in which some are replaced (glTF 2.0, 3.6.2.3).
 Expected<GltfAttribute> with_sparse_elements(const tinygltf::Model& model,
                                              const tinygltf::Accessor& a, const GltfAttribute& base,
-                                             std::span<const std::byte> buffer, std::size_t& room,
+                                             GltfBuffers& buffers, std::size_t& sparse_bytes,
                                              const std::string& name, const std::string& where) {
   const std::size_t size = element_size(a), count = static_cast<std::size_t>(a.sparse.count);
   const int type = a.sparse.indices.componentType;
@@ -207,14 +203,14 @@ Expected<GltfAttribute> with_sparse_elements(const tinygltf::Model& model,
       static_cast<std::size_t>(tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(type)));
   const auto indices =
       packed_elements(model, a.sparse.indices.bufferView, a.sparse.indices.byteOffset, count,
-                      index_size, buffer, name, where + ".sparse.indices");
+                      index_size, buffers, name, where + ".sparse.indices");
   if (!indices) return std::unexpected(indices.error());
   const auto values = packed_elements(model, a.sparse.values.bufferView, a.sparse.values.byteOffset,
-                                      count, size, buffer, name, where + ".sparse.values");
+                                      count, size, buffers, name, where + ".sparse.values");
   if (!values) return std::unexpected(values.error());
-  if (base.count > room / size)
+  if (base.count > (64 * buffers.bytes() - sparse_bytes) / size)
     return fail(name, where, "sparse accessors unfold to more than 64 times the file");
-  room -= base.count * size;
+  sparse_bytes += base.count * size;
   auto owned = std::make_shared<std::vector<std::byte>>(base.count * size);
   for (std::size_t i = 0; i < base.count; ++i)
     std::memcpy(owned->data() + i * size, base.data + i * base.stride, size);
@@ -232,19 +228,18 @@ Expected<GltfAttribute> with_sparse_elements(const tinygltf::Model& model,
 }  // namespace
 
 Expected<GltfAttribute> resolve_accessor(const tinygltf::Model& model, int accessor,
-                                         const GltfExpectation& expected,
-                                         std::span<const std::byte> buffer,
-                                         std::size_t& sparse_room, const std::string& name,
+                                         const GltfExpectation& expected, GltfBuffers& buffers,
+                                         std::size_t& sparse_bytes, const std::string& name,
                                          const std::string& field) {
   if (auto ok = check_accessor(model, accessor, expected, name, field); !ok) {
     return std::unexpected(ok.error());
   }
   const std::string where = place_of(field, expected, accessor);
   const tinygltf::Accessor& a = model.accessors[static_cast<std::size_t>(accessor)];
-  auto base = a.bufferView < 0 ? zeros(a, buffer, name, where)
-                               : resolve_elements(model, a, buffer, name, where);
+  auto base = a.bufferView < 0 ? zeros(a, buffers, name, where)
+                               : resolve_elements(model, a, buffers, name, where);
   if (!base || !a.sparse.isSparse) return base;
-  return with_sparse_elements(model, a, *base, buffer, sparse_room, name, where);
+  return with_sparse_elements(model, a, *base, buffers, sparse_bytes, name, where);
 }
 
 }  // namespace fluxgs::io

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "fluxgs/error.h"
+#include "io/gltf/gltf_buffers.h"
 #include "io/gltf/gltf_document.h"
 
 namespace tinygltf {
@@ -32,8 +33,7 @@ struct GltfExpectation {
 
 /// The bytes of a buffer view.
 Expected<std::span<const std::byte>> resolve_view(const tinygltf::Model& model, int index,
-                                                  std::span<const std::byte> buffer,
-                                                  const std::string& name);
+                                                  GltfBuffers& buffers, const std::string& name);
 
 /// An error unless there is such an accessor, of the type that is expected. `field` names the
 /// primitive in errors.
@@ -42,12 +42,11 @@ Expected<void> check_accessor(const tinygltf::Model& model, int accessor,
                               const std::string& field);
 
 /// Resolve an accessor of `model` into memory, checked as above. Without a bufferView all elements
-/// are zeros. A sparse one is unfolded into memory of its own, which is taken from `sparse_room`
-/// bytes; an error if there are fewer.
+/// are zeros. A sparse one is unfolded into memory of its own, which is added to `sparse_bytes`; an
+/// error if that becomes more than 64 times the bytes of the buffers.
 Expected<GltfAttribute> resolve_accessor(const tinygltf::Model& model, int accessor,
-                                         const GltfExpectation& expected,
-                                         std::span<const std::byte> buffer,
-                                         std::size_t& sparse_room, const std::string& name,
+                                         const GltfExpectation& expected, GltfBuffers& buffers,
+                                         std::size_t& sparse_bytes, const std::string& name,
                                          const std::string& field);
 
 }  // namespace fluxgs::io

@@ -26,6 +26,7 @@ json json_of(const GltfPrimitive& primitive) {
                     {"sortingMethod", "cameraDistance"},
                     {"projection", "perspective"}};
   if (!primitive.nested.is_null()) extension["extensions"] = primitive.nested;
+  if (!primitive.extras.is_null()) extension["extras"] = primitive.extras;
   return {{"attributes", primitive.attributes},
           {"mode", kPoints},
           {"extensions", {{kSplatExtension, std::move(extension)}}}};

@@ -14,11 +14,12 @@ namespace fluxgs::io {
 /// glTF 2.0, sections 5.1 and 5.11.
 inline constexpr int kGltfFloat = 5126, kGltfUnsignedByte = 5121, kGltfArrayBuffer = 34962;
 
-/// A POINTS primitive of splats: semantic → accessor, and what is nested in KHR_gaussian_splatting
-/// (null: nothing).
+/// A POINTS primitive of splats: semantic → accessor, and the extensions and extras of
+/// KHR_gaussian_splatting's object (null: none).
 struct GltfPrimitive {
   nlohmann::json attributes;
   nlohmann::json nested = {};
+  nlohmann::json extras = {};
 };
 
 /// The lists of a document with one mesh of splats, as far as they are known.

@@ -37,7 +37,7 @@ Expected<GltfNetworks> find_networks(const GltfCompressedPlace& place,
   for (const auto& [key, to] : {std::pair("psi", &found.psi), std::pair("phi", &found.phi)}) {
     if (!networks.Has(key)) continue;
     const int view = networks.Get(key).GetNumberAsInt();
-    const auto bytes = resolve_view(place.model, view, place.buffer, place.name);
+    const auto bytes = resolve_view(place.model, view, place.buffers, place.name);
     if (!bytes) return std::unexpected(bytes.error());
     if (bytes->empty())
       return fail(place.name, fmt::format("{}: {}", place.field, key), "has no bytes");

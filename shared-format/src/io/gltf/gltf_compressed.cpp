@@ -79,7 +79,7 @@ Expected<GltfSplats> describe_compressed(const GltfCompressedPlace& place, int v
   if (!count) return std::unexpected(count.error());
   const auto degree = complete_degree(place.primitive, place.name, place.field);
   if (!degree) return std::unexpected(degree.error());
-  const auto bytes = resolve_view(place.model, view, place.buffer, place.name);
+  const auto bytes = resolve_view(place.model, view, place.buffers, place.name);
   if (!bytes) return std::unexpected(bytes.error());
   GltfSplats splats;
   splats.count = *count;

@@ -20,7 +20,7 @@ namespace fluxgs::io {
 struct GltfCompressedPlace {
   const tinygltf::Model& model;
   const tinygltf::Primitive& primitive;
-  std::span<const std::byte> buffer;
+  GltfBuffers& buffers;
   const std::string& name;
   const std::string& field;
 };

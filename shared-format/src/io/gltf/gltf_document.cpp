@@ -12,15 +12,23 @@
 
 #include "fluxgs/sanitize.h"
 #include "fluxgs/splat_cloud.h"
+#include "io/gltf/glb_container.h"
 #include "io/gltf/gltf_accessor.h"
 #include "io/gltf/gltf_compact.h"
 #include "io/gltf/gltf_compressed.h"
 #include "io/gltf/gltf_spz.h"
+#include "io/json_text.h"
 
 namespace fluxgs::io {
 namespace {
 
-constexpr double kUniformTolerance = 1e-4;  // single-precision matrices are better than this
+// Stretched by less, a splat's colours are as good as turned.
+constexpr double kVisibleStretch = 1.01;
+
+constexpr std::array<std::string_view, 1> kKernels{"ellipse"};
+// The names of the extension, and those of its drafts.
+constexpr std::array<std::string_view, 3> kEncoded{"srgb_rec709_display", "BT.709-srgb", "BT.709"};
+constexpr std::array<std::string_view, 3> kLinear{"lin_rec709_display", "BT.709-linear", "linear"};
 
 constexpr GltfExpectation kPosition{
     "POSITION", TINYGLTF_TYPE_VEC3,
@@ -56,19 +64,33 @@ Expected<tinygltf::Model> load_model(const std::string& reduced, const std::stri
 // Reads the primitives of one document; every failure names the primitive.
 class PrimitiveReader {
  public:
-  PrimitiveReader(const tinygltf::Model& model, std::span<const std::byte> buffer,
-                  const std::string& name)
-      : model_(model), buffer_(buffer), name_(name) {}
+  PrimitiveReader(const tinygltf::Model& model, GltfBuffers& buffers, const std::string& name)
+      : model_(model), buffers_(buffers), name_(name) {}
 
   Expected<GltfSplats> read(const tinygltf::Primitive& primitive, const std::string& field) const {
     if (auto ok = check_kind(primitive, field); !ok) return std::unexpected(ok.error());
     const tinygltf::Value& extension = primitive.extensions.at(kSplatExtension);
-    if (extension.Has(kCompression)) {
-      const GltfCompressedPlace place{model_, primitive, buffer_, name_, field};
-      const int view = extension.Get(kCompressedView).GetNumberAsInt();
-      const bool is_spz = extension.Get(kCompression).Get<std::string>() == kSpzExtension;
-      return is_spz ? find_spz_splats(place, view) : find_compact_splats(place, extension);
-    }
+    auto splats = extension.Has(kCompression) ? read_compressed(primitive, extension, field)
+                                              : read_plain(primitive, field);
+    if (splats && extension.Has(kColorSpace))
+      splats->linear_colours = is_linear(extension.Get(kColorSpace).Get<std::string>());
+    return splats;
+  }
+
+ private:
+  Expected<GltfSplats> read_compressed(const tinygltf::Primitive& primitive,
+                                       const tinygltf::Value& extension,
+                                       const std::string& field) const {
+    const GltfCompressedPlace place{model_, primitive, buffers_, name_, field};
+    const std::string& compression = extension.Get(kCompression).Get<std::string>();
+    return compression == kCompactExtension
+               ? find_compact_splats(place, extension)
+               : find_spz_splats(place, extension.Get(kCompressedView).GetNumberAsInt(),
+                                 compression);
+  }
+
+  Expected<GltfSplats> read_plain(const tinygltf::Primitive& primitive,
+                                  const std::string& field) const {
     GltfSplats splats;
     for (const auto& [target, expected] :
          {std::pair(&splats.position, kPosition), std::pair(&splats.rotation, kRotation),
@@ -84,27 +106,28 @@ class PrimitiveReader {
     return splats;
   }
 
- private:
+  static bool is_linear(const std::string& color_space) {
+    return std::ranges::find(kLinear, color_space) != kLinear.end();
+  }
+
   Expected<void> check_kind(const tinygltf::Primitive& primitive, const std::string& field) const {
     if (primitive.mode != TINYGLTF_MODE_POINTS) {
       return fail(name_, field, fmt::format("has mode {}; splats need POINTS (0)", primitive.mode));
     }
     const tinygltf::Value& extension = primitive.extensions.at(kSplatExtension);
-    for (const auto& [key, expected] :
-         {std::pair("kernel", "ellipse"), std::pair("colorSpace", "srgb_rec709_display")}) {
-      if (!extension.Has(key)) {
-        // The drafts with compressed splats, and those who write by them, have neither.
-        if (extension.Has(kCompression)) continue;
-        return fail(name_, fmt::format("{}: {}", field, key),
-                    fmt::format("is missing; expected \"{}\"", expected));
-      }
+    const auto check = [&](const char* key, const auto& known) -> Expected<void> {
+      // The drafts had defaults, the first of each.
+      if (!extension.Has(key)) return {};
       const auto& value = extension.Get(key).Get<std::string>();
-      if (value == expected) continue;
-      return fail(
-          name_, fmt::format("{}: {}", field, key),
-          fmt::format("\"{}\" is not supported; expected \"{}\"", sanitized(value), expected));
-    }
-    return {};
+      if (std::ranges::find(known, value) != known.end()) return {};
+      return fail(name_, fmt::format("{}: {}", field, key),
+                  fmt::format("\"{}\" is not supported; expected \"{}\"", sanitized(value),
+                              fmt::join(known, "\" or \"")));
+    };
+    if (auto ok = check(kKernel, kKernels); !ok) return ok;
+    std::vector<std::string_view> spaces(kEncoded.begin(), kEncoded.end());
+    spaces.insert(spaces.end(), kLinear.begin(), kLinear.end());
+    return check(kColorSpace, spaces);
   }
 
   Expected<GltfAttribute> resolve(const tinygltf::Primitive& primitive,
@@ -115,7 +138,7 @@ class PrimitiveReader {
       return fail(name_, field, fmt::format("attribute {} is missing", expected.semantic));
     }
     auto attribute =
-        resolve_accessor(model_, found->second, expected, buffer_, sparse_room_, name_, field);
+        resolve_accessor(model_, found->second, expected, buffers_, sparse_bytes_, name_, field);
     if (attribute && expected.semantic != kPosition.semantic && attribute->count != splats.count) {
       return fail(
           name_, fmt::format("{}: {}", field, expected.semantic),
@@ -143,10 +166,9 @@ class PrimitiveReader {
   }
 
   const tinygltf::Model& model_;
-  std::span<const std::byte> buffer_;
+  GltfBuffers& buffers_;
   const std::string& name_;
-  mutable std::size_t sparse_room_ =
-      64 * buffer_.size();  // a bound for what sparse accessors unfold to
+  mutable std::size_t sparse_bytes_ = 0;
 };
 
 glm::dmat4 local_matrix(const tinygltf::Node& node) {
@@ -164,38 +186,14 @@ glm::dmat4 local_matrix(const tinygltf::Node& node) {
   return m;
 }
 
-// A transform that moves, turns and scales alike in all directions; anything else would need
-// another kind of splat or is undefined by the extension.
-Expected<GltfTransform> decompose(const glm::dmat4& matrix, const std::string& name,
-                                  const std::string& field) {
-  GltfTransform transform;
-  transform.identity = matrix == glm::dmat4(1.0);
-  transform.linear = glm::dmat3(matrix);
-  transform.translation = glm::dvec3(matrix[3]);
-  for (int i = 0; i < 4; ++i) {
-    for (int k = 0; k < 4; ++k) {
+Expected<AffineMap> affine_map(const glm::dmat4& matrix, const std::string& name,
+                               const std::string& field) {
+  const AffineMap map{glm::dmat3(matrix), glm::dvec3(matrix[3])};
+  for (int i = 0; i < 4; ++i)
+    for (int k = 0; k < 3; ++k)
       if (!std::isfinite(matrix[i][k])) return fail(name, field, "its transform is not finite");
-    }
-  }
-  const double determinant = glm::determinant(transform.linear);
-  if (!(determinant > 0)) {
-    return fail(name, field, "its transform mirrors or flattens; expected a positive scale");
-  }
-  transform.scale = std::cbrt(determinant);
-  const glm::dmat3 turn = transform.linear * (1 / transform.scale);
-  const glm::dmat3 gram = glm::transpose(turn) * turn;
-  for (int i = 0; i < 3; ++i) {
-    for (int k = 0; k < 3; ++k) {
-      // Written so that NaN (scales beyond the range of double) fails too.
-      if (std::abs(gram[i][k] - (i == k ? 1 : 0)) <= kUniformTolerance) continue;
-      return fail(name, field,
-                  i == k
-                      ? "its transform scales axes differently; expected a uniform scale"
-                      : "its transform has shear or a non-uniform scale; expected a uniform one");
-    }
-  }
-  transform.rotation = glm::normalize(glm::quat_cast(turn));
-  return transform;
+  if (std::isfinite(stretch_of(map.linear))) return map;
+  return fail(name, field, "its transform flattens its splats; expected no scale of 0");
 }
 
 std::vector<int> root_nodes(const tinygltf::Model& model) {
@@ -262,7 +260,7 @@ class Walk {
       if (!primitives[i].extensions.contains(kSplatExtension)) continue;
       auto splats = reader_.read(primitives[i], fmt::format("meshes[{}].primitives[{}]", mesh, i));
       if (!splats) return std::unexpected(splats.error());
-      auto transform = decompose(matrix, name_, field);
+      const auto transform = affine_map(matrix, name_, field);
       if (!transform) return std::unexpected(transform.error());
       instances_.push_back({*splats, *transform});
       if (instances_.size() > kMaxInstances) {
@@ -281,14 +279,11 @@ class Walk {
   std::vector<GltfInstance> instances_;
 };
 
-}  // namespace
-
-Expected<std::vector<GltfInstance>> find_gltf_splats(const GltfJson& json,
-                                                     std::span<const std::byte> bin,
-                                                     const std::string& name) {
-  const auto model = load_model(json.reduced, name);
+Expected<std::vector<GltfInstance>> find_splats(const std::string& reduced, GltfBuffers& buffers,
+                                                const std::string& name) {
+  const auto model = load_model(reduced, name);
   if (!model) return std::unexpected(model.error());
-  const PrimitiveReader reader(*model, bin.first(json.buffer_bytes), name);
+  const PrimitiveReader reader(*model, buffers, name);
   std::vector<int> roots = root_nodes(*model);
   if (model->defaultScene >= 0) {
     const auto scene = static_cast<std::size_t>(model->defaultScene);
@@ -298,6 +293,48 @@ Expected<std::vector<GltfInstance>> find_gltf_splats(const GltfJson& json,
     roots = model->scenes[scene].nodes;
   }
   return Walk(*model, reader, name).run(roots);
+}
+
+std::vector<std::string> warnings_of(const std::vector<GltfInstance>& instances) {
+  std::vector<std::string> warnings;
+  const bool stretched = std::ranges::any_of(instances, [](const GltfInstance& instance) {
+    return instance.splats.sh_degree > 0 && stretch_of(instance.transform.linear) > kVisibleStretch;
+  });
+  if (stretched)
+    warnings.emplace_back(
+        "its nodes stretch splats: their shapes are exact, but colours that depend on the "
+        "direction "
+        "of view are approximate");
+  if (std::ranges::any_of(instances, [](const auto& i) { return i.splats.linear_colours; }))
+    warnings.emplace_back(
+        "its colours are linear and become sRGB splat by splat, which looks alike but where splats "
+        "of different colours blend");
+  return warnings;
+}
+
+}  // namespace
+
+Expected<GltfDocument> open_gltf(std::span<const std::byte> bytes, NamedFiles files,
+                                 const std::string& name) {
+  GltfSource source{
+      .bin = {}, .data_uris = {}, .files = std::move(files), .document = bytes.size()};
+  std::string_view text = as_text(bytes);
+  if (text.starts_with(std::string_view(kGlbMagic, sizeof kGlbMagic))) {
+    const auto chunks = parse_glb_container(bytes, name);
+    if (!chunks) return std::unexpected(chunks.error());
+    text = chunks->json;
+    source.bin = chunks->bin;
+  }
+  const std::string rest = take_data_uris(text, source.data_uris);
+  auto found = check_gltf_json(rest, name);
+  if (!found) return std::unexpected(found.error());
+  GltfBuffers buffers(found->buffers, std::move(source), name);
+  auto instances = find_splats(found->reduced, buffers, name);
+  if (!instances) return std::unexpected(instances.error());
+  std::vector<std::string> warnings = warnings_of(*instances);
+  warnings.insert(warnings.end(), found->warnings.begin(), found->warnings.end());
+  return GltfDocument{std::move(*found), std::move(buffers), std::move(*instances),
+                      std::move(warnings)};
 }
 
 }  // namespace fluxgs::io

@@ -1,4 +1,4 @@
-// The splats of a glTF document: where each attribute lies in the file and which transforms the
+// The splats of a glTF document: where each attribute lies in its buffers and which transforms the
 // nodes give it, all bounds checked. No splat data are read here.
 #pragma once
 
@@ -10,12 +10,12 @@
 #include <string>
 #include <vector>
 
-#include <glm/gtc/quaternion.hpp>
-#include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
 #include "fluxgs/error.h"
 #include "fluxgs/networks/appearance.h"
+#include "fluxgs/transform.h"
+#include "io/gltf/gltf_buffers.h"
 #include "io/gltf/gltf_json.h"
 
 namespace fluxgs::io {
@@ -48,6 +48,7 @@ struct GltfNetworks {
 struct GltfSplats {
   std::size_t count = 0;
   int sh_degree = 0;
+  bool linear_colours = false;  ///< linear instead of sRGB-encoded
   GltfAttribute position, rotation, scale, opacity;
   std::array<GltfAttribute, 16> sh;  ///< degree 0, then 1…sh_degree in the order of the basis
 
@@ -58,24 +59,24 @@ struct GltfSplats {
   std::optional<GltfNetworks> networks;   ///< of compact splats
 };
 
-/// Global transform of a node: p ↦ linear·p + translation, linear = scale·(rotation).
-struct GltfTransform {
-  bool identity = true;  ///< nothing to do
-  glm::dmat3 linear{1.0};
-  glm::dvec3 translation{0.0};
-  glm::dquat rotation{1, 0, 0, 0};
-  double scale = 1;
-};
-
 /// One splat primitive under one node.
 struct GltfInstance {
   GltfSplats splats;
-  GltfTransform transform;
+  AffineMap transform;  ///< the node's, global; finite, and does not flatten
 };
 
-/// All splat primitives of the default scene, in the order of its nodes.
-Expected<std::vector<GltfInstance>> find_gltf_splats(const GltfJson& json,
-                                                     std::span<const std::byte> bin,
-                                                     const std::string& name);
+/// A document from a stranger, checked.
+struct GltfDocument {
+  GltfJson json;
+  GltfBuffers buffers;  ///< what the instances point into
+  /// All splat primitives of the default scene, in the order of its nodes.
+  std::vector<GltfInstance> instances;
+  std::vector<std::string> warnings;  ///< see SceneFile::warnings
+};
+
+/// Opens a .glb or the text of a .gltf. `files` reads what lies beside it; empty: nothing does.
+/// `bytes` must outlive the document.
+Expected<GltfDocument> open_gltf(std::span<const std::byte> bytes, NamedFiles files,
+                                 const std::string& name);
 
 }  // namespace fluxgs::io

@@ -13,6 +13,7 @@
 
 #include "fluxgs/sanitize.h"
 #include "io/gltf/gltf_camera.h"
+#include "io/gltf/gltf_filter.h"
 #include "io/json_text.h"
 
 namespace fluxgs::io {
@@ -24,9 +25,12 @@ constexpr std::size_t kMaxEntries = 65536;
 
 // The splat data do not depend on materials, so an unlit one may be required; quantized positions
 // are read.
-constexpr std::array<std::string_view, 5> kKnownRequired{kSplatExtension, kSpzExtension,
-                                                         kCompactExtension, "KHR_mesh_quantization",
-                                                         "KHR_materials_unlit"};
+constexpr std::array<std::string_view, 4> kKnownRequired{
+    kSplatExtension, kCompactExtension, "KHR_mesh_quantization", "KHR_materials_unlit"};
+
+bool is_spz_extension(std::string_view name) {
+  return std::ranges::find(kSpzExtensionNames, name) != kSpzExtensionNames.end();
+}
 
 // Collects the first thing that is wrong; the checks read as a list.
 class Checker {
@@ -119,33 +123,27 @@ json reduce(Checker& check, const json& objects, const std::string& field,
 void check_required(Checker& check) {
   for (const std::string& extension : check.strings("extensionsRequired")) {
     if (std::ranges::find(kKnownRequired, extension) != kKnownRequired.end()) continue;
+    if (is_spz_extension(extension)) continue;
     check.bad("extensionsRequired",
               fmt::format("{} is needed to read this file and is not supported", shown(extension)));
   }
 }
 
-std::size_t check_buffers(Checker& check, std::size_t bin_bytes) {
+std::vector<GltfBuffer> check_buffers(Checker& check) {
   const json& buffers = check.list("buffers");
-  const json& images = check.list("images");
-  for (const auto& [list, key] : {std::pair(&buffers, "buffers"), std::pair(&images, "images")}) {
-    for (std::size_t i = 0; i < list->size(); ++i) {
-      const json& uri = member((*list)[i], "uri");
-      if (uri.is_null()) continue;
-      check.bad(fmt::format("{}[{}].uri", key, i),
-                fmt::format("{} is not fetched; expected all data inside the .glb", shown(uri)));
-    }
+  std::vector<GltfBuffer> result;
+  for (std::size_t i = 0; i < buffers.size() && !check.failed(); ++i) {
+    const std::string field = fmt::format("buffers[{}]", i);
+    const json& length = member(buffers[i], "byteLength");
+    check.whole(length, field + ".byteLength", kSizeLimit);
+    const json& uri = member(buffers[i], "uri");
+    if (!uri.is_null() && !uri.is_string()) check.bad(field + ".uri", "expected text");
+    if (check.failed()) break;
+    GltfBuffer& buffer = result.emplace_back();
+    buffer.bytes = length.get<std::size_t>();
+    if (uri.is_string()) buffer.uri = uri.get<std::string>();
   }
-  if (buffers.empty() || check.failed()) return 0;
-  const json& length = member(buffers[0], "byteLength");
-  check.whole(length, "buffers[0].byteLength", kSizeLimit);
-  if (check.failed()) return 0;
-  const auto bytes = length.get<std::uint64_t>();
-  if (bytes > bin_bytes) {
-    check.bad("buffers[0].byteLength",
-              fmt::format("is {}, but the BIN chunk holds {} bytes", bytes, bin_bytes));
-    return 0;
-  }
-  return static_cast<std::size_t>(bytes);
+  return result;
 }
 
 bool is_vector(const json& value) {
@@ -241,7 +239,7 @@ json reduce_networks(Checker& check, const json& networks, const std::string& fi
 void reduce_compression(Checker& check, const json& nested, const std::string& field, json& kept) {
   if (!nested.is_object()) return;
   for (const auto& [key, value] : nested.items()) {
-    if (key == kSpzExtension || key == kCompactExtension) {
+    if (is_spz_extension(key) || key == kCompactExtension) {
       const json& view = member(value, "bufferView");
       check.whole(view, fmt::format("{}.{}.bufferView", field, key), kIndexLimit);
       if (kept.contains(kCompression)) check.bad(field, "its splats are compressed twice");
@@ -259,19 +257,44 @@ void reduce_compression(Checker& check, const json& nested, const std::string& f
   }
 }
 
+// The extension object of a splat primitive; null for others. Drafts put the compression beside it
+// or in its place.
+json reduce_splat_extension(Checker& check, const json& extensions, const std::string& field) {
+  const json& splats = member(extensions, kSplatExtension);
+  json kept = json::object();
+  reduce_compression(check, extensions, field, kept);
+  if (splats.is_null() && kept.empty()) return nullptr;
+  if (!splats.is_null() && !splats.is_object())
+    check.bad(field + "." + kSplatExtension, "expected an object");
+  reduce_compression(check, member(splats, "extensions"), field, kept);
+  for (const char* key : {kKernel, kColorSpace}) {
+    const json& value = member(splats, key);
+    if (value.is_string()) kept[key] = value;
+    if (!value.is_string() && !value.is_null())
+      check.bad(fmt::format("{}.{}", field, key), fmt::format("{}; expected a name", found(value)));
+  }
+  return kept;
+}
+
+// The names of the extension for those of its drafts.
+json reduce_attributes(Checker& check, const json& attributes, const std::string& field) {
+  json result = json::object();
+  for (const auto& [key, value] : attributes.items()) {
+    check.whole(value, fmt::format("{}.{}", field, shown(key)), kIndexLimit);
+    const bool is_draft = key == "_SCALE" || key == "_ROTATION" || key == "_OPACITY" ||
+                          key.starts_with("_SH_DEGREE_");
+    result[is_draft ? fmt::format("{}:{}", kSplatExtension, key.substr(1)) : key] = value;
+  }
+  return result;
+}
+
 // The attributes and the extension object of a splat primitive; an empty primitive for others, so
 // that the indices stay.
 json reduce_primitive(Checker& check, const json& primitive, const std::string& field) {
   json result = {{"attributes", json::object()}};
-  const json& extension = member(member(primitive, "extensions"), kSplatExtension);
+  json extension = reduce_splat_extension(check, member(primitive, "extensions"), field);
   if (extension.is_null()) return result;
-  if (!extension.is_object()) check.bad(field + "." + kSplatExtension, "expected an object");
-  json kept = json::object();
-  reduce_compression(check, member(extension, "extensions"), field, kept);
-  for (const char* key : {"kernel", "colorSpace"}) {
-    if (member(extension, key).is_string()) kept[key] = member(extension, key);
-  }
-  result["extensions"][kSplatExtension] = std::move(kept);
+  result["extensions"][kSplatExtension] = std::move(extension);
   if (const json& mode = member(primitive, "mode"); !mode.is_null()) {
     check.whole(mode, field + ".mode", kIndexLimit);
     result["mode"] = mode;
@@ -281,10 +304,7 @@ json reduce_primitive(Checker& check, const json& primitive, const std::string& 
     check.bad(field + ".attributes", "expected an object");
     return result;
   }
-  for (const auto& [key, value] : attributes.items()) {
-    check.whole(value, fmt::format("{}.attributes.{}", field, shown(key)), kIndexLimit);
-  }
-  result["attributes"] = attributes;
+  result["attributes"] = reduce_attributes(check, attributes, field + ".attributes");
   return result;
 }
 
@@ -349,8 +369,7 @@ json reduce_scenes(Checker& check) {
   return result;
 }
 
-Expected<GltfJson> check_document(const json& root, std::size_t bin_bytes,
-                                  const std::string& name) {
+Expected<GltfJson> check_document(const json& root, const std::string& name) {
   Checker check(root, name);
   const json& version = member(member(root, "asset"), "version");
   if (!version.is_string() || !version.get_ref<const std::string&>().starts_with("2.")) {
@@ -359,7 +378,7 @@ Expected<GltfJson> check_document(const json& root, std::size_t bin_bytes,
   check_required(check);
   GltfJson result;
   result.extensions_used = check.strings("extensionsUsed");
-  result.buffer_bytes = check_buffers(check, bin_bytes);
+  result.buffers = check_buffers(check);
   json reduced = {{"asset", {{"version", "2.0"}}}};
   reduced["bufferViews"] = reduce(check, check.list("bufferViews"), "bufferViews", {"buffer"},
                                   {"byteOffset", "byteLength", "byteStride"});
@@ -374,17 +393,17 @@ Expected<GltfJson> check_document(const json& root, std::size_t bin_bytes,
   if (check.failed()) return std::unexpected(check.error());
   result.reduced = reduced.dump();
   result.start = find_initial_view(root);
+  result.filter = find_screen_filter(root, result.warnings);
   return result;
 }
 
 }  // namespace
 
-Expected<GltfJson> check_gltf_json(std::string_view text, std::size_t bin_bytes,
-                                   const std::string& name) {
+Expected<GltfJson> check_gltf_json(std::string_view text, const std::string& name) {
   const auto root = parse_json_object(text, name, "JSON");
   if (!root) return std::unexpected(root.error());
   try {
-    return check_document(*root, bin_bytes, name);
+    return check_document(*root, name);
   } catch (const json::exception& error) {
     return fail(name, "JSON", sanitized(error.what(), 200));
   }

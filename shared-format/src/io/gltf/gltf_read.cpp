@@ -12,11 +12,14 @@
 #include "cloud/cloud_memory.h"
 #include "fluxgs/io/gltf.h"
 #include "fluxgs/io/gltf_frame.h"
-#include "fluxgs/math/sh_rotation.h"
+#include "fluxgs/transform.h"
 #include "io/gltf/glb_container.h"
+#include "io/gltf/gltf_colour.h"
 #include "io/gltf/gltf_compact.h"
 #include "io/gltf/gltf_document.h"
 #include "io/gltf/gltf_spz.h"
+#include "io/json_text.h"
+#include "io/sog/folder_files.h"
 
 namespace fluxgs {
 namespace {
@@ -60,20 +63,6 @@ glm::vec3 vec3(const GltfAttribute& a, std::size_t i) {
   return {component(a, i, 0), component(a, i, 1), component(a, i, 2)};
 }
 
-// A node's transform with the turn into the frame of the cloud, for all splats of a primitive.
-struct Placement {
-  const GltfTransform& node;
-  double log_scale;
-  math::ShRotation sh;
-
-  explicit Placement(const GltfTransform& transform)
-      : node(transform), log_scale(std::log(transform.scale)) {
-    const glm::dmat3 r = glm::mat3_cast(transform.rotation);  // r[column][row]
-    sh = math::make_sh_rotation(
-        {{r[0][0], r[1][0], r[2][0]}, {r[0][1], r[1][1], r[2][1]}, {r[0][2], r[1][2], r[2][2]}});
-  }
-};
-
 // True if SCALE holds logarithms, as a draft of KHR_gaussian_splatting had it and splat-transform
 // wrote until its version 2.6: scales are never negative, and logarithms of most splats are.
 bool has_log_scales(const GltfSplats& splats) {
@@ -99,22 +88,6 @@ SplatValues load_splat(const GltfSplats& from, bool log_scales, std::size_t i) {
   return splat;
 }
 
-// From glTF's frame through the node into that of the cloud.
-void place_splat(const Placement& place, int sh_degree, SplatValues& splat) {
-  if (!place.node.identity) {
-    splat.position = place.node.linear * glm::dvec3(splat.position) + place.node.translation;
-    splat.rotation = glm::quat(place.node.rotation * glm::dquat(splat.rotation));
-    for (int c = 0; c < 3; ++c) {
-      splat.log_scale[c] = static_cast<float>(double{splat.log_scale[c]} + place.log_scale);
-    }
-    math::rotate_sh(place.sh, sh_degree, splat.sh_rest.data());
-  }
-  splat.position = turn_position(splat.position);
-  splat.rotation = turn_from_gltf(splat.rotation);
-  const auto rest = static_cast<std::size_t>(sh_rest_count(sh_degree));
-  for (std::size_t k = 0; k < rest; ++k) splat.sh_rest[k] *= turn_sign(k);
-}
-
 SplatValues load_splat(const SplatCloud& from, std::size_t i) {
   SplatValues splat{};
   splat.position = from.positions[i];
@@ -127,21 +100,15 @@ SplatValues load_splat(const SplatCloud& from, std::size_t i) {
   return splat;
 }
 
-// Appends the splats of one primitive at `next`.
-Expected<void> read_instance(const GltfInstance& instance, const std::string& name,
-                             SplatCloud& cloud, std::size_t& next) {
-  const GltfSplats& from = instance.splats;
-  const Placement place(instance.transform);
+// Appends the splats of one primitive at `next`, in its own frame and colours.
+Expected<void> read_primitive(const GltfSplats& from, const std::string& name, SplatCloud& cloud,
+                              std::size_t& next) {
   const auto rest = static_cast<std::size_t>(sh_rest_count(from.sh_degree));
-  const auto append = [&](SplatValues& splat) {
-    place_splat(place, from.sh_degree, splat);
-    store_splat(splat, rest, cloud, next++);
-  };
+  const auto append = [&](const SplatValues& splat) { store_splat(splat, rest, cloud, next++); };
   if (from.compression == GltfCompression::none) {
     const bool log_scales = has_log_scales(from);
     for (std::size_t i = 0; i < from.count; ++i) {
-      SplatValues splat = load_splat(from, log_scales, i);
-      append(splat);
+      append(load_splat(from, log_scales, i));
     }
     return {};
   }
@@ -149,8 +116,7 @@ Expected<void> read_instance(const GltfInstance& instance, const std::string& na
     const auto decoded = decode_compact_splats(from, name);
     if (!decoded) return std::unexpected(decoded.error());
     for (std::size_t i = 0; i < from.count; ++i) {
-      SplatValues splat = load_splat(*decoded, i);
-      append(splat);
+      append(load_splat(*decoded, i));
     }
     return {};
   }
@@ -159,6 +125,7 @@ Expected<void> read_instance(const GltfInstance& instance, const std::string& na
   if (!header) return std::unexpected(header.error());
   const auto packed = unpack_spz(source, *header);
   if (!packed) return std::unexpected(packed.error());
+  if ((packed->header.flags & kSpzAntialiased) != 0) cloud.filter.compensated = true;
   const AxisFlip flip = make_axis_flip(spz_signs_in_gltf(*packed, from.bounds));
   SplatValues splat{};
   for (std::size_t i = 0; i < from.count; ++i) {
@@ -217,8 +184,9 @@ AttributeBits bits_of(const std::vector<GltfInstance>& instances, int sh_degree)
 Expected<SplatCloud> read_instances(const std::vector<GltfInstance>& instances, std::size_t total,
                                     const std::string& name) {
   // What most files hold needs no second copy
-  if (instances.size() == 1 && instances[0].transform.identity &&
-      instances[0].splats.compression == GltfCompression::compact) {
+  if (instances.size() == 1 && instances[0].transform == AffineMap{} &&
+      instances[0].splats.compression == GltfCompression::compact &&
+      !instances[0].splats.linear_colours) {
     auto cloud = decode_compact_splats(instances[0].splats, name);
     if (cloud) turn_cloud(*cloud);
     return cloud;
@@ -230,39 +198,54 @@ Expected<SplatCloud> read_instances(const std::vector<GltfInstance>& instances, 
   auto cloud = allocate_cloud(total, degree, name);
   if (!cloud) return cloud;
   std::size_t next = 0;
-  for (const GltfInstance& instance : instances) {
-    if (auto ok = read_instance(instance, name, *cloud, next); !ok) {
+  for (const auto& [splats, transform] : instances) {
+    const std::size_t begin = next;
+    if (auto ok = read_primitive(splats, name, *cloud, next); !ok)
       return std::unexpected(ok.error());
-    }
+    if (splats.linear_colours) encode_linear_colours(*cloud, begin, next);
+    transform_splats(transform, *cloud, begin, next);
   }
+  turn_cloud(*cloud);
   return cloud;
 }
 
-Expected<SceneFile> read(std::span<const std::byte> bytes, const std::string& name) {
-  const auto chunks = parse_glb_container(bytes, name);
-  if (!chunks) return std::unexpected(chunks.error());
-  const auto json = check_gltf_json(chunks->json, chunks->bin.size(), name);
-  if (!json) return std::unexpected(json.error());
-  const auto instances = find_gltf_splats(*json, chunks->bin, name);
-  if (!instances) return std::unexpected(instances.error());
-  if (instances->empty() &&
-      std::ranges::find(json->extensions_used, kSplatExtension) == json->extensions_used.end()) {
+Expected<SceneFile> read(std::span<const std::byte> bytes, const NamedFiles& files,
+                         const std::string& name) {
+  const auto document = open_gltf(bytes, files, name);
+  if (!document) return std::unexpected(document.error());
+  const std::vector<GltfInstance>& instances = document->instances;
+  const GltfJson& json = document->json;
+  if (instances.empty() &&
+      std::ranges::find(json.extensions_used, kSplatExtension) == json.extensions_used.end()) {
     return fail(name, "meshes",
                 fmt::format("no primitive has {}; expected splats", kSplatExtension));
   }
-  const auto total = count_splats(*instances, bytes.size(), name);
+  const std::size_t size = document->buffers.bytes();
+  const auto total = count_splats(instances, size, name);
   if (!total) return std::unexpected(total.error());
-  auto cloud = read_instances(*instances, *total, name);
+  auto cloud = read_instances(instances, *total, name);
   if (!cloud) return std::unexpected(cloud.error());
   SceneFile scene;
   scene.cloud = std::move(*cloud);
+  if (json.filter) scene.cloud.filter = *json.filter;
   scene.dropped = drop_non_finite(scene.cloud);
   scene.format = "glb";
-  scene.extensions = json->extensions_used;
-  scene.start = json->start;
-  scene.attribute_bits = bits_of(*instances, scene.cloud.sh_degree);
-  scene.bytes = bytes.size();
+  scene.extensions = json.extensions_used;
+  scene.warnings = document->warnings;
+  scene.start = json.start;
+  scene.attribute_bits = bits_of(instances, scene.cloud.sh_degree);
+  scene.bytes = size;
   return scene;
+}
+
+// Parsing takes memory that is not asked for as a value.
+Expected<SceneFile> read_within_memory(std::span<const std::byte> bytes, const NamedFiles& files,
+                                       const std::string& name) {
+  try {
+    return read(bytes, files, name);
+  } catch (const std::bad_alloc&) {
+    return fail(name, "memory", fmt::format("out of memory parsing {} bytes", bytes.size()));
+  }
 }
 
 }  // namespace
@@ -274,13 +257,30 @@ bool is_glb(std::span<const std::byte> bytes) {
          std::memcmp(bytes.data(), kGlbMagic, sizeof kGlbMagic) == 0;
 }
 
+bool is_gltf(std::span<const std::byte> bytes) {
+  std::string_view text = as_text(bytes.first(std::min(bytes.size(), kMaxJsonText)));
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  const std::size_t begin = text.find_first_not_of(" \t\r\n");
+  return begin != text.npos && text[begin] == '{' && text.contains("\"asset\"") &&
+         (text.contains("\"meshes\"") || text.contains("\"scenes\""));
+}
+
 Expected<SceneFile> read_glb(std::span<const std::byte> bytes, const std::string& name) {
-  try {
-    return read(bytes, name);
-  } catch (const std::bad_alloc&) {
-    return fail(name, "memory",
-                fmt::format("out of memory parsing a .glb of {} bytes", bytes.size()));
-  }
+  if (!is_glb(bytes)) return std::unexpected(parse_glb_container(bytes, name).error());
+  return read_within_memory(bytes, {}, name);
+}
+
+Expected<SceneFile> read_gltf(std::span<const std::byte> bytes, const std::string& name) {
+  return read_within_memory(bytes, {}, name);
+}
+
+Expected<SceneFile> read_gltf_folder(std::span<const std::byte> bytes,
+                                     const std::filesystem::path& path) {
+  FolderFiles folder(path.parent_path());
+  const NamedFiles files = [&folder](const std::string& file, std::uint64_t max_bytes) {
+    return folder.read(file, max_bytes);
+  };
+  return read_within_memory(bytes, files, path.string());
 }
 
 }  // namespace fluxgs

@@ -11,8 +11,9 @@
 
 namespace fluxgs::io {
 
-Expected<GltfSplats> find_spz_splats(const GltfCompressedPlace& place, int view) {
-  auto splats = describe_compressed(place, view, kSpzExtension);
+Expected<GltfSplats> find_spz_splats(const GltfCompressedPlace& place, int view,
+                                     const std::string& extension) {
+  auto splats = describe_compressed(place, view, extension.c_str());
   if (!splats) return splats;
   splats->compression = GltfCompression::spz;
   const SpzSource source{splats->compressed, place.name, splats->compressed_field};
@@ -22,6 +23,8 @@ Expected<GltfSplats> find_spz_splats(const GltfCompressedPlace& place, int view)
     return source.fail(
         "header", fmt::format("has {} splats, but POSITION has {}", header->count, splats->count));
   }
+  // The first draft named its harmonics COLOR_1 to COLOR_15, and writers leave them out.
+  if (splats->sh_degree == 0) splats->sh_degree = header->sh_degree;
   if (header->sh_degree != splats->sh_degree) {
     return source.fail("header", fmt::format("has degree {}, but the attributes have {}",
                                              header->sh_degree, splats->sh_degree));

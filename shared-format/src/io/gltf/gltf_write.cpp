@@ -1,6 +1,7 @@
 #include "cloud/cloud_memory.h"
 #include "fluxgs/io/gltf.h"
 #include "io/gltf/gltf_builder.h"
+#include "io/gltf/gltf_filter.h"
 #include "io/gltf/gltf_plain.h"
 
 namespace fluxgs {
@@ -13,7 +14,9 @@ Expected<std::vector<std::byte>> encode_glb(const SplatCloud& cloud, const std::
   io::GltfBuilder builder;
   nlohmann::json document = io::empty_gltf_document();
   if (splats.size() > 0)
-    document = builder.document({{io::add_plain_attributes(splats, builder)}}, false);
+    document = builder.document({{.attributes = io::add_plain_attributes(splats, builder),
+                                  .extras = io::screen_filter_extras(splats.filter)}},
+                                false);
   auto file = io::allocate_glb(document, builder.bin_bytes(), name);
   if (!file) return std::unexpected(file.error());
   if (splats.size() > 0) io::put_plain_attributes(splats, file->bytes.data() + file->bin);

@@ -121,7 +121,7 @@ SogTable steps(double low, double high) {
   return make_table([=](double t) { return low + (high - low) * t; });
 }
 
-SogTable logits() {
+SogTable opacity_logits() {
   return make_table([](double opacity) { return double{logit_of(opacity)}; });
 }
 
@@ -147,7 +147,7 @@ void read_version2(MetaReader& read, const json& root, SogMeta& meta) {
   meta.count = read.whole(member(root, "count"), "count", kMaxSplats);
   meta.scales.fill(read.codebook("scales"));
   meta.sh0.fill(read.codebook("sh0"));
-  meta.sh0[3] = logits();
+  meta.sh0[3] = opacity_logits();
   if (!meta.sh) return;
   SogSh& sh = *meta.sh;
   sh.table = read.codebook("shN");

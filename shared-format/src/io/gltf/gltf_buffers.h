@@ -1,0 +1,60 @@
+// The buffers of a glTF document: its BIN chunk, data: URIs, and files beside it.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "fluxgs/error.h"
+#include "io/sog/named_files.h"
+
+namespace fluxgs::io {
+
+/// A copy of a JSON text in which every string that begins with "data:" is `"data:N"`, N its place
+/// in `uris`: these may hold a whole scene, which no parser needs to see. `uris` lie in `text`.
+std::string take_data_uris(std::string_view text, std::vector<std::string_view>& uris);
+
+/// A buffer as the document announces it.
+struct GltfBuffer {
+  std::size_t bytes = 0;           ///< byteLength
+  std::optional<std::string> uri;  ///< a file's name, or "data:N", see take_data_uris()
+};
+
+/// Bytes that buffers may be made of.
+struct GltfSource {
+  std::optional<std::span<const std::byte>> bin;  ///< chunk of a .glb
+  std::vector<std::string_view> data_uris;        ///< of the document
+  NamedFiles files;                               ///< beside the document; may be empty
+  std::size_t document = 0;                       ///< bytes of the file that names the others
+};
+
+/// Reads a buffer when it is first asked for: nobody needs the files of what is not splats.
+class GltfBuffers {
+ public:
+  GltfBuffers(std::vector<GltfBuffer> buffers, GltfSource source, std::string name)
+      : buffers_(std::move(buffers)), source_(std::move(source)), name_(std::move(name)) {}
+
+  /// The byteLength bytes of a buffer; valid as long as this object and what `source` views. An
+  /// error if there is no such buffer, if it holds fewer bytes, or if its URI is none of those
+  /// above. URIs of files must be plain names (named_files.h), percent-encoded.
+  Expected<std::span<const std::byte>> get(std::size_t index);
+
+  /// Bytes of the document and of all files read so far.
+  std::size_t bytes() const { return source_.document + beside_; }
+
+ private:
+  Expected<std::span<const std::byte>> read(const GltfBuffer& buffer, const std::string& field);
+  Expected<std::vector<std::byte>> read_uri(const GltfBuffer& buffer, const std::string& field);
+
+  std::vector<GltfBuffer> buffers_;
+  GltfSource source_;
+  std::string name_;
+  std::map<std::string, std::vector<std::byte>> contents_;  ///< of URIs
+  std::size_t beside_ = 0;
+};
+
+}  // namespace fluxgs::io
