@@ -13,6 +13,7 @@ struct ScreenFilter {
   /// False: classic 3DGS, which makes such splats brighter.
   bool compensated = false;
 
+  /// True if both members are equal.
   friend bool operator==(const ScreenFilter&, const ScreenFilter&) = default;
 };
 

@@ -15,6 +15,7 @@ struct AffineMap {
   glm::dmat3 linear{1.0};       ///< glm is column-major: linear[column][row]
   glm::dvec3 translation{0.0};  ///< scene units
 
+  /// True if all numbers are equal.
   friend bool operator==(const AffineMap&, const AffineMap&) = default;
 };
 
