@@ -102,7 +102,7 @@ void backpropagate_geometry(const SplatCloud& cloud, const ReferenceSplat& s, co
   const glm::quat q = cloud.rotations[i];
   const math::Vec3<double> p =
       view.rotation * math::Vec3<double>{at.x, at.y, at.z} + view.translation;
-  const auto footprint = math::footprint_gradient(sums.moments, s.xx, s.xy, s.yy);
+  const auto footprint = math::footprint_gradient(sums.moments, sums.h, s.xx, s.xy, s.yy);
   const auto g = math::geometry_gradient(
       footprint, p, math::Quat<double>{q.w, q.x, q.y, q.z},
       math::Vec3<double>{std::exp(double{l.x}), std::exp(double{l.y}), std::exp(double{l.z})},
@@ -112,7 +112,7 @@ void backpropagate_geometry(const SplatCloud& cloud, const ReferenceSplat& s, co
   out.positions[i][2] += g.position.z;
   out.log_scales[i] = {g.log_scale.x, g.log_scale.y, g.log_scale.z};
   out.rotations[i] = {g.rotation.w, g.rotation.x, g.rotation.y, g.rotation.z};
-  out.opacity_logits[i] = sums.h * (1 - s.opacity);
+  out.opacity_logits[i] = sums.h * (1 - s.opacity / s.compensation);
   out.centers[i] = {footprint.x, footprint.y};
 }
 
@@ -137,7 +137,7 @@ ReferenceGradient reference_gradient(const SplatCloud& cloud, const Camera& came
   out.opacity_logits.resize(n);
   out.sh_rest.resize(cloud.sh_rest.size());
   out.centers.resize(n);
-  const auto view = math::make_view<double>(camera, options);
+  const auto view = math::make_view<double>(camera, for_scene(options, cloud.filter));
   for (std::size_t k = 0; k < splats.size(); ++k) {
     backpropagate_color(cloud, splats[k], sums[k], view, options.sh_degree, out);
     backpropagate_geometry(cloud, splats[k], sums[k], view, out);

@@ -39,7 +39,8 @@ bool finite(const ReferenceSplat& s) {
 }  // namespace
 
 std::vector<ReferenceSplat> project_reference(const SplatCloud& cloud, const Camera& camera,
-                                              const RenderOptions& options) {
+                                              const RenderOptions& asked) {
+  const RenderOptions options = for_scene(asked, cloud.filter);
   const auto view = math::make_view<double>(camera, options);
   std::vector<ReferenceSplat> splats;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -48,8 +49,6 @@ std::vector<ReferenceSplat> project_reference(const SplatCloud& cloud, const Cam
     if (!(p.z > options.near_plane)) continue;
     ReferenceSplat s{};
     s.opacity = 1 / (1 + std::exp(-static_cast<double>(cloud.opacity_logits[i])));
-    if (!(s.opacity >= options.alpha_min)) continue;
-
     const glm::quat& q = cloud.rotations[i];
     const auto rotation =
         math::rotation_matrix(math::normalized(math::Quat<double>{q.w, q.x, q.y, q.z}));
@@ -60,7 +59,10 @@ std::vector<ReferenceSplat> project_reference(const SplatCloud& cloud, const Cam
     if (!(spread <= view.depth_spread_max * p.z)) continue;
     const auto axes =
         math::screen_axes(math::projection_jacobian(p, view), view.rotation, rotation, scale);
-    const auto f = math::footprint(axes, options.dilation);
+    s.compensation = view.compensated ? math::opacity_compensation(axes, view.dilation) : 1;
+    s.opacity *= s.compensation;
+    if (!(s.opacity >= options.alpha_min)) continue;
+    const auto f = math::footprint(axes, view.dilation);
     const double radius = std::sqrt(2 * std::log(s.opacity / options.alpha_min));
 
     s.index = static_cast<std::uint32_t>(i);

@@ -24,7 +24,8 @@ struct ReferenceSplat {
   double depth;                    ///< camera z
   double xx, xy, yy;               ///< triangular factor of the conic, see math::Footprint
   double half_width, half_height;  ///< px, the box outside of which α < α_min
-  double opacity;
+  double opacity;                  ///< that of the splat × `compensation`
+  double compensation;             ///< κ of a ScreenFilter that compensates, otherwise 1
   double color[3];
   bool clamped[3];  ///< whether the colour was cut at 0
 };

@@ -80,8 +80,9 @@ SensitivityWeights attached_sensitivity(const TrainState& state) {
 
 class QuantizationAware final : public Phase {
  public:
-  QuantizationAware(const QuantizationAwareOptions& options, int asked, int iterations)
-      : options_(options), asked_(asked), iterations_(iterations) {}
+  QuantizationAware(const QuantizationAwareOptions& options, int asked, int iterations,
+                    const ScreenFilter& filter)
+      : options_(options), asked_(asked), iterations_(iterations), filter_(filter) {}
 
   const char* name() const override { return "quantization-aware training"; }
   PlanRow plan() const override {
@@ -107,7 +108,7 @@ class QuantizationAware final : public Phase {
     if (!steps_) return {};
     const int since = t.state.iteration - options_.from;
     if (since % options_.interval != 0 && t.state.iteration < iterations_) return {};
-    const auto file = quantize_parameters(t.state, *steps_);
+    const auto file = quantize_parameters(t.state, *steps_, filter_);
     if (file) return {};
     return stop(t.state, file.error());
   }
@@ -115,7 +116,7 @@ class QuantizationAware final : public Phase {
       const TrainState& state) const override {
     if (!steps_) return {};
     TrainState copy = state;
-    return quantize_parameters(copy, *steps_);
+    return quantize_parameters(copy, *steps_, filter_);
   }
 
   std::vector<double> save() const override {
@@ -136,7 +137,7 @@ class QuantizationAware final : public Phase {
     if (!found) return stop(t.state, found.error());
     steps_ = found->options.steps;
     attach_sensitivity(t.state, found->options.sensitivity);
-    const auto file = quantize_parameters(t.state, *steps_);
+    const auto file = quantize_parameters(t.state, *steps_, filter_);
     if (!file) return stop(t.state, file.error());
     PhaseReport report;
     report.details = {{"bytes", file->size()}};
@@ -155,6 +156,7 @@ class QuantizationAware final : public Phase {
 
   QuantizationAwareOptions options_;
   int asked_, iterations_;
+  ScreenFilter filter_;                     ///< of the scene
   std::optional<QuantizationSteps> steps_;  ///< once it has begun
 };
 
@@ -215,13 +217,15 @@ void attach_sensitivity(TrainState& state, const SensitivityWeights& sensitivity
 }
 
 Expected<std::vector<std::byte>> quantize_parameters(TrainState& state,
-                                                     const QuantizationSteps& steps) {
+                                                     const QuantizationSteps& steps,
+                                                     const ScreenFilter& filter) {
   const int degree = sh_degree_of(state.parameters);
   PlanarFloats exact = state.parameters;
   if (const auto offsets = state.attached.find(kQuantizationOffsets);
       offsets != state.attached.end())
     add(exact, offsets->second.values, -1);
   SplatCloud cloud = to_cloud(exact, degree);
+  cloud.filter = filter;
   // Offsets must be between quaternions that mean the same of four half turns
   canonicalize_rotations(cloud);
   const CompactOptions options{.steps = steps, .sensitivity = attached_sensitivity(state)};
@@ -250,7 +254,8 @@ std::unique_ptr<Phase> make_quantization_aware(TrainOptions& options, int settle
   resolve(own.interval, std::max(options.iterations / 1000, 20));
   own.from = std::max(own.from, settled + 1);
   options.get<CompressionOptions>().used = true;
-  return std::make_unique<QuantizationAware>(own, asked, options.iterations);
+  return std::make_unique<QuantizationAware>(own, asked, options.iterations,
+                                             options.render.filter.value_or(ScreenFilter{}));
 }
 
 }  // namespace fluxgs

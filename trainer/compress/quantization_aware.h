@@ -40,10 +40,12 @@ void attach_sensitivity(TrainState& state, const SensitivityWeights& sensitivity
 /// Quantizes the parameters of a state, less their last offsets if there are any, by the attached
 /// sensitivities. The splats then have the order of the file, in which those of equal depth are
 /// drawn; the optimiser's moments of rotations follow these to where a file's quaternions lie.
+/// `filter` is that of the scene.
 /// Returns the file, which holds exactly this scene. On an error, which names the attribute,
 /// nothing has changed.
 Expected<std::vector<std::byte>> quantize_parameters(TrainState& state,
-                                                     const QuantizationSteps& steps);
+                                                     const QuantizationSteps& steps,
+                                                     const ScreenFilter& filter = {});
 
 /// Resolves the options. Null where training is not quantization-aware. `settled`: the last
 /// iteration at which the number or the SH degrees of splats change.

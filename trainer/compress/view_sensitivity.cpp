@@ -50,8 +50,9 @@ std::vector<float> sh_factors(const PlanarFloats& parameters, const ViewWeights&
 }
 
 SensitivityWeights view_sensitivity(const std::vector<Camera>& cameras, const SplatCloud& cloud,
-                                    bool has_networks, const RenderOptions& render,
+                                    bool has_networks, const RenderOptions& asked,
                                     const Threads& threads, const ProgressReport& progress) {
+  const RenderOptions render = for_scene(asked, cloud.filter);
   const PlanarFloats parameters = to_parameters(cloud, cloud.sh_degree);
   const ViewWeights views = view_weights(parameters, cameras, render, threads, progress);
   SensitivityWeights sensitivity{.weights = total_weights(views)};

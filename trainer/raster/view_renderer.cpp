@@ -7,8 +7,9 @@
 
 namespace fluxgs {
 
-ViewRenderer cpu_view_renderer(const SplatCloud& cloud, const RenderOptions& options,
+ViewRenderer cpu_view_renderer(const SplatCloud& cloud, const RenderOptions& asked,
                                const Threads& threads) {
+  const RenderOptions options = for_scene(asked, cloud.filter);
   const auto parameters =
       std::make_shared<const PlanarFloats>(to_parameters(cloud, cloud.sh_degree));
   const auto profiler = std::make_shared<Profiler>();

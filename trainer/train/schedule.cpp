@@ -15,6 +15,7 @@
 #include "trainer/densify/opacity_reset.h"
 #include "trainer/densify/penalties.h"
 #include "trainer/paper/network_colors.h"
+#include "trainer/train/antialiasing.h"
 #include "trainer/train/progressive_resolution.h"
 #include "trainer/train/sh_curriculum.h"
 
@@ -25,6 +26,7 @@ namespace fluxgs {
 Schedule make_schedule(TrainOptions options, const std::vector<View>& views,
                        const Threads& threads) {
   auto resolution = make_progressive_resolution(options, views);
+  auto antialiasing = make_antialiasing(options, views);
   auto dropout = make_dropout(options);
   auto penalties = make_penalties(options);
   auto densification = make_densification(options);
@@ -44,7 +46,7 @@ Schedule make_schedule(TrainOptions options, const std::vector<View>& views,
                       // Before splats are added, which shakes the image for a moment
                       &networks.energy, &reduction, &networks.colors,
                       // Late pruning before opacities are reset, after which they tell nothing
-                      &densification, &late_pruning, &reset, &quantization})
+                      &densification, &late_pruning, &reset, &antialiasing, &quantization})
     if (*phase) schedule.phases.push_back(std::move(*phase));
   return schedule;
 }
@@ -65,6 +67,7 @@ TrainOptions default_options() {
   TrainOptions o;
   o.get<ProgressiveResolutionOptions>();
   o.get<ShCurriculumOptions>();
+  o.get<AntialiasingOptions>();
   o.get<DropoutOptions>();
   o.get<PenaltyOptions>();
   o.get<DensificationOptions>();

@@ -71,6 +71,7 @@ Expected<StoredScene> store_scene(const Trainer& trainer, const std::vector<View
   if (!networks) return opened(std::move(direct->file));
 
   auto candidate = with_networks(*networks->model(), state);
+  if (candidate) candidate->cloud.filter = shown.filter;
   auto made = candidate ? smallest(*candidate) : std::unexpected(candidate.error());
   const std::size_t direct_bytes = direct->file.size();
   if (!made) {

@@ -218,8 +218,10 @@ SplatCloud Trainer::cloud() const {
     colors = state.parameters;
     phase->bake_colors(state, colors);
   }
-  return colors.size() > 0 ? to_cloud(colors, sh_degree_of(colors))
-                           : to_cloud(state.parameters, sh_degree_of(state.parameters));
+  const PlanarFloats& shown = colors.size() > 0 ? colors : state.parameters;
+  SplatCloud cloud = to_cloud(shown, sh_degree_of(shown));
+  cloud.filter = options.render.filter.value_or(ScreenFilter{});
+  return cloud;
 }
 
 }  // namespace fluxgs

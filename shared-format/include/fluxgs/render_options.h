@@ -1,7 +1,11 @@
 // The constants of the image model, shared by the reference, the trainer and the phone's renderer.
 #pragma once
 
+#include <optional>
+
 #include <glm/vec3.hpp>
+
+#include "fluxgs/screen_filter.h"
 
 namespace fluxgs {
 
@@ -10,8 +14,8 @@ struct RenderOptions {
   double alpha_min = 1.0 / 255.0;   ///< a splat adds nothing to a pixel where α is below this
   double alpha_max = 0.99;          ///< α is limited to this
   double transmittance_min = 1e-4;  ///< a pixel is finished once T falls below this
-  double dilation = 0.3;            ///< px², added to the diagonal of the projected covariance
-  double near_plane = 0.01;         ///< scene units; splats with centres nearer are not drawn
+  std::optional<ScreenFilter> filter = {};  ///< in place of the scene's own
+  double near_plane = 0.01;  ///< scene units; splats with centres nearer are not drawn
   /// Splats whose standard deviation along the view direction is larger than this × their depth are
   /// not drawn: they reach behind the camera, and what their footprint says, a veil over the whole
   /// image, is of the linearisation's making. 0: no limit.
@@ -21,5 +25,11 @@ struct RenderOptions {
   int sh_degree = 3;             ///< highest degree to evaluate, 0…3
   glm::dvec3 background{0.0};    ///< RGB, 0…1
 };
+
+/// The options with the filter of a scene, unless they name one.
+inline RenderOptions for_scene(RenderOptions options, const ScreenFilter& scene) {
+  if (!options.filter) options.filter = scene;
+  return options;
+}
 
 }  // namespace fluxgs

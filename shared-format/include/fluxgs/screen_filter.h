@@ -6,7 +6,7 @@ namespace fluxgs {
 /// A low-pass filter on the image: a 2D Gaussian that every footprint is convolved with, so that no
 /// splat falls between pixels.
 struct ScreenFilter {
-  float dilation = 0.3f;  ///< px², > 0, its variance: added to the diagonal of the projected
+  double dilation = 0.3;  ///< px², > 0, its variance: added to the diagonal of the projected
                           ///< covariance Σ, which becomes Σ′
   /// Multiplies opacities by √(det Σ / det Σ′), so that a splat smaller than a pixel keeps its
   /// total weight when it is widened ("antialiased", Mip-Splatting, Yu et al. 2024, section 5.2).

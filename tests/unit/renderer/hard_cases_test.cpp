@@ -367,8 +367,23 @@ TEST_P(HardCasesTest, HalfFloatOverflowOfAxes) {
   for (glm::vec3& scale : cloud.log_scales) scale = {-1.0F, -20.0F, -20.0F};
   EXPECT_GE(check("half projected_splats, needles", cloud, kRose), 45);
   RenderOptions sharp = kRose;
-  sharp.dilation = 1e-12;
+  sharp.filter = ScreenFilter{.dilation = 1e-12};
   EXPECT_GE(check("half projected_splats, no dilation", cloud, sharp), 45);
+}
+
+// Splats from far below to far above a pixel, whose opacities the filter changes.
+TEST_P(HardCasesTest, CompensatedOpacities) {
+  SplatCloud cloud = random_cloud(3000, 1, 23);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    cloud.log_scales[i] = glm::vec3(-9.0F + 0.002F * static_cast<float>(i));
+    if (i % 4 == 0) cloud.log_scales[i].x = -2.0F;
+    if (i % 7 == 0) cloud.log_scales[i].z = -30.0F;
+  }
+  cloud.filter = {.dilation = 0.3, .compensated = true};
+  const Camera camera = orbit_camera(160, 120, {}, 2, 1, 4);
+  expect_like_reference("compensated", cloud, camera, kRose);
+  cloud.filter.dilation = 0.1;
+  expect_like_reference("compensated, 0.1 px²", cloud, camera, kRose);
 }
 
 FLUXGS_GL_TEST_SUITE(HardCasesTest);

@@ -155,10 +155,22 @@ TEST_P(ProjectionTest, FarFromTheOrigin) {
 }
 
 TEST_P(ProjectionTest, OtherOptions) {
-  const RenderOptions options{
-      .alpha_min = 0.02, .dilation = 0.1, .near_plane = 2.0, .frustum_margin = 0.0};
+  const RenderOptions options{.alpha_min = 0.02,
+                              .filter = ScreenFilter{.dilation = 0.1},
+                              .near_plane = 2.0,
+                              .frustum_margin = 0.0};
   expect_small("other options",
                errors(random_cloud(2000, 2, 9), orbit_camera(320, 240, {}, 2.2, 3, 7), options));
+}
+
+TEST_P(ProjectionTest, CompensatedOpacities) {
+  SplatCloud cloud = random_cloud(3000, 0, 12);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    cloud.log_scales[i] -= 0.001F * static_cast<float>(i);  // to less than a pixel
+    if (i % 5 == 0) cloud.log_scales[i].y = -25.0F;
+  }
+  cloud.filter = {.dilation = 0.1, .compensated = true};
+  expect_small("compensated", errors(cloud, orbit_camera(640, 360, {}, 2.5, 1, 5)));
 }
 
 TEST_P(ProjectionTest, PrincipalPointOutsideTheImage) {

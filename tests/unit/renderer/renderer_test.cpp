@@ -57,7 +57,7 @@ TEST_P(RendererTest, EveryCountDrawsEverySplat) {
     }
     must(renderer().upload(cloud));
     // So little dilation that a splat is gone at its neighbour's centre.
-    const Image<float> image = draw(renderer(), camera, {.dilation = 0.04});
+    const Image<float> image = draw(renderer(), camera, {.filter = ScreenFilter{.dilation = 0.04}});
     for (int i = 0; i < kSide * kSide; ++i)
       ASSERT_NEAR(image.at(i % kSide, i / kSide)[0], i < count ? 0.8F : 0.0F, 1e-3F)
           << "splat " << i << " of " << count;
@@ -154,7 +154,7 @@ TEST_P(RendererTest, RefusesWhatMakesNoImage) {
   names("pose", [](Camera& c, RenderOptions&) { c.translation.z = INFINITY; });
   names("alpha_min", [](Camera&, RenderOptions& o) { o.alpha_min = 0; });
   names("alpha_max", [](Camera&, RenderOptions& o) { o.alpha_max = kNan; });
-  names("dilation", [](Camera&, RenderOptions& o) { o.dilation = -1; });
+  names("dilation", [](Camera&, RenderOptions& o) { o.filter = ScreenFilter{.dilation = -1}; });
   names("near_plane", [](Camera&, RenderOptions& o) { o.near_plane = 0; });
   names("depth_spread_max", [](Camera&, RenderOptions& o) { o.depth_spread_max = -1; });
   names("frustum_margin", [](Camera&, RenderOptions& o) { o.frustum_margin = kNan; });

@@ -146,6 +146,25 @@ TEST(Footprint, ExtremeScalesStayFinite) {
   }
 }
 
+TEST(Footprint, CompensationIsTheRootOfTheRatioOfDeterminants) {
+  for (const double length : {0.01, 1.0, 100.0, 1e4})
+    for (const double width : {1e-4, 0.1, 1.0, 50.0}) {
+      const ScreenAxes<double> axes{{length, 0.5 * width, 0}, {0.25 * length, width, 0}};
+      const double det = std::pow(length * width * (1 - 0.125), 2);
+      const double trace = dot(axes.x, axes.x) + dot(axes.y, axes.y);
+      const double expected = std::sqrt(det / (det + 0.3 * trace + 0.09));
+      EXPECT_NEAR(opacity_compensation(axes, 0.3) / expected, 1, 1e-12);
+      const ScreenAxes<float> single{
+          {static_cast<float>(length), static_cast<float>(0.5 * width), 0},
+          {static_cast<float>(0.25 * length), static_cast<float>(width), 0}};
+      EXPECT_NEAR(opacity_compensation(single, 0.3f) / expected, 1, 2e-5) << length << ' ' << width;
+    }
+  // A disk seen from its side has no area; nothing has a compensation that is no number
+  EXPECT_EQ(opacity_compensation(ScreenAxes<float>{{5, 0, 0}, {3, 0, 0}}, 0.3f), 0);
+  EXPECT_EQ(opacity_compensation(ScreenAxes<float>{{0, 0, 0}, {0, 0, 0}}, 0.3f), 0);
+  EXPECT_NEAR(opacity_compensation(ScreenAxes<float>{{1e10f, 0, 0}, {0, 1e10f, 0}}, 0.3f), 1, 1e-6);
+}
+
 // The full chain from a splat to its axes on the screen, against numbers worked out by hand.
 TEST(Footprint, AxesOfASplatByHand) {
   const Jacobian<double> j{60, -15, 55, -6.875, 0.25, 0.125};

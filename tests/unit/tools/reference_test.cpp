@@ -36,7 +36,7 @@ TEST(ReferenceRenderer, OneRoundSplatIsAGaussian) {
       one_splat({0, 0, 0}, static_cast<float>(deviation), static_cast<float>(logit)), camera,
       options);
   // On the axis the Jacobian is (f/z)·I, so the variance on the screen is (f·σ/z)² + 0.3.
-  const double variance = std::pow(100.0 * deviation / 4.0, 2) + options.dilation;
+  const double variance = std::pow(100.0 * deviation / 4.0, 2) + 0.3;
   for (int y = 0; y < 33; ++y)
     for (int x = 0; x < 33; ++x) {
       const double dx = x + 0.5 - 16.5, dy = y + 0.5 - 16.5;
@@ -46,6 +46,44 @@ TEST(ReferenceRenderer, OneRoundSplatIsAGaussian) {
       EXPECT_NEAR(*image.color.at(x, y), red, 2e-8) << x << ", " << y;
       EXPECT_NEAR(*image.transmittance.at(x, y), 1 - alpha, 2e-8);
     }
+}
+
+/// Σ α over the image of one round splat, whose α stay far below the limit.
+double total_alpha(double deviation, const ScreenFilter& filter) {
+  SplatCloud cloud = one_splat({0, 0, 0}, static_cast<float>(deviation), -1.0f);
+  cloud.filter = filter;
+  RenderOptions options;
+  options.alpha_min = 1e-9;
+  const auto image = render_reference(cloud, camera_in_front(65, 65, 4.0, 100.0), options);
+  double sum = 0;
+  for (const double t : image.transmittance.pixels) sum += 1 - t;
+  return sum;
+}
+
+// A Gaussian of opacity o and variance v covers 2π·o·v pixels, however much it is widened.
+TEST(ReferenceRenderer, CompensatedSplatsKeepTheirTotalWeight) {
+  for (const double pixels : {0.05, 0.3, 1.0, 4.0}) {
+    const double covered = 2 * std::numbers::pi * sigmoid(-1.0) * pixels * pixels;
+    const double deviation = pixels * 4.0 / 100.0;
+    for (const double dilation : {0.3, 0.6}) {
+      const double compensated = total_alpha(deviation, {dilation, true});
+      const double classic = total_alpha(deviation, {dilation, false});
+      // The splat's centre is a pixel's: sampling a Gaussian of variance 0.3 errs by 1 %
+      EXPECT_NEAR(compensated / covered, 1, 0.02) << pixels << ' ' << dilation;
+      EXPECT_NEAR(classic / compensated, 1 + dilation / (pixels * pixels), 1e-3);
+    }
+  }
+}
+
+TEST(ReferenceRenderer, TheFilterOfTheOptionsComesBeforeThatOfTheScene) {
+  SplatCloud cloud = one_splat({0, 0, 0}, 0.01f, 1.0f);
+  cloud.filter = {0.5, true};
+  const Camera camera = camera_in_front(9, 9);
+  const auto own = render_reference(cloud, camera, {});
+  const auto classic = render_reference(cloud, camera, {.filter = ScreenFilter{}});
+  cloud.filter = {};
+  EXPECT_EQ(render_reference(cloud, camera, {}).color.pixels, classic.color.pixels);
+  EXPECT_NE(own.color.pixels, classic.color.pixels);
 }
 
 TEST(ReferenceRenderer, TwoSplatsBlendFrontToBack) {
@@ -178,9 +216,10 @@ std::vector<GradientCase> gradient_cases() {
 
 // Parameters are stored as float32, so steps are powers of two, which they hold exactly around
 // values that have been rounded to multiples of the step.
-TEST(ReferenceGradient, EqualsCentralDifferencesForEveryParameter) {
+void expect_central_differences(const ScreenFilter& filter, float scale) {
   const double step = std::ldexp(1.0, -12);
-  SplatCloud cloud = test::random_cloud(8, 3, 5, 0.5f, 0.3f);
+  SplatCloud cloud = test::random_cloud(8, 3, 5, 0.5f, scale);
+  cloud.filter = filter;
   const auto snap = [&](float& v) { v = static_cast<float>(std::round(v / step) * step); };
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     for (int c = 0; c < 3; ++c)
@@ -216,6 +255,15 @@ TEST(ReferenceGradient, EqualsCentralDifferencesForEveryParameter) {
           << c.name << " of splat " << i;
     }
   }
+}
+
+TEST(ReferenceGradient, EqualsCentralDifferencesForEveryParameter) {
+  expect_central_differences({}, 0.3f);
+}
+
+TEST(ReferenceGradient, EqualsCentralDifferencesOfCompensatedOpacities) {
+  expect_central_differences({.dilation = 0.3, .compensated = true}, 0.3f);
+  expect_central_differences({.dilation = 0.1, .compensated = true}, 0.05f);
 }
 
 }  // namespace

@@ -83,12 +83,15 @@ void add_method_options(CLI::App& command, MethodOptions& given) {
     command
         .add_option_function<std::string>(
             "--" + name,
-            [name, &given](const std::string& text) {
+            [name, &given,
+             is_flag = std::holds_alternative<bool*>(f.value)](const std::string& value) {
+              const std::string text = is_flag && value.empty() ? "on" : value;
               check(name, text);
               given.emplace_back(name, text);
             },
             help_of(f))
         ->type_name(type_name(f))
+        ->expected(std::holds_alternative<bool*>(f.value) ? 0 : 1, 1)
         ->default_str(text_of(f))
         ->group(std::ranges::count(kCommon, name) > 0 ? kCommonOptions : std::string(f.group));
   }

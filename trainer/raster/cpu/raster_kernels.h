@@ -27,7 +27,7 @@ struct alignas(64) ProjectedSplat {
   float r, g, b;                  ///< colour ≥ 0
   float depth;                    ///< camera z
   float half_width, half_height;  ///< px, the box outside of which α < α_min
-  float opacity;
+  float opacity;                  ///< of the splat, before a ScreenFilter compensates it
   float unused[3];
 };
 

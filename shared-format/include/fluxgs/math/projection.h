@@ -25,18 +25,20 @@ struct View {
   T slope_x_max;        ///< largest x/z in the Jacobian
   T slope_y_min;        ///< least y/z in the Jacobian
   T slope_y_max;        ///< largest y/z in the Jacobian
-  T dilation;           ///< of RenderOptions, px²
+  T dilation;           ///< of the ScreenFilter, px²
   T near_plane;         ///< of RenderOptions, scene units
   T depth_spread_max;   ///< > 0: of RenderOptions, a large value for no limit
+  bool compensated;     ///< of the ScreenFilter
 };
 
-/// The view of a camera with these options.
+/// The view of a camera with these options; without a filter among them it is the classic one.
 template <class T>
 View<T> make_view(const Camera& camera, const RenderOptions& options) {
   const auto scalar = [](double v) { return T(v); };
   const auto vec = [&](const glm::dvec3& v) {
     return Vec3<T>{scalar(v.x), scalar(v.y), scalar(v.z)};
   };
+  const ScreenFilter filter = options.filter.value_or(ScreenFilter{});
   const glm::dmat3 rows =
       glm::transpose(camera.rotation);  // columns of the transpose are rows of R
   const double mx = options.frustum_margin * camera.width,
@@ -54,9 +56,10 @@ View<T> make_view(const Camera& camera, const RenderOptions& options) {
           scalar((camera.width + mx - camera.cx) / camera.fx),
           scalar((-my - camera.cy) / camera.fy),
           scalar((camera.height + my - camera.cy) / camera.fy),
-          scalar(options.dilation),
+          scalar(filter.dilation),
           scalar(options.near_plane),
-          scalar(options.depth_spread_max > 0 ? options.depth_spread_max : 1e30)};
+          scalar(options.depth_spread_max > 0 ? options.depth_spread_max : 1e30),
+          filter.compensated};
 }
 
 /// The same view in another scalar type, e.g. one value to all lanes of a pack.
@@ -78,7 +81,8 @@ View<To> convert(const View<From>& v) {
           To(v.slope_y_max),
           To(v.dilation),
           To(v.near_plane),
-          To(v.depth_spread_max)};
+          To(v.depth_spread_max),
+          v.compensated};
 }
 
 /// q/|q|. Scaled by the largest component first, so that tiny quaternions do not underflow;
@@ -185,6 +189,19 @@ Footprint<T> footprint(const ScreenAxes<T>& axes, const T& dilation) {
   const T lambda_xx = sqrt(var_y / det);
   return {lambda_xx * inverse, -(lambda_xx * (xy / var_y)) * inverse, inverse / dev_y,
           sqrt(var_x) * size, dev_y * size};
+}
+
+/// κ = √(det Σ / det Σ′), 0…1: the factor of the opacity of a ScreenFilter that compensates. With
+/// det Σ = |ax×ay|², never ad − b², as above.
+template <class T>
+T opacity_compensation(const ScreenAxes<T>& axes, const T& dilation) {
+  const T size2 = max(dot(axes.x, axes.x), dot(axes.y, axes.y));
+  const T inverse = T(1) / sqrt(max(size2, T(1)));
+  const Vec3<T> ax = axes.x * inverse, ay = axes.y * inverse;
+  const T d = dilation * inverse * inverse;
+  const Vec3<T> c = cross(ax, ay);
+  const T det = dot(c, c);
+  return sqrt(det / (det + d * (dot(ax, ax) + dot(ay, ay)) + d * d));
 }
 
 }  // namespace fluxgs::math

@@ -11,11 +11,12 @@ namespace fluxgs::math {
 /// dL = xx·dΣxx + 2·xy·dΣxy + yy·dΣyy.
 template <class T>
 struct FootprintGradient {
-  T x;       ///< of the centre
-  T y;       ///< of the centre
-  T cov_xx;  ///< of Σxx
-  T cov_xy;  ///< of Σxy
-  T cov_yy;  ///< of Σyy
+  T x;            ///< of the centre
+  T y;            ///< of the centre
+  T cov_xx;       ///< of Σxx
+  T cov_xy;       ///< of Σxy
+  T cov_yy;       ///< of Σyy
+  T log_opacity;  ///< of the logarithm of the opacity that is drawn: Σ h of FootprintMoments
 };
 
 /// Sums over pixels that the rasteriser accumulates for a splat, with w = (u, v) as in Footprint
@@ -30,12 +31,17 @@ struct FootprintMoments {
 };
 
 /// With q = |Λd|²: ∂q/∂centre = −2Λᵀw and ∂q/∂Σ = −(Λᵀw)(Λᵀw)ᵀ, and ∂L/∂q = −h/2.
+/// `h` = Σ h.
 template <class T>
-FootprintGradient<T> footprint_gradient(const FootprintMoments<T>& m, const T& xx, const T& xy,
-                                        const T& yy) {
+FootprintGradient<T> footprint_gradient(const FootprintMoments<T>& m, const T& h, const T& xx,
+                                        const T& xy, const T& yy) {
   const T half(0.5);
-  return {xx * m.u, xy * m.u + yy * m.v, half * xx * xx * m.uu, half * xx * (xy * m.uu + yy * m.uv),
-          half * (xy * xy * m.uu + T(2) * xy * yy * m.uv + yy * yy * m.vv)};
+  return {xx * m.u,
+          xy * m.u + yy * m.v,
+          half * xx * xx * m.uu,
+          half * xx * (xy * m.uu + yy * m.uv),
+          half * (xy * xy * m.uu + T(2) * xy * yy * m.uv + yy * yy * m.vv),
+          h};
 }
 
 /// ∂L/∂q for the unnormalised quaternion q, given ∂L/∂R. Zero for the zero quaternion.
@@ -68,6 +74,23 @@ struct GeometryGradient {
   Quat<T> rotation;   ///< of the unnormalised quaternion
 };
 
+/// ∂ln κ/∂axes of opacity_compensation(). With c = ax×ay, D = det Σ, D′ = det Σ′:
+/// ∂ln κ/∂ax = (ay×c)·(1/D − 1/D′) − d·ax/D′, and for ay likewise with c×ax. A splat that is drawn
+/// has κ ≥ α_min, so D does not vanish against D′; where it does, the derivative is 0.
+template <class T>
+ScreenAxes<T> compensation_gradient(const ScreenAxes<T>& axes, const T& dilation) {
+  const T size2 = max(dot(axes.x, axes.x), dot(axes.y, axes.y));
+  const T inverse = T(1) / sqrt(max(size2, T(1)));
+  const Vec3<T> ax = axes.x * inverse, ay = axes.y * inverse;
+  const T d = dilation * inverse * inverse;
+  const Vec3<T> c = cross(ax, ay);
+  const T det = dot(c, c), added = d * (dot(ax, ax) + dot(ay, ay)) + d * d;
+  const T filtered = inverse / (det + added);
+  const auto vanishes = det <= T(1e-30);
+  const T along = select(vanishes, T(0), filtered * added / select(vanishes, T(1), det));
+  return {cross(ay, c) * along - ax * (d * filtered), cross(c, ax) * along - ay * (d * filtered)};
+}
+
 /// Chain rule through footprint → screen axes → Jacobian, rotation, scale → position.
 /// `scale` is exp(log_scale); `p` is the centre in camera space.
 template <class T>
@@ -80,8 +103,13 @@ GeometryGradient<T> geometry_gradient(const FootprintGradient<T>& g, const Vec3<
 
   // Σ = AAᵀ + dilation·I  ⇒  ∂L/∂A = 2GA
   const T two(2);
-  const Vec3<T> dax = (axes.x * g.cov_xx + axes.y * g.cov_xy) * two;
-  const Vec3<T> day = (axes.x * g.cov_xy + axes.y * g.cov_yy) * two;
+  Vec3<T> dax = (axes.x * g.cov_xx + axes.y * g.cov_xy) * two;
+  Vec3<T> day = (axes.x * g.cov_xy + axes.y * g.cov_yy) * two;
+  if (view.compensated) {
+    const ScreenAxes<T> k = compensation_gradient(axes, view.dilation);
+    dax = dax + k.x * g.log_opacity;
+    day = day + k.y * g.log_opacity;
+  }
   GeometryGradient<T> out;
   out.log_scale = {dax.x * axes.x.x + day.x * axes.y.x, dax.y * axes.x.y + day.y * axes.y.y,
                    dax.z * axes.x.z + day.z * axes.y.z};

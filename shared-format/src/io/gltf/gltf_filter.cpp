@@ -18,7 +18,7 @@ ScreenFilter filter_of(const json& object, std::vector<std::string>& warnings) {
   const double value = dilation.is_number() ? dilation.get<double>() : 0;
   // As a float, too: less than its least would be no filter
   if (static_cast<float>(value) > 0 && value <= kMaxDilation)
-    filter.dilation = static_cast<float>(value);
+    filter.dilation = value;
   else
     warnings.push_back(
         fmt::format("its screen filter's dilation {}; taken as {} px², expected 0 to {}",

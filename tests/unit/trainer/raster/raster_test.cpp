@@ -124,6 +124,26 @@ TEST_P(CpuRaster, ImageAndGradientsEqualTheReference) {
   }
 }
 
+TEST_P(CpuRaster, CompensatedOpacitiesAndTheirGradientsEqualTheReference) {
+  for (const float scale : {0.06f, 0.01f}) {  // some pixels, and a fraction of one
+    SplatCloud cloud = test::random_cloud(600, 1, 12, 0.8f, scale);
+    for (std::size_t i = 0; i < cloud.size(); i += 3) cloud.log_scales[i].x += 2;
+    cloud.filter = {.dilation = 0.3, .compensated = true};
+    const Camera camera = test::camera_at({1.0, -0.7, -2.4}, {0, 0, 0}, 93, 71);
+    // Many opacities end near the ordinary cut-off, where rounding decides which splats are drawn
+    const RenderOptions options = for_scene({.alpha_min = 1e-6}, cloud.filter);
+    const Rendered fast = run(cloud, camera, options, GetParam());
+    const auto reference = render_reference(cloud, camera, options);
+    EXPECT_LT(largest_difference(fast.color, reference), 2e-5);
+    const auto exact = reference_gradient(cloud, camera, options, pixel_weights(93, 71));
+    const GradientErrors e = compare(fast, exact, cloud.size(), sh_rest_count(1));
+    EXPECT_LT(e.position.value(), 1e-4);
+    EXPECT_LT(e.log_scale.value(), 1e-4);
+    EXPECT_LT(e.rotation.value(), 1e-4);
+    EXPECT_LT(e.opacity.value(), 1e-4);
+  }
+}
+
 /// Compares the image and demands finite gradients; returns the largest difference.
 double hard_case(const SplatCloud& cloud, const Camera& camera, const RenderOptions& options,
                  Isa isa) {
@@ -140,6 +160,17 @@ TEST_P(CpuRaster, Needles) {
   SplatCloud cloud = test::random_cloud(200, 1, 3);
   for (glm::vec3& s : cloud.log_scales) s = {std::log(3.0f), std::log(1e-4f), std::log(1e-6f)};
   EXPECT_LT(hard_case(cloud, test::camera_in_front(160, 120), {}, GetParam()), 2e-3);
+}
+
+TEST_P(CpuRaster, CompensatedNeedlesAndDisks) {
+  SplatCloud cloud = test::random_cloud(300, 1, 3);
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    cloud.log_scales[i] = i % 2 == 0 ? glm::vec3(std::log(3.0f), std::log(1e-3f), -40.0f)
+                                     : glm::vec3(std::log(0.2f), std::log(0.3f), -40.0f);
+  cloud.filter.compensated = true;
+  EXPECT_LT(
+      hard_case(cloud, test::camera_in_front(160, 120), for_scene({}, cloud.filter), GetParam()),
+      2e-3);
 }
 
 TEST_P(CpuRaster, AcrossAndBehindTheNearPlane) {

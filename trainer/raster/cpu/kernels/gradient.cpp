@@ -78,8 +78,9 @@ unsigned gradient_pack(const GradientArgs& args, const math::View<Lanes>& view, 
   const Lanes first(kFirst), second(kSecond);
   const math::FootprintMoments<Lanes> moments{sums(0) * first, sums(1) * first, sums(2) * second,
                                               sums(3) * second, sums(4) * second};
-  const auto footprint = math::footprint_gradient(
-      moments, get(&ProjectedSplat::xx), get(&ProjectedSplat::xy), get(&ProjectedSplat::yy));
+  const auto footprint =
+      math::footprint_gradient(moments, sums(5), get(&ProjectedSplat::xx), get(&ProjectedSplat::xy),
+                               get(&ProjectedSplat::yy));
   const Vec3<Lanes> position = parameters.vec3(row::position);
   const Vec3<Lanes> p = view.rotation * position + view.translation;
   const Vec3<Lanes> s = parameters.vec3(row::log_scale);

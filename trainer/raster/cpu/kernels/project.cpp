@@ -63,7 +63,12 @@ void project(const ProjectArgs& args, std::size_t begin, std::size_t end) {
       const Lanes inverse_z = Lanes(1.0f) / p.z;
       const Lanes x = fma(view.fx * p.x, inverse_z, view.cx);
       const Lanes y = fma(view.fy * p.y, inverse_z, view.cy);
-      const Lanes log2_opacity = hn::Log2(kTag, opacity.v);
+      Lanes shown = opacity;
+      if (view.compensated) {
+        shown = opacity * math::opacity_compensation(axes, view.dilation);
+        visible = visible & (shown >= Lanes(k.alpha_min));
+      }
+      const Lanes log2_opacity = hn::Log2(kTag, shown.v);
       const Lanes radius = sqrt(max(log2_opacity - Lanes(k.log2_alpha_min), Lanes(0.0f))) *
                            Lanes(1.0f / kFactorScale);
       const Lanes half_width = radius * f.deviation_x, half_height = radius * f.deviation_y;

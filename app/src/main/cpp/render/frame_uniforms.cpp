@@ -37,7 +37,7 @@ double radius_limit(double max_deviations) {
 FrameUniforms make_frame_uniforms(const Camera& camera, const RenderOptions& options,
                                   const ApproximationSettings& approximation,
                                   const SceneConstants& scene, const sort::DepthKeys& keys) {
-  const auto view = math::make_view<double>(camera, options);
+  const auto view = math::make_view<double>(camera, for_scene(options, scene.filter));
   const glm::dvec3 centre = camera.center() - scene.origin;
   FrameUniforms u{};
   u.rotation_row0 = pack(view.rotation.row0);
@@ -60,6 +60,7 @@ FrameUniforms make_frame_uniforms(const Camera& camera, const RenderOptions& opt
   u.key_low = keys.low;
   u.key_shift = keys.shift;
   u.key_max = keys.largest;
+  u.compensated = view.compensated ? 1 : 0;
   return u;
 }
 

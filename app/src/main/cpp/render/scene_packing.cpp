@@ -75,6 +75,7 @@ ScenePacker::ScenePacker(const SplatCloud& cloud,
       degree_(drawable_.size()) {
   constants_.count = static_cast<std::uint32_t>(drawable_.size());
   constants_.sh_degree = cloud.sh_degree;
+  constants_.filter = cloud.filter;
   for (std::size_t k = 0; k < drawable_.size(); ++k) {
     degree_[k] = static_cast<std::uint8_t>(sh_degree_of(cloud, splat(k)));
     ++degrees_[degree_[k]];

@@ -33,7 +33,7 @@ Expected<void> check_options(const RenderOptions& o) {
   const auto fraction = [](double v) { return v > 0 && v <= 1; };
   if (!fraction(o.alpha_min)) return fail("options", "alpha_min", "must lie in (0, 1]");
   if (!fraction(o.alpha_max)) return fail("options", "alpha_max", "must lie in (0, 1]");
-  if (!(o.dilation > 0) || !std::isfinite(o.dilation)) {
+  if (o.filter && (!(o.filter->dilation > 0) || !std::isfinite(o.filter->dilation))) {
     return fail("options", "dilation", "must be positive and finite");
   }
   if (!(o.near_plane > 0) || !std::isfinite(o.near_plane)) {

@@ -4,6 +4,7 @@
 struct Footprint {
   vec3 factor;     // xx, xy, yy
   vec2 deviation;  // px
+  float share;     // det Σ / det Σ′ of the covariance without and with the dilation
 };
 
 vec3 rotate_by_transpose(vec4 q, vec3 v) {  // Rᵀ·v for the unit quaternion q = (x, y, z, w)
@@ -38,10 +39,10 @@ Footprint footprint(vec3 axes_x, vec3 axes_y) {
   float d = frame.dilation * inverse * inverse;
   float xx = dot(ax, ax), yy = dot(ay, ay), xy = dot(ax, ay);
   vec3 c = cross(ax, ay);
-  float det = dot(c, c) + d * (xx + yy) + d * d;
+  float own = dot(c, c), det = own + d * (xx + yy) + d * d;
   float var_x = xx + d, var_y = yy + d;
   float deviation_y = sqrt(var_y);
   float lambda_xx = sqrt(var_y / det);
   vec3 factor = vec3(lambda_xx, -lambda_xx * (xy / var_y), 1.0 / deviation_y) * inverse;
-  return Footprint(factor, vec2(sqrt(var_x), deviation_y) * size);
+  return Footprint(factor, vec2(sqrt(var_x), deviation_y) * size, own / det);
 }
