@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 #include "fluxgs/image.h"
 #include "trainer/core/parameters.h"
@@ -47,6 +48,15 @@ PlanarImage planes_of(const Image<T>& image) {
     for (int x = 0; x < image.width; ++x)
       for (int c = 0; c < 3; ++c) out.row(c, y)[x] = static_cast<float>(image.at(x, y)[c]);
   return out;
+}
+
+/// A plane of 1 where a mask of one channel and of the image's size is not 0, and 0 elsewhere.
+inline void copy_mask(const Image<std::uint8_t>& mask, PlanarImage& image, int channel) {
+  for (int y = 0; y < mask.height; ++y) {
+    const std::uint8_t* from = mask.at(0, y);
+    float* to = image.row(channel, y);
+    for (int x = 0; x < mask.width; ++x) to[x] = from[x] == 0 ? 0.0f : 1.0f;
+  }
 }
 
 /// Planes as interleaved RGB.

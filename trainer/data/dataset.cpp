@@ -10,8 +10,10 @@
 #include "trainer/data/colmap_source.h"
 #include "trainer/data/file_bytes.h"
 #include "trainer/data/file_list.h"
+#include "trainer/data/find_masks.h"
 #include "trainer/data/fit_images.h"
 #include "trainer/data/load_views.h"
+#include "trainer/data/lower_case.h"
 #include "trainer/data/outliers.h"
 #include "trainer/data/run_colmap.h"
 #include "trainer/data/source.h"
@@ -23,9 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool has_image_extension(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lower_case(file.extension().string());
   constexpr std::string_view kExtensions[] = {".jpg", ".jpeg", ".png", ".webp",
                                               ".tif", ".tiff", ".bmp"};
   return std::ranges::find(kExtensions, extension) != std::end(kExtensions);
@@ -136,7 +136,12 @@ Expected<LoadedViews> load_all(Source& source, const LoadOptions& options) {
   auto loaded = load_views(frames, options);
   LoadedViews views;
   FailedImages bad;
+  FileList masked;
   for (std::size_t i = 0; i < loaded.size(); ++i) {
+    if (loaded[i] && is_masked_whole(*loaded[i])) {
+      masked.add(frames[i].file.string());
+      continue;
+    }
     if (loaded[i]) {
       (i < train_count ? views.train : views.test).push_back(std::move(*loaded[i]));
       continue;
@@ -145,8 +150,13 @@ Expected<LoadedViews> load_all(Source& source, const LoadOptions& options) {
     const bool none_left = i + 1 == train_count && views.train.empty();
     if (2 * bad.size() >= loaded.size() || none_left) return std::unexpected(loaded[i].error());
   }
-  source.skipped_images += bad.size();
+  source.skipped_images += bad.size() + masked.size();
   bad.warn(source.warnings);
+  if (masked.empty()) return views;
+  const std::string which = "masked or transparent everywhere: " + masked.text();
+  if (views.train.empty())
+    return fail("", "masks", "no photo is left, they are " + which + "; white is what counts");
+  source.warnings.push_back("left out, since they are " + which);
   return views;
 }
 
@@ -166,6 +176,19 @@ void split(Source& source, int test_every) {
   source.frames = std::move(train);
 }
 
+/// One line about the masks of a capture that has some.
+void tell_of_masks(const Dataset& data, MaskUse use) {
+  std::size_t all = 0, ignoring = 0, carving = 0;
+  for (const auto* views : {&data.train, &data.test})
+    for (const View& view : *views)
+      ++all, ignoring += !view.used.pixels.empty(), carving += !view.alpha.pixels.empty();
+  if (ignoring > 0)
+    spdlog::info("{} of {} photos have masks: what is black there is ignored", ignoring, all);
+  if (carving > 0)
+    spdlog::info("{} of {} photos have {}: that is to stay empty", carving, all,
+                 use == MaskUse::carve ? "black or transparent parts" : "transparent parts");
+}
+
 Expected<void> check_options(const LoadOptions& options) {
   if (options.downscale < 1)
     return fail("", "downscale", fmt::format("{}, expected 1 or more", options.downscale));
@@ -175,6 +198,13 @@ Expected<void> check_options(const LoadOptions& options) {
 }
 
 }  // namespace
+
+bool is_masked_whole(const View& view) {
+  const auto black = [](const Image<std::uint8_t>& mask) {
+    return !mask.pixels.empty() && std::ranges::all_of(mask.pixels, [](auto v) { return v == 0; });
+  };
+  return black(view.used) || black(view.alpha);
+}
 
 std::vector<Camera> cameras_of(const std::vector<View>& views) {
   std::vector<Camera> cameras;
@@ -201,6 +231,7 @@ Expected<Dataset> load_dataset(const fs::path& given, const LoadOptions& options
   auto found = read_source(folder);
   if (!found) return std::unexpected(found.error());
   Source& source = found->source;
+  if (options.masks != MaskUse::off) find_masks(source, folder);
   fit_to_images(source);
   remove_outliers(source);
   split(source, options.test_every);
@@ -224,6 +255,7 @@ Expected<Dataset> load_dataset(const fs::path& given, const LoadOptions& options
                dataset.kind, dataset.train.size(), dataset.test.size(),
                dataset.train[0].camera.width, dataset.train[0].camera.height,
                dataset.points.size());
+  tell_of_masks(dataset, options.masks);
   return dataset;
 }
 

@@ -1,10 +1,12 @@
 // Posed images, ready to train on.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -16,11 +18,21 @@
 
 namespace fluxgs {
 
+/// Meaning of what masks leave black and of what photos leave transparent.
+enum class MaskUse {
+  automatic,  ///< ignore for masks, carve for transparency
+  ignore,     ///< says nothing: neither loss nor score
+  carve,      ///< must stay empty
+  off,        ///< masks are not read; transparent pixels show the background
+};
+inline constexpr std::array<std::string_view, 4> kMaskUseNames = {"auto", "ignore", "carve", "off"};
+
 struct LoadOptions {
-  int downscale = 1;             ///< integer factor ≥ 1, area-averaged; sizes are rounded down
-  int test_every = 8;            ///< every n-th image, sorted by name, is for testing; 0: none
-  glm::vec3 background{0};       ///< sRGB as stored, 0…1: what transparent pixels show
-  int threads = 0;               ///< for decoding; 0: all
+  int downscale = 1;        ///< integer factor ≥ 1, area-averaged; sizes are rounded down
+  int test_every = 8;       ///< every n-th image, sorted by name, is for testing; 0: none
+  glm::vec3 background{0};  ///< sRGB as stored, 0…1: what transparent pixels show
+  int threads = 0;          ///< for decoding; 0: all
+  MaskUse masks = MaskUse::automatic;
   ProgressReport progress = {};  ///< images ready
 };
 
@@ -30,7 +42,16 @@ struct View {
   Camera camera;  ///< its name is the image's file name (COLMAP: the name in the model)
   Image<std::uint8_t> rgb;
   std::string path;  ///< of the file the pixels came from
+  /// 255 where a pixel counts, 0 where it is ignored; 1 channel, the size of rgb. Empty: all count.
+  Image<std::uint8_t> used = {};
+  /// 255·α: what is transparent must stay empty; 1 channel, the size of rgb. Empty: opaque.
+  Image<std::uint8_t> alpha = {};
+  glm::vec3 background{0};  ///< that rgb shows behind alpha
 };
+
+/// A pixel of a reduced mask counts if this much of it is white (of 255): less would let in the
+/// colour of what is masked.
+inline constexpr int kCounts = 230;
 
 /// World coordinates are those of the data set, untouched: of transforms.json only the camera axes
 /// are converted (from OpenGL's to OpenCV's).
@@ -44,6 +65,9 @@ struct Dataset {
   std::vector<std::string> warnings;      ///< one line each, for the user
 };
 
+/// True if no pixel counts, or all are transparent.
+bool is_masked_whole(const View& view);
+
 std::vector<Camera> cameras_of(const std::vector<View>& views);
 
 /// At most `count` of the cameras, evenly spread over them.
@@ -56,8 +80,10 @@ std::vector<Camera> spread_cameras(const std::vector<Camera>& cameras, std::size
 ///   - transforms.json (instant-ngp, nerfstudio);
 ///   - images without poses (in images/ or the folder itself): COLMAP is run, if installed, in the
 ///     folder's colmap/ sub-folder, and its result is kept there for the next time.
-/// The result does not depend on the number of threads.
-/// Errors: anything missing, malformed, truncated or contradictory, named by file and field.
+/// Masks are those that transforms.json names (mask_path), and the images of a folder masks/ or
+/// mask/ that have the photos' names (see find_masks.h). Photos that a mask leaves nothing of are
+/// left out. The result does not depend on the number of threads. Errors: anything missing,
+/// malformed, truncated or contradictory, named by file and field.
 Expected<Dataset> load_dataset(const std::filesystem::path& folder, const LoadOptions& options);
 
 }  // namespace fluxgs

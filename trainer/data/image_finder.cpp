@@ -1,10 +1,10 @@
 #include "trainer/data/image_finder.h"
 
 #include <algorithm>
-#include <cctype>
 #include <system_error>
 
 #include "trainer/data/file_bytes.h"
+#include "trainer/data/lower_case.h"
 
 namespace fluxgs {
 namespace {
@@ -12,12 +12,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxListed = 1'000'000;  // files of the folders that are looked at
-
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 std::string without_extension(const std::string& name) {
   return fs::path(name).replace_extension().generic_string();
@@ -66,7 +60,7 @@ void ImageFinder::list() {
          !error && at != end && count < kMaxListed; at.increment(error), ++count) {
       std::error_code ignored;
       if (!at->is_regular_file(ignored)) continue;
-      const std::string name = lower(at->path().lexically_relative(folder).generic_string());
+      const std::string name = lower_case(at->path().lexically_relative(folder).generic_string());
       add(by_name_, name, at->path());
       add(by_stem_, without_extension(name), at->path());
     }
@@ -75,7 +69,7 @@ void ImageFinder::list() {
 
 std::optional<fs::path> ImageFinder::find_listed(const std::string& name) {
   if (!listed_) list();
-  const std::string wanted = lower(name);
+  const std::string wanted = lower_case(name);
   if (auto found = first_tail(wanted, [&](const std::string& n) { return get(by_name_, n); }))
     return found;
   return first_tail(wanted, [&](const std::string& n) {

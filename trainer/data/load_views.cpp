@@ -14,7 +14,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "fluxgs/sanitize.h"
-#include "trainer/data/image_io.h"
+#include "trainer/data/layers.h"
 #include "trainer/data/rectify.h"
 
 namespace fluxgs {
@@ -35,23 +35,17 @@ SharedLenses make_shared_lenses(const std::vector<SourceFrame>& frames) {
   return shared;
 }
 
-/// Straight alpha over a background, in stored sRGB values (as NeRF-synthetic does).
-void composite(Image<std::uint8_t>& image, const glm::vec3& background) {
-  if (image.channels != 4) return;
-  int under[3];
-  for (int c = 0; c < 3; ++c)
-    under[c] = static_cast<int>(std::lround(std::clamp(background[c], 0.0F, 1.0F) * 255.0F));
-  const std::size_t count = image.pixels.size() / 4;
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint8_t* in = &image.pixels[4 * i];
-    const int alpha = in[3];
-    std::uint8_t rgb[3];
-    for (int c = 0; c < 3; ++c)
-      rgb[c] = static_cast<std::uint8_t>((in[c] * alpha + under[c] * (255 - alpha) + 127) / 255);
-    std::copy_n(rgb, 3, &image.pixels[3 * i]);  // In place: 3i never passes 4i.
-  }
-  image.pixels.resize(3 * count);
-  image.channels = 3;
+/// A layer of a photo as the pinhole camera sees it, at the size of the view.
+Image<std::uint8_t> reduced(Image<std::uint8_t> layer, const Rectification& rectification,
+                            int width, int height) {
+  if (layer.pixels.empty()) return {};
+  const int type = CV_8UC(layer.channels);
+  const cv::Mat stored(layer.height, layer.width, type, layer.pixels.data());
+  const cv::Mat undistorted = rectify(stored, rectification);
+  Image<std::uint8_t> out(width, height, layer.channels);
+  cv::Mat target(height, width, type, out.pixels.data());
+  cv::resize(undistorted, target, target.size(), 0, 0, cv::INTER_AREA);
+  return out;
 }
 
 /// Farther away, single precision cannot tell a camera from its neighbours.
@@ -79,27 +73,25 @@ Expected<View> make_view(const SourceFrame& frame, const Rectification& rectific
     return fail(file, "pose",
                 fmt::format("the camera is {:g} units away, expected less than {:g}",
                             glm::length(t), kFarthest));
-  auto image = read_image(frame.file);
-  if (!image) return std::unexpected(image.error());
-  if (frame.orientation > 1) *image = upright(*image, frame.orientation);
-  if (image->width != frame.lens.width || image->height != frame.lens.height)
-    return fail(file, "",
-                fmt::format("the image is {}x{}, expected {}x{} as its camera says", image->width,
-                            image->height, frame.lens.width, frame.lens.height));
-  const int width = image->width / options.downscale, height = image->height / options.downscale;
+  auto layers = read_layers(frame, options);
+  if (!layers) return std::unexpected(layers.error());
+  const int width = layers->rgb.width / options.downscale,
+            height = layers->rgb.height / options.downscale;
   if (width < 1 || height < 1)
     return fail(file, "",
-                fmt::format("the image is {}x{}, too small to be reduced {} times", image->width,
-                            image->height, options.downscale));
+                fmt::format("the image is {}x{}, too small to be reduced {} times",
+                            layers->rgb.width, layers->rgb.height, options.downscale));
 
-  composite(*image, options.background);
-  const cv::Mat stored(image->height, image->width, CV_8UC3, image->pixels.data());
-  const cv::Mat undistorted = rectify(stored, rectification);
+  const auto at_size = [&](Image<std::uint8_t>& layer) {
+    return reduced(std::move(layer), rectification, width, height);
+  };
   View view{.camera = make_camera(frame, rectification.pinhole, width, height),
-            .rgb = Image<std::uint8_t>(width, height, 3),
-            .path = file};
-  cv::Mat target(height, width, CV_8UC3, view.rgb.pixels.data());
-  cv::resize(undistorted, target, target.size(), 0, 0, cv::INTER_AREA);
+            .rgb = at_size(layers->rgb),
+            .path = file,
+            .used = at_size(layers->used),
+            .alpha = at_size(layers->alpha),
+            .background = options.background};
+  for (std::uint8_t& v : view.used.pixels) v = v >= kCounts ? 255 : 0;
   return view;
 }
 

@@ -9,20 +9,30 @@ std::uint8_t mean(int a, int b, int c, int d) {
   return static_cast<std::uint8_t>((a + b + c + d + 2) / 4);
 }
 
+Image<std::uint8_t> half_of(const Image<std::uint8_t>& in) {
+  if (in.pixels.empty()) return {};
+  Image<std::uint8_t> out(in.width / 2, in.height / 2, in.channels);
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x)
+      for (int k = 0; k < in.channels; ++k)
+        out.at(x, y)[k] = mean(in.at(2 * x, 2 * y)[k], in.at(2 * x + 1, 2 * y)[k],
+                               in.at(2 * x, 2 * y + 1)[k], in.at(2 * x + 1, 2 * y + 1)[k]);
+  return out;
+}
+
 }  // namespace
 
 View halved(const View& view) {
-  View out{view.camera, {}, view.path};
+  View out = {.camera = view.camera,
+              .rgb = half_of(view.rgb),
+              .path = view.path,
+              .used = half_of(view.used),
+              .alpha = half_of(view.alpha),
+              .background = view.background};
+  for (std::uint8_t& v : out.used.pixels) v = v >= kCounts ? 255 : 0;
   Camera& c = out.camera;
   c.width = view.camera.width / 2, c.height = view.camera.height / 2;
   c.fx /= 2, c.fy /= 2, c.cx /= 2, c.cy /= 2;
-  const Image<std::uint8_t>& in = view.rgb;
-  out.rgb = Image<std::uint8_t>(c.width, c.height, in.channels);
-  for (int y = 0; y < c.height; ++y)
-    for (int x = 0; x < c.width; ++x)
-      for (int k = 0; k < in.channels; ++k)
-        out.rgb.at(x, y)[k] = mean(in.at(2 * x, 2 * y)[k], in.at(2 * x + 1, 2 * y)[k],
-                                   in.at(2 * x, 2 * y + 1)[k], in.at(2 * x + 1, 2 * y + 1)[k]);
   return out;
 }
 

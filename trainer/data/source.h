@@ -18,6 +18,7 @@ namespace fluxgs {
 struct SourceFrame {
   std::filesystem::path file;
   std::string name;
+  std::filesystem::path mask = {};  ///< empty: none
   Lens lens;
   int orientation = 1;          ///< EXIF's: how the stored image is turned when it is loaded
   glm::dmat3 rotation{1.0};     ///< world → camera, OpenCV axes

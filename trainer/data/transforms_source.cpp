@@ -138,8 +138,22 @@ Expected<std::string> file_path_of(const Json& frame, const std::string& file,
 
 struct FrameList {
   std::vector<SourceFrame> frames;
-  FileList missing, without_pose;
+  FileList missing, without_pose, missing_masks;
 };
+
+/// The mask that nerfstudio names: of the frame, or of the whole file. The photo itself is none,
+/// where only that has the mask's name.
+void set_mask(const Json& json, const Json& all, ImageFinder& files, SourceFrame& frame,
+              FileList& missing) {
+  const auto own = json.find("mask_path");
+  const Json& path = own != json.end() ? *own : all.value("mask_path", Json());
+  if (!path.is_string() || path.get<std::string>().empty()) return;
+  const auto found = files.find(path.get<std::string>());
+  if (found && *found != frame.file)
+    frame.mask = *found;
+  else
+    missing.add(path.get<std::string>());
+}
 
 /// One frame appended to the list, or counted as left out.
 Expected<void> add_frame(const Json& json, const TransformsIntrinsics& global, const fs::path& file,
@@ -176,11 +190,15 @@ Expected<FrameList> read_frames(const Json& json, const fs::path& file) {
   if (!global) return std::unexpected(global.error());
   FrameList list;
   ImageFinder images({file.parent_path(), file.parent_path() / "images"});
+  ImageFinder masks({file.parent_path()});
   std::size_t index = 0;
   for (const Json& frame : json["frames"]) {
     const std::string field = fmt::format("frame {}: ", index++);
+    const std::size_t before = list.frames.size();
     if (const auto ok = add_frame(frame, *global, file, field, images, list); !ok)
       return std::unexpected(ok.error());
+    if (list.frames.size() > before)
+      set_mask(frame, json, masks, list.frames.back(), list.missing_masks);
   }
   name_frames(list.frames);
   std::set<fs::path> files;
@@ -202,6 +220,10 @@ void note_warnings(const FrameList& list, const fs::path& file, Source& source) 
     source.warnings.push_back(
         fmt::format("{}: the poses of {} frames are not finite; they are skipped: {}",
                     file.string(), list.without_pose.size(), list.without_pose.text()));
+  if (!list.missing_masks.empty())
+    source.warnings.push_back(
+        fmt::format("{}: mask_path: {} masks are not there; their photos count whole: {}",
+                    file.string(), list.missing_masks.size(), list.missing_masks.text()));
 }
 
 /// nerfstudio's sparse points, which its exporter has already moved into the frames' world.

@@ -31,7 +31,7 @@ class Densification final : public Phase {
   }
   void after_backward(Training& t) override {
     if (options_.strategy != Densify::mcmc && t.state.iteration <= options_.until)
-      gather_statistics(t.state, t.rasterizer);
+      gather_statistics(t.state, t.rasterizer, !t.view->used.pixels.empty());
   }
   std::optional<PhaseReport> after_step(Training& t) override {
     if (!plan().due(t.state.iteration)) return {};

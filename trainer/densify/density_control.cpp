@@ -156,14 +156,14 @@ void shift_along_longest(PlanarFloats& p, std::size_t i, double side) {
 
 }  // namespace
 
-void gather_statistics(TrainState& state, const Rasterizer& rasterizer) {
+void gather_statistics(TrainState& state, const Rasterizer& rasterizer, bool masked) {
   const std::vector<std::uint8_t>& visible = rasterizer.visible();
   const float* gradient = rasterizer.center_gradient();
   float* sums = state.statistics.row(statistic::gradient_sum);
   float* views = state.statistics.row(statistic::views);
   float* radius = state.statistics.row(statistic::radius);
   for (std::size_t i = 0; i < state.parameters.size(); ++i) {
-    if (!visible[i]) continue;
+    if (!visible[i] || (masked && gradient[i] == 0)) continue;
     sums[i] += gradient[i];
     views[i] += 1;
     radius[i] = std::max(radius[i], rasterizer.screen_radius(i));

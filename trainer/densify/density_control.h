@@ -16,8 +16,9 @@ struct DensifyCounts {
   std::size_t cloned = 0, split = 0, pruned = 0;
 };
 
-/// Adds one iteration's gradients and radii to the statistics of the splats it saw.
-void gather_statistics(TrainState& state, const Rasterizer& rasterizer);
+/// Adds one iteration's gradients and radii to the statistics of the splats it saw. `masked`: some
+/// pixels did not count; splats without any gradient were seen there only, and are left out.
+void gather_statistics(TrainState& state, const Rasterizer& rasterizer, bool masked = false);
 
 /// Clones small and splits large splats whose mean gradient is above the threshold (and, for
 /// Densify::multiview, whose S⁺ is above its quantile), the first by rank where there is room for

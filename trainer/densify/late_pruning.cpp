@@ -38,7 +38,7 @@ SplatScores contributions(const Training& t) {
   };
   BlendWeights weights(t.state.parameters, t.render_options(), t.threads);
   for (const View& view : t.data.train) {
-    add(scores.contribution, weights.of(view.camera));
+    add(scores.contribution, weights.of(view.camera, view.used));
     add(scores.pixels, weights.pixels());
   }
   return scores;

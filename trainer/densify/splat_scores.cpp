@@ -64,8 +64,11 @@ SplatScores score_splats(const std::vector<View>& views, const std::vector<std::
     const View& view = views[index];
     rasterizer.forward(parameters, view.camera, render);
     to_planar(view.rgb, threads, target);
+    shift_background(view.alpha, glm::vec3(render.background) - view.background, target);
+    fill_unused(view.used, rasterizer.color(), target);
     const PlanarImage loss = loss_map(rasterizer.color(), target, options.loss, lambda_dssim);
-    const PlanarFloats& sums = rasterizer.score(metric_maps(loss, options), options.weight);
+    const PlanarFloats& sums =
+        rasterizer.score(metric_maps(loss, options, view.used), options.weight);
     add(sums.row(score::first), scores.plus);
     add(sums.row(score::second), scores.minus);
     add(sums.row(score::contribution), scores.contribution);

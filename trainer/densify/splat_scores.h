@@ -64,7 +64,8 @@ struct SplatScores {
   std::vector<float> pixels;        ///< pixels it contributes to, over all views; 0: never seen
 };
 
-/// Renders `views[sampled[0]]`, … and adds up. `lambda_dssim`: weight of 1 − SSIM in the loss.
+/// Renders `views[sampled[0]]`, … and adds up; ignored pixels add nothing. `lambda_dssim`: weight
+/// of 1 − SSIM in the loss.
 SplatScores score_splats(const std::vector<View>& views, const std::vector<std::uint32_t>& sampled,
                          const PlanarFloats& parameters, const RenderOptions& render,
                          const ScoreOptions& options, double lambda_dssim, Rasterizer& rasterizer,

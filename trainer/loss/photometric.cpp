@@ -44,6 +44,29 @@ void to_planar(const Image<std::uint8_t>& rgb, const Threads& threads, PlanarIma
       });
 }
 
+void shift_background(const Image<std::uint8_t>& alpha, const glm::vec3& shift,
+                      PlanarImage& image) {
+  if (alpha.pixels.empty()) return;
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < image.height(); ++y) {
+      float* row = image.row(c, y);
+      const std::uint8_t* a = alpha.at(0, y);
+      for (int x = 0; x < image.width(); ++x)
+        row[x] += static_cast<float>(255 - a[x]) * (1.0f / 255.0f) * shift[c];
+    }
+}
+
+void fill_unused(const Image<std::uint8_t>& used, const PlanarImage& color, PlanarImage& target) {
+  if (used.pixels.empty()) return;
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < target.height(); ++y) {
+      const std::uint8_t* u = used.at(0, y);
+      const float* from = color.row(c, y);
+      float* to = target.row(c, y);
+      for (int x = 0; x < target.width(); ++x) to[x] = u[x] == 0 ? from[x] : to[x];
+    }
+}
+
 void PhotometricLoss::prepare(const PlanarImage& color) {
   if (gradient_.width() == color.width() && gradient_.height() == color.height()) return;
   partials_ = PlanarImage(color.width(), color.height(), 9);
@@ -53,7 +76,20 @@ void PhotometricLoss::prepare(const PlanarImage& color) {
 }
 
 PhotometricSums PhotometricLoss::run(const PlanarImage& color, const PlanarImage& target,
-                                     double lambda) {
+                                     double lambda, const Image<std::uint8_t>& used) {
+  const double all = static_cast<double>(color.width()) * color.height();
+  if (used.pixels.empty()) return run(color, target, lambda, nullptr, all);
+  filled_ = target;
+  fill_unused(used, color, filled_);
+  if (used_.width() != used.width || used_.height() != used.height)
+    used_ = PlanarImage(used.width, used.height, 1);
+  copy_mask(used, used_, 0);
+  const auto masked = std::ranges::count(used.pixels, std::uint8_t{0});
+  return run(color, filled_, lambda, used_.plane(0), all - static_cast<double>(masked));
+}
+
+PhotometricSums PhotometricLoss::run(const PlanarImage& color, const PlanarImage& target,
+                                     double lambda, const float* used, double count) {
   prepare(color);
   const int height = color.height();
   const double values = 3.0 * color.width() * height;
@@ -62,6 +98,7 @@ PhotometricSums PhotometricLoss::run(const PlanarImage& color, const PlanarImage
     return SsimArgs{
         color.plane(c),
         target.plane(c),
+        used,
         color.width(),
         height,
         color.pitch(),
@@ -82,20 +119,26 @@ PhotometricSums PhotometricLoss::run(const PlanarImage& color, const PlanarImage
              [&](int c, int begin, int end) { kernels_.partials(args(c), begin, end, scratch()); });
   for_strips(threads_, height,
              [&](int c, int begin, int end) { kernels_.gradient(args(c), begin, end, scratch()); });
-  return {std::accumulate(row_l1_.begin(), row_l1_.end(), 0.0) / values,
-          std::accumulate(row_ssim_.begin(), row_ssim_.end(), 0.0) / values};
+  if (count == 0) return {.l1 = 0, .ssim = 1};
+  return {std::accumulate(row_l1_.begin(), row_l1_.end(), 0.0) / (3 * count),
+          std::accumulate(row_ssim_.begin(), row_ssim_.end(), 0.0) / (3 * count)};
 }
 
-double psnr(const PlanarImage& a, const PlanarImage& b) {
+double psnr(const PlanarImage& a, const PlanarImage& b, const Image<std::uint8_t>& used) {
   double total = 0;
+  std::size_t count = 0;
   for (int c = 0; c < 3; ++c)
-    for (int y = 0; y < a.height(); ++y)
+    for (int y = 0; y < a.height(); ++y) {
+      const std::uint8_t* counts = used.pixels.empty() ? nullptr : used.at(0, y);
       for (int x = 0; x < a.width(); ++x) {
+        if (counts && counts[x] == 0) continue;
         const double d = static_cast<double>(std::clamp(a.row(c, y)[x], 0.0f, 1.0f)) -
                          static_cast<double>(std::clamp(b.row(c, y)[x], 0.0f, 1.0f));
         total += d * d;
+        ++count;
       }
-  return psnr_of_mse(total / (3.0 * a.width() * a.height()));
+    }
+  return psnr_of_mse(count == 0 ? 0.0 : total / static_cast<double>(count));
 }
 
 }  // namespace fluxgs

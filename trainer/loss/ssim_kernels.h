@@ -16,13 +16,15 @@ inline constexpr int kSsimRadius = 5;
 struct SsimArgs {
   const float* x;
   const float* y;
+  const float* used;  ///< plane: 1 where pixels count, 0 where not; null: all do
   int width, height;
   std::size_t pitch;
   float* partials[3];  ///< planes: ∂SSIM/∂μx, ∂SSIM/∂E[x²], ∂SSIM/∂E[xy] of every window
-  float* gradient;     ///< plane: ∂L/∂x, for L = l1_weight·Σ|x−y| − ssim_weight·Σ SSIM
+  float* gradient;     ///< plane: ∂L/∂x, for L = l1_weight·Σ|x−y| − ssim_weight·Σ SSIM, both sums
+                       ///< over pixels that count, and zero at the others
   float l1_weight, ssim_weight;
-  double* row_ssim;  ///< Σ SSIM over each row
-  double* row_l1;    ///< Σ |x − y| over each row
+  double* row_ssim;  ///< Σ SSIM over each row, of windows around pixels that count
+  double* row_l1;    ///< Σ |x − y| over each row; x = y where pixels do not count
 };
 
 struct SsimKernels {

@@ -72,7 +72,8 @@ class Training {
 
   /// The training views at the resolution of this iteration.
   const std::vector<View>* views = nullptr;
-  const Camera* camera = nullptr;  ///< of this iteration
+  const View* view = nullptr;      ///< of this iteration
+  const Camera* camera = nullptr;  ///< of that view
   RenderOptions render = {};       ///< of this iteration
   /// Rows of the parameters that the trainer's own optimiser moves end here, if not with the SH
   /// degree in use.

@@ -10,9 +10,10 @@ BlendWeights::BlendWeights(const PlanarFloats& parameters, const RenderOptions& 
       weights_(parameters.size()),
       pixels_(parameters.size()) {}
 
-const std::vector<float>& BlendWeights::of(const Camera& camera) {
+const std::vector<float>& BlendWeights::of(const Camera& camera, const Image<std::uint8_t>& used) {
   rasterizer_->forward(parameters_, camera, options_);
-  const PlanarImage no_maps(camera.width, camera.height, 2);
+  PlanarImage no_maps(camera.width, camera.height, used.pixels.empty() ? 2 : 3);
+  if (!used.pixels.empty()) copy_mask(used, no_maps, 2);
   const PlanarFloats& scores = rasterizer_->score(no_maps, ScoreWeight::alpha_transmittance);
   const auto copy = [&](int row, std::vector<float>& to) {
     to.assign(scores.row(row), scores.row(row) + parameters_.size());

@@ -17,9 +17,10 @@ class BlendWeights {
   BlendWeights(const PlanarFloats& parameters, const RenderOptions& options,
                const Threads& threads);
 
-  /// One finite weight ≥ 0 a splat, 0 where it is not seen; valid until the next call.
-  const std::vector<float>& of(const Camera& camera);
-  /// Number of pixels of that view that each splat reaches.
+  /// One finite weight ≥ 0 a splat, 0 where it is not seen; valid until the next call. `used`: 0 at
+  /// pixels that do not count, 1 channel; empty: all count.
+  const std::vector<float>& of(const Camera& camera, const Image<std::uint8_t>& used = {});
+  /// Number of pixels of that view, those that count, that each splat reaches.
   const std::vector<float>& pixels() const { return pixels_; }
 
  private:

@@ -53,7 +53,8 @@ class Rasterizer {
   virtual float screen_radius(std::size_t i) const = 0;
 
   /// The scores of the last forward pass, rows as in raster/score.h, for two maps (planes of the
-  /// image's size). Zero for splats that are not visible; valid until the next call.
+  /// image's size). A third plane, if there is one, is 1 at pixels that count and 0 at others,
+  /// which add nothing. Zero for splats that are not visible; valid until the next call.
   virtual const PlanarFloats& score(const PlanarImage& maps, ScoreWeight weight) = 0;
 
   virtual RasterCounts counts() const = 0;

@@ -176,7 +176,8 @@ std::uint64_t hash_views(const std::vector<View>& views) {
     for (int i = 0; i < 9; ++i) values[7 + i] = c.rotation[i / 3][i % 3];
     h = fnv1a(std::as_bytes(std::span(c.name)), h);
     h = fnv1a(std::as_bytes(std::span(values)), h);
-    h = fnv1a(std::as_bytes(std::span(view.rgb.pixels)), h);
+    for (const auto* layer : {&view.rgb, &view.used, &view.alpha})
+      h = fnv1a(std::as_bytes(std::span(layer->pixels)), h);
   }
   return h;
 }

@@ -29,8 +29,8 @@ Expected<Evaluation> evaluate(const std::vector<View>& views, const ViewRenderer
     if (!image) return std::unexpected(image.error());
     limit_to_displayable(*image);
     to_planar(view.rgb, threads, target);
-    result.views.push_back({view.camera.name, std::min(psnr(*image, target), kMaxPsnr),
-                            loss.run(*image, target, 0).ssim});
+    result.views.push_back({view.camera.name, std::min(psnr(*image, target, view.used), kMaxPsnr),
+                            loss.run(*image, target, 0, view.used).ssim});
     result.psnr += result.views.back().psnr / static_cast<double>(views.size());
     result.ssim += result.views.back().ssim / static_cast<double>(views.size());
     counter.add_one();

@@ -23,7 +23,9 @@ struct Evaluation {
   std::vector<ViewScore> views;
 };
 
-/// Scores every image. PSNR over all channels and pixels; SSIM as in the loss.
+/// Scores every image. PSNR over all channels and pixels, SSIM as in the loss, both without the
+/// pixels that a mask ignores; transparent ones show the background that the views were loaded
+/// with.
 Expected<Evaluation> evaluate(const std::vector<View>& views, const ViewRenderer& render,
                               const Threads& threads, const ProgressReport& progress = {});
 

@@ -23,7 +23,9 @@ constexpr std::size_t kFewest = 1000;
 
 double view_bytes(const std::vector<View>& views) {
   double sum = 0;
-  for (const View& view : views) sum += static_cast<double>(view.rgb.pixels.size());
+  for (const View& view : views)
+    sum += static_cast<double>(view.rgb.pixels.size() + view.used.pixels.size() +
+                               view.alpha.pixels.size());
   return sum;
 }
 

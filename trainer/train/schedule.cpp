@@ -12,10 +12,12 @@
 #include "trainer/densify/densification.h"
 #include "trainer/densify/dropout.h"
 #include "trainer/densify/late_pruning.h"
+#include "trainer/densify/mask_pruning.h"
 #include "trainer/densify/opacity_reset.h"
 #include "trainer/densify/penalties.h"
 #include "trainer/paper/network_colors.h"
 #include "trainer/train/antialiasing.h"
+#include "trainer/train/carving.h"
 #include "trainer/train/progressive_resolution.h"
 #include "trainer/train/sh_curriculum.h"
 
@@ -27,12 +29,14 @@ Schedule make_schedule(TrainOptions options, const std::vector<View>& views,
                        const Threads& threads) {
   auto resolution = make_progressive_resolution(options, views);
   auto antialiasing = make_antialiasing(options, views);
+  auto carving = make_carving(options, views);
   auto dropout = make_dropout(options);
   auto penalties = make_penalties(options);
   auto densification = make_densification(options);
   auto noise = make_position_noise(options);
   const int densify_until = options.get<DensificationOptions>().until;
   auto reset = make_opacity_reset(options);
+  auto mask_pruning = make_mask_pruning(options, views);
   auto late_pruning = make_late_pruning(options, densify_until);
   auto reduction = make_sh_reduction(options);
   auto networks = make_network_colors(options, threads);
@@ -42,11 +46,12 @@ Schedule make_schedule(TrainOptions options, const std::vector<View>& views,
   auto quantization = make_quantization_aware(options, std::max(densify_until, reduced_at));
 
   Schedule schedule{std::move(options), {}};
-  for (auto* phase : {&resolution, &curriculum, &dropout, &penalties, &noise,
+  for (auto* phase : {&resolution, &curriculum, &carving, &dropout, &penalties, &noise,
                       // Before splats are added, which shakes the image for a moment
                       &networks.energy, &reduction, &networks.colors,
                       // Late pruning before opacities are reset, after which they tell nothing
-                      &densification, &late_pruning, &reset, &antialiasing, &quantization})
+                      &densification, &mask_pruning, &late_pruning, &reset, &antialiasing,
+                      &quantization})
     if (*phase) schedule.phases.push_back(std::move(*phase));
   return schedule;
 }
@@ -65,6 +70,7 @@ int final_sh_degree(const TrainOptions& options) {
 
 TrainOptions default_options() {
   TrainOptions o;
+  o.get<MaskOptions>();
   o.get<ProgressiveResolutionOptions>();
   o.get<ShCurriculumOptions>();
   o.get<AntialiasingOptions>();

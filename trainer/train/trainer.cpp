@@ -140,9 +140,9 @@ double Trainer::mean_psnr(const std::vector<View>& of) const {
   const ViewRenderer renderer = cpu_view_renderer(cloud(), options.render, threads);
   PlanarImage target;
   double sum = 0;
-  for (const View& view : of) {
-    to_planar(view.rgb, threads, target);
-    sum += std::min(psnr(*renderer(view.camera), target), kMaxPsnr);
+  for (const View& one : of) {
+    to_planar(one.rgb, threads, target);
+    sum += std::min(psnr(*renderer(one.camera), target, one.used), kMaxPsnr);
   }
   return sum / static_cast<double>(of.size());
 }
@@ -188,20 +188,21 @@ IterationReport Trainer::step() {
   views = &data.train;
   optimized_rows.reset();
   for_phases(&Phase::begin);
-  const View& view = next_view();
-  camera = &view.camera;
+  view = &next_view();
+  camera = &view->camera;
   render = render_options();
   ++state.iteration;
 
   IterationReport report;
   for_phases(&Phase::before_render);
-  rasterizer.forward(state.parameters, view.camera, render);
+  rasterizer.forward(state.parameters, *camera, render);
   report.raster = rasterizer.counts();
   state.max_pairs = std::max(state.max_pairs, pairs_per_splat(report.raster));
   {
     ProfileScope scope(profiler, "loss");
-    to_planar(view.rgb, threads, target_);
-    report.sums = loss_.run(rasterizer.color(), target_, options.lambda_dssim);
+    to_planar(view->rgb, threads, target_);
+    shift_background(view->alpha, glm::vec3(render.background) - view->background, target_);
+    report.sums = loss_.run(rasterizer.color(), target_, options.lambda_dssim, view->used);
     report.loss = report.sums.loss(options.lambda_dssim);
   }
   rasterizer.backward(state.parameters, loss_.gradient());

@@ -99,6 +99,7 @@ void add_eval(CLI::App& app, Action& action) {
   command->add_option("--data", s->data.folder, "the data set with the images")->required();
   add_split_option(*command, s->split);
   add_data_options(*command, s->data);
+  add_masks_option(*command, s->data.masks);
   add_renderer_options(*command, s->choice);
   command->add_flag("--flip", s->flip, "also measure FLIP, 0 to 1 (tools/deps/flip installs it)");
   command->add_flag("--json", s->as_json, "print one JSON object");

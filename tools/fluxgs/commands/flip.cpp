@@ -14,6 +14,7 @@
 #include "trainer/core/planar_image.h"
 #include "trainer/core/process.h"
 #include "trainer/data/image_io.h"
+#include "trainer/loss/photometric.h"
 
 namespace fluxgs::cli {
 namespace {
@@ -71,11 +72,15 @@ Expected<std::vector<double>> flip_errors(const std::vector<View>& views,
                                           const ProgressReport& progress) {
   const TempFolder work;
   const fs::path view_file = work.path() / "view.png", image_file = work.path() / "image.png";
+  const Threads one_thread(1);
+  PlanarImage photo;
   std::vector<double> errors;
   for (const View& view : views) {
     const auto image = render(view.camera);
     if (!image) return std::unexpected(image.error());
-    if (auto written = write_png(view_file, view.rgb); !written)
+    to_planar(view.rgb, one_thread, photo);
+    fill_unused(view.used, *image, photo);
+    if (auto written = write_png(view_file, interleaved(photo)); !written)
       return std::unexpected(written.error());
     if (auto written = write_png(image_file, interleaved(*image)); !written)
       return std::unexpected(written.error());

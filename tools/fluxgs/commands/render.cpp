@@ -141,7 +141,7 @@ Expected<json> take(const Shot& shot, const std::string& file, const ViewRendere
   if (shot.view) {
     PlanarImage target;
     to_planar(shot.view->rgb, threads, target);
-    entry["psnr"] = psnr(*image, target);
+    entry["psnr"] = psnr(*image, target, shot.view->used);
   }
   if (reference) {
     const auto exact = (*reference)(shot.camera);

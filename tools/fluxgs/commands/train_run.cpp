@@ -13,6 +13,7 @@
 #include "tools/fluxgs/terminal/console.h"
 #include "tools/fluxgs/terminal/progress.h"
 #include "trainer/data/scale_check.h"
+#include "trainer/train/carving.h"
 #include "trainer/train/checkpoint.h"
 #include "trainer/train/memory_budget.h"
 
@@ -67,9 +68,10 @@ Expected<TrainOptions> options_from(const TrainSettings& settings) {
   return options;
 }
 
-Expected<Run> new_run(const TrainSettings& settings, const Threads& threads) {
+Expected<Run> new_run(TrainSettings& settings, const Threads& threads) {
   const auto options = options_from(settings);
   if (!options) return std::unexpected(options.error());
+  settings.data.masks = options->get<MaskOptions>().masks;
   for (const std::string& line : ineffective_options(settings.given, *options))
     spdlog::warn("warning: {}", line);
   auto data = load(settings.data);
@@ -92,6 +94,7 @@ Expected<Run> resume_run(TrainSettings& settings) {
   if (!checkpoint) return std::unexpected(checkpoint.error());
   settings.preset = checkpoint->preset;
   settings.data.downscale = checkpoint->downscale;
+  settings.data.masks = checkpoint->options.get<MaskOptions>().masks;
   const glm::dvec3 background = checkpoint->options.render.background;
   settings.data.background = {background.x, background.y, background.z};
   auto data = load(settings.data);

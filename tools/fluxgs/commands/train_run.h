@@ -36,8 +36,8 @@ struct Run {
 Expected<TrainOptions> options_from(const TrainSettings& settings);
 
 /// Loads the data set and makes its first splats. Errors: options that are refused, images that
-/// cannot be read or take too much memory.
-Expected<Run> new_run(const TrainSettings& settings, const Threads& threads);
+/// cannot be read or take too much memory. Leaves in settings.data what the options say of it.
+Expected<Run> new_run(TrainSettings& settings, const Threads& threads);
 
 /// The run in settings.resume; its options replace those of the settings. Errors: not a checkpoint,
 /// or one of other images.

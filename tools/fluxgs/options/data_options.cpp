@@ -1,5 +1,7 @@
 #include "tools/fluxgs/options/data_options.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
@@ -39,6 +41,20 @@ void add_data_options(CLI::App& command, DataOptions& options) {
       ->capture_default_str();
 }
 
+void add_masks_option(CLI::App& command, MaskUse& masks) {
+  command
+      .add_option_function<std::string>(
+          "--masks",
+          [&masks](const std::string& name) {
+            masks = static_cast<MaskUse>(std::ranges::find(kMaskUseNames, name) -
+                                         kMaskUseNames.begin());
+          },
+          "use of masks, black where masked, and of transparency (auto: masked pixels do not "
+          "count, transparent ones show the background)")
+      ->check(CLI::IsMember(std::vector<std::string>(kMaskUseNames.begin(), kMaskUseNames.end())))
+      ->default_str(std::string(kMaskUseNames[0]));
+}
+
 void add_split_option(CLI::App& command, std::string& split) {
   command.add_option("--split", split, "test or train")
       ->check(CLI::IsMember({"test", "train"}))
@@ -49,6 +65,7 @@ Expected<Dataset> load(const DataOptions& options) {
   LoadOptions how;
   how.downscale = options.downscale;
   how.threads = options.threads;
+  how.masks = options.masks;
   how.progress = show_progress("images");
   how.background = glm::vec3(options.background_color());
   auto data = load_dataset(options.folder, how);

@@ -18,6 +18,7 @@ struct DataOptions {
   std::string folder;
   int downscale = 1, threads = 0;
   std::vector<double> background{0, 0, 0};
+  MaskUse masks = MaskUse::automatic;
 
   glm::dvec3 background_color() const { return {background[0], background[1], background[2]}; }
 };
@@ -27,6 +28,9 @@ CLI::Validator in_range(double min, double max);
 
 /// --downscale, --background ("r,g,b", each from 0 to 1) and --threads.
 void add_data_options(CLI::App& command, DataOptions& options);
+
+/// --masks, for commands that compare with photos.
+void add_masks_option(CLI::App& command, MaskUse& masks);
 
 /// --split, "test" or "train".
 void add_split_option(CLI::App& command, std::string& split);

@@ -13,8 +13,8 @@
 namespace fluxgs::cli {
 namespace {
 
-constexpr std::string_view kCommon[] = {"iterations", "seed", "max-splats", "target-splats",
-                                        "max-memory"};
+constexpr std::string_view kCommon[] = {"iterations",    "seed",       "max-splats",
+                                        "target-splats", "max-memory", "masks"};
 
 OptionField* find(OptionFields& fields, std::string_view name) {
   const auto at =

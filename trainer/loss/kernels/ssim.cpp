@@ -106,6 +106,12 @@ Ssim ssim(Lanes mx, Lanes my, Lanes squares, Lanes xy) {
   return {value, d_mean, d_xx, d_xy};
 }
 
+/// Lanes at `at`, column i, that lie in the image and count.
+LaneMask counted(const SsimArgs& a, std::size_t at, std::size_t i) {
+  const LaneMask inside{hn::FirstN(kTag, static_cast<std::size_t>(a.width) - i)};
+  return a.used ? inside & (Lanes::load(a.used + at) > Lanes(0.0f)) : inside;
+}
+
 }  // namespace
 
 std::size_t ssim_scratch_size(std::size_t pitch) {
@@ -121,8 +127,8 @@ void ssim_partials(const SsimArgs& a, int begin, int end, float* memory) {
     for (std::size_t i = 0; i < width; i += kStep) {
       const Ssim s = ssim(blur_along(rows.row(0), i), blur_along(rows.row(1), i),
                           blur_along(rows.row(2), i), blur_along(rows.row(3), i));
-      const LaneMask inside{hn::FirstN(kTag, width - i)};
       const std::size_t at = offset(a, y) + i;
+      const LaneMask inside = counted(a, at, i);
       zero_unless(inside, s.d_mean).store(a.partials[0] + at);
       zero_unless(inside, s.d_xx).store(a.partials[1] + at);
       zero_unless(inside, s.d_xy).store(a.partials[2] + at);
@@ -147,8 +153,7 @@ void ssim_gradient(const SsimArgs& a, int begin, int end, float* memory) {
       const Lanes d = fma(Lanes(2.0f) * vx, blur_along(rows.row(1), i),
                           fma(vy, blur_along(rows.row(2), i), blur_along(rows.row(0), i)));
       const Lanes sign = select(vx > vy, l1, select(vx < vy, -l1, zero));
-      const LaneMask inside{hn::FirstN(kTag, width - i)};
-      zero_unless(inside, fnma(weight, d, sign)).store(a.gradient + at);
+      zero_unless(counted(a, at, i), fnma(weight, d, sign)).store(a.gradient + at);
     }
   }
 }

@@ -61,7 +61,8 @@ class CpuRasterizer final : public Rasterizer {
     ProfileScope scope(profiler_, "score");
     pair_scores_.resize(lists_.entries.size());
     threads_.for_pieces(lists_.tiles(), 1, [&](std::size_t tile, std::size_t) {
-      ScoreArgs args{tile_args(tile), maps.plane(0), weight, pair_scores_.data()};
+      ScoreArgs args{tile_args(tile), maps.plane(0), maps.channels() > 2, weight,
+                     pair_scores_.data()};
       for (std::uint32_t e = used_[tile]; e < args.tile.count; ++e)
         pair_scores_[args.tile.entries[e].slot] = {};
       args.tile.count = used_[tile];

@@ -85,7 +85,8 @@ struct alignas(16) PairScore {
 
 struct ScoreArgs {
   TileArgs tile;      ///< color, color_gradient and gradients are not used
-  const float* maps;  ///< 2 planes of pitch·height
+  const float* maps;  ///< 2 planes of pitch·height, or 3
+  bool masked;        ///< the third plane is 0 where a pixel adds nothing
   ScoreWeight weight;
   PairScore* scores;  ///< indexed by TileEntry::slot
 };

@@ -9,6 +9,7 @@ namespace {
 struct State {
   TilePlane t;  // transmittance
   TilePlane first, second;
+  TilePlane counts;  // 1 or 0
 };
 
 void load_state(const ScoreArgs& args, State& s) {
@@ -17,6 +18,8 @@ void load_state(const ScoreArgs& args, State& s) {
   for_each_quad(args.tile, [&](std::size_t pixel, int at) {
     hn::Store(hn::Load(kQuad, args.maps + pixel), kQuad, s.first.v + at);
     hn::Store(hn::Load(kQuad, args.maps + pixel + plane), kQuad, s.second.v + at);
+    if (args.masked)
+      hn::Store(hn::Load(kQuad, args.maps + pixel + 2 * plane), kQuad, s.counts.v + at);
   });
 }
 
@@ -45,11 +48,14 @@ void score(const ScoreArgs& args) {
         const LaneMask inside = contributes(exponent, before, k);
         const Lanes alpha = zero_unless(inside, min(exp2(exponent), Lanes(k.alpha_max)));
         const Lanes share = alpha * before, after = before - share;
-        const Lanes weight = args.weight == ScoreWeight::alpha ? alpha : share;
+        const LaneMask counted =
+            args.masked ? inside & (state.counts.load(block, p) > Lanes(0.0f)) : inside;
+        const Lanes weight =
+            zero_unless(counted, args.weight == ScoreWeight::alpha ? alpha : share);
         first = fma(weight, state.first.load(block, p), first);
         second = fma(weight, state.second.load(block, p), second);
-        contribution += share;
-        pixels += static_cast<unsigned>(__builtin_popcount(bits(inside)));
+        contribution += zero_unless(counted, share);
+        pixels += static_cast<unsigned>(__builtin_popcount(bits(counted)));
         state.t.store(block, p, after);
         open |= any(after >= Lanes(k.transmittance_min));
       }

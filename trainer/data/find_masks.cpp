@@ -1,0 +1,79 @@
+#include "trainer/data/find_masks.h"
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <system_error>
+
+#include "trainer/data/lower_case.h"
+
+namespace fluxgs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxMasks = 1'000'000;  // files that are looked at
+
+/// A path in lower case, without its extension.
+std::string stem_of(const fs::path& name) {
+  return lower_case(fs::path(name).replace_extension().generic_string());
+}
+
+/// Masks by their names below their folder, without extension; the first one in the order of names
+/// where there are several.
+using Masks = std::map<std::string, fs::path>;
+
+void list_into(const fs::path& folder, Masks& masks) {
+  std::error_code error;
+  const auto options = fs::directory_options::skip_permission_denied;
+  std::size_t count = 0;
+  for (fs::recursive_directory_iterator at(folder, options, error), end;
+       !error && at != end && count < kMaxMasks; at.increment(error), ++count) {
+    std::error_code ignored;
+    if (!at->is_regular_file(ignored)) continue;
+    const auto [known, is_new] =
+        masks.emplace(stem_of(at->path().lexically_relative(folder)), at->path());
+    if (!is_new) known->second = std::min(known->second, at->path());
+  }
+}
+
+Masks list_masks(const fs::path& folder) {
+  Masks masks;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = lower_case(entry.path().filename().string());
+    std::error_code ignored;
+    if ((name == "masks" || name == "mask") && entry.is_directory(ignored))
+      list_into(entry.path(), masks);
+  }
+  return masks;
+}
+
+/// The mask of a photo that has this name below its folder; empty if there is none.
+fs::path mask_of(const fs::path& name, const Masks& masks) {
+  for (const std::string& wanted : {lower_case(name.generic_string()), stem_of(name)})
+    if (const auto found = masks.find(wanted); found != masks.end()) return found->second;
+  return {};
+}
+
+/// The first name below one of the folders that has a mask.
+fs::path mask_of(const SourceFrame& frame, const fs::path& folder, const Masks& masks) {
+  for (const fs::path& base : {folder / "images", folder}) {
+    const fs::path name = frame.file.lexically_relative(base);
+    if (name.empty() || *name.begin() == "..") continue;
+    if (const fs::path found = mask_of(name, masks); !found.empty()) return found;
+  }
+  return mask_of(fs::path(frame.name), masks);
+}
+
+}  // namespace
+
+void find_masks(Source& source, const fs::path& folder) {
+  const Masks masks = list_masks(folder);
+  if (masks.empty()) return;
+  for (auto* frames : {&source.frames, &source.test_frames})
+    for (SourceFrame& frame : *frames)
+      if (frame.mask.empty()) frame.mask = mask_of(frame, folder, masks);
+}
+
+}  // namespace fluxgs
