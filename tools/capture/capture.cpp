@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fluxgs/io/file.h"
+#include "tools/capture/occluder.h"
 #include "tools/capture/shading.h"
 #include "trainer/data/image_io.h"
 
@@ -94,6 +95,24 @@ Expected<void> write_views(const fs::path& folder, const Scene& scene,
   return {};
 }
 
+/// The training views with an occluder, and masks of it.
+Expected<void> write_occluded_views(const fs::path& folder, const Scene& scene,
+                                    const std::vector<Camera>& cameras,
+                                    const CaptureOptions& options) {
+  const fs::path masks = folder / "masks" / "train";
+  std::error_code error;
+  fs::create_directories(masks, error);
+  if (error) return fail(masks.string(), "", "cannot be created: " + error.message());
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const Scene occluded = with_occluder(scene, cameras[i], options.seed + i);
+    const std::string name = cameras[i].name + ".png";
+    if (auto ok = write_views(folder / "train", occluded, {cameras[i]}, options.samples); !ok)
+      return ok;
+    if (auto ok = write_png(masks / name, occluder_mask(occluded, cameras[i])); !ok) return ok;
+  }
+  return {};
+}
+
 Expected<void> check(const CaptureOptions& o) {
   const auto range = [](const char* name, int value, int low, int high) -> Expected<void> {
     if (value >= low && value <= high) return {};
@@ -124,8 +143,10 @@ Expected<void> write_capture(const fs::path& folder, const CaptureOptions& optio
   if (const auto ok = check(options); !ok) return ok;
   const Scene scene = make_scene(static_cast<std::uint32_t>(options.seed));
   const CaptureCameras cameras = capture_cameras(options);
-  if (const auto ok = write_views(folder / "train", scene, cameras.train, options.samples); !ok)
-    return ok;
+  const auto train = options.occluder
+                         ? write_occluded_views(folder, scene, cameras.train, options)
+                         : write_views(folder / "train", scene, cameras.train, options.samples);
+  if (!train) return train;
   if (const auto ok = write_views(folder / "test", scene, cameras.test, options.samples); !ok)
     return ok;
   // Last, so that an interrupted run leaves no folder that looks complete.

@@ -26,6 +26,8 @@ int run(int argc, char** argv) {
   app.add_option("--train", options.train, "Training views")->capture_default_str();
   app.add_option("--test", options.test, "Test views")->capture_default_str();
   app.add_option("--seed", options.seed, "Seed of poses and textures")->capture_default_str();
+  app.add_flag("--occluder", options.occluder,
+               "Something moves through the training views; masks/train/ shows where");
   app.add_option("--samples", options.samples, "NxN rays a pixel")->capture_default_str();
   try {
     app.parse(argc, argv);

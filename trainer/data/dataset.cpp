@@ -183,7 +183,8 @@ void tell_of_masks(const Dataset& data, MaskUse use) {
     for (const View& view : *views)
       ++all, ignoring += !view.used.pixels.empty(), carving += !view.alpha.pixels.empty();
   if (ignoring > 0)
-    spdlog::info("{} of {} photos have masks: what is black there is ignored", ignoring, all);
+    spdlog::info("{} of {} photos have {}: that is ignored", ignoring, all,
+                 use == MaskUse::ignore ? "masked or transparent parts" : "masks");
   if (carving > 0)
     spdlog::info("{} of {} photos have {}: that is to stay empty", carving, all,
                  use == MaskUse::carve ? "black or transparent parts" : "transparent parts");

@@ -40,6 +40,35 @@ TEST(Capture, RoundTrip) {
     }
 }
 
+TEST(Capture, MasksCoverTheOccluderAndNothingElse) {
+  const TempFolder folder, bare;
+  CaptureOptions options = kSmall;
+  ASSERT_TRUE(write_capture(bare.path(), options));
+  options.occluder = true;
+  ASSERT_TRUE(write_capture(folder.path(), options));
+  const auto data = load_dataset(folder.path(), {}), without = load_dataset(bare.path(), {});
+  ASSERT_TRUE(data && without);
+  double masked = 0, changed = 0;
+  for (std::size_t i = 0; i < data->train.size(); ++i) {
+    const View &view = data->train[i], &clean = without->train[i];
+    ASSERT_FALSE(view.used.pixels.empty());
+    for (int y = 0; y < 48; ++y)
+      for (int x = 0; x < 64; ++x) {
+        const bool ignored = *view.used.at(x, y) == 0;
+        int difference = 0;
+        for (int c = 0; c < 3; ++c)
+          difference = std::max(difference, std::abs(view.rgb.at(x, y)[c] - clean.rgb.at(x, y)[c]));
+        masked += ignored;
+        changed += !ignored && difference > 60;  // shadows and reflections are less
+      }
+  }
+  const double pixels = 5 * 64 * 48;
+  EXPECT_GT(masked, 0.04 * pixels);
+  EXPECT_LT(masked, 0.3 * pixels);
+  EXPECT_LT(changed, 0.01 * pixels);
+  for (const View& view : data->test) EXPECT_TRUE(view.used.pixels.empty());
+}
+
 TEST(Capture, SpheresAreWhereTheCamerasSayAndUpIsUp) {
   const Scene scene = make_scene(1);
   for (const Camera& camera : capture_cameras(kSmall).train) {
