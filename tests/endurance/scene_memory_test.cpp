@@ -38,7 +38,7 @@ TEST(SceneMemoryTest, DecodingTakesNoMoreThanAsMuchAgain) {
     EXPECT_GE(most, 0.99 * estimated) << format << ": less than the scene was counted";
   };
   for (const SceneFormat& format : scene_formats())
-    if (format.encode != nullptr) expect_it(format.name, must(format.encode(cloud, "scene")));
+    if (format.encode != nullptr) expect_it(format.name, must(format.encode(cloud, "scene", {})));
   expect_it("compact", must(encode_compact_glb(cloud, {}, "scene")));
 }
 

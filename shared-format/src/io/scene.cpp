@@ -13,10 +13,13 @@
 #include "fluxgs/io/sog.h"
 #include "fluxgs/io/splat.h"
 #include "fluxgs/io/spz.h"
+#include "io/other_content.h"
 #include "io/splat/splat_record.h"
 
 namespace fluxgs {
 namespace {
+
+using Bytes = std::vector<std::byte>;
 
 // The app only reads: without this table's mention of them, the linker leaves the writers out.
 #ifdef FLUXGS_PHONE
@@ -25,23 +28,33 @@ namespace {
 #define FLUXGS_WRITER(function) function
 #endif
 
+// A writer without options.
+template <auto encode>
+Expected<Bytes> plain(const SplatCloud& cloud, const std::string& name, const WriteOptions&) {
+  return encode(cloud, name);
+}
+
 // A content goes to the first format that recognises it. Compressed .ply comes before .ply, of
 // which it is a special case; .splat has no magic and is guessed, and so comes last.
 constexpr auto kFormats = std::to_array<SceneFormat>({
-    {"compressed.ply", "compressed .ply of SuperSplat", ".compressed.ply", 3, is_compressed_ply,
-     read_compressed_ply, nullptr},
-    {"ply", "3DGS .ply", ".ply", 3, is_ply, read_ply, FLUXGS_WRITER(encode_ply)},
-    {"glb", "glTF binary with KHR_gaussian_splatting", ".glb", 3, is_glb, read_glb,
-     FLUXGS_WRITER(encode_glb), read_gltf_folder},
-    {"spz", "SPZ (Niantic)", ".spz", 3, is_spz, read_spz, FLUXGS_WRITER(encode_spz)},
-    {"sog", "bundled SOG", ".sog", 3, is_sog, read_sog, nullptr},
-    {"sog-folder", "SOG's meta.json", ".json", 3, is_sog_meta, nullptr, nullptr, read_sog_folder},
-    {"sog-lod", "streamed SOG's lod-meta.json", ".json", 3, is_sog_lod, nullptr, nullptr,
-     read_sog_lod},
-    {"gltf", "glTF with KHR_gaussian_splatting", ".gltf", 3, is_gltf, read_gltf, nullptr,
-     read_gltf_folder},
-    {"splat", ".splat (32 bytes a splat, unit quaternions)", ".splat", 0, is_splat, read_splat,
-     FLUXGS_WRITER(encode_splat)},
+    {"compressed.ply", "compressed .ply of SuperSplat", ".compressed.ply", 3, StoredFilter::all,
+     is_compressed_ply, read_compressed_ply, FLUXGS_WRITER(plain<encode_compressed_ply>)},
+    {"ply", "3DGS .ply", ".ply", 3, StoredFilter::all, is_ply, read_ply,
+     FLUXGS_WRITER(plain<encode_ply>)},
+    {"glb", "glTF binary with KHR_gaussian_splatting", ".glb", 3, StoredFilter::all, is_glb,
+     read_glb, FLUXGS_WRITER(plain<encode_glb>), read_gltf_folder},
+    {"spz", "SPZ (Niantic)", ".spz", 3, StoredFilter::compensation, is_spz, read_spz,
+     FLUXGS_WRITER(write_spz)},
+    {"sog", "bundled SOG", ".sog", 3, StoredFilter::all, is_sog, read_sog,
+     FLUXGS_WRITER(encode_sog)},
+    {"sog-folder", "SOG's meta.json", ".json", 3, StoredFilter::all, is_sog_meta, nullptr, nullptr,
+     read_sog_folder},
+    {"sog-lod", "streamed SOG's lod-meta.json", ".json", 3, StoredFilter::all, is_sog_lod, nullptr,
+     nullptr, read_sog_lod},
+    {"gltf", "glTF with KHR_gaussian_splatting", ".gltf", 3, StoredFilter::all, is_gltf, read_gltf,
+     nullptr, read_gltf_folder},
+    {"splat", ".splat (32 bytes a splat, unit quaternions)", ".splat", 0, StoredFilter::none,
+     is_splat, read_splat, FLUXGS_WRITER(plain<encode_splat>)},
 });
 
 std::string lower_case(std::string text) {
@@ -60,6 +73,14 @@ std::string descriptions() {
   return list;
 }
 
+// What is_splat() expects of a size, for files whose name promises one.
+std::string tail_of_splat(std::span<const std::byte> bytes, const std::string& name) {
+  const std::size_t record = sizeof(io::SplatRecord), tail = bytes.size() % record;
+  if (tail == 0 || !lower_case(name).ends_with(".splat")) return "";
+  return fmt::format(" (as a .splat its {} bytes would be no multiple of {})", bytes.size(),
+                     record);
+}
+
 const SceneFormat* find_format(std::span<const std::byte> bytes) {
   const auto found = std::ranges::find_if(
       kFormats, [&](const SceneFormat& format) { return format.recognises(bytes); });
@@ -67,6 +88,18 @@ const SceneFormat* find_format(std::span<const std::byte> bytes) {
 }
 
 }  // namespace
+
+bool SceneFormat::stores(const ScreenFilter& filter) const {
+  switch (stored_filter) {
+    case StoredFilter::none:
+      return filter == ScreenFilter{};
+    case StoredFilter::compensation:
+      return filter.dilation == ScreenFilter{}.dilation;
+    case StoredFilter::all:
+      break;
+  }
+  return true;
+}
 
 std::span<const SceneFormat> scene_formats() { return kFormats; }
 
@@ -97,9 +130,11 @@ Expected<const SceneFormat*> recognise_scene(std::span<const std::byte> bytes,
   if (bytes.empty()) return fail(name, "", "the file is empty; expected a scene");
   const SceneFormat* format = find_format(bytes);
   if (format == nullptr) {
+    const std::string other = io::describe_other_content(bytes);
     return fail(name, "format",
-                fmt::format("the content is of no known scene format; expected one of: {}",
-                            descriptions()));
+                fmt::format("the content {}{}; expected one of: {}",
+                            other.empty() ? "is of no known scene format" : other,
+                            tail_of_splat(bytes, name), descriptions()));
   }
   if (format->read == nullptr) {
     return fail(name, "format",
@@ -137,10 +172,11 @@ Expected<SceneFile> read_scene(const std::filesystem::path& path) {
   return scene;
 }
 
-Expected<void> write_scene(const std::filesystem::path& path, const SplatCloud& cloud) {
+Expected<void> write_scene(const std::filesystem::path& path, const SplatCloud& cloud,
+                           const WriteOptions& options) {
   const auto format = scene_format_for(path);
   if (!format) return std::unexpected(format.error());
-  const auto bytes = (*format)->encode(cloud, path.string());
+  const auto bytes = (*format)->encode(cloud, path.string(), options);
   if (!bytes) return std::unexpected(bytes.error());
   return write_file_atomic(path, *bytes);
 }

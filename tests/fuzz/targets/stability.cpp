@@ -26,14 +26,14 @@ struct Tolerance {
 struct Writer {
   std::string name;
   Tolerance tolerance;
-  Expected<Bytes> (*encode)(const SplatCloud& cloud, const std::string& name);
+  Expected<Bytes> (*encode)(const SplatCloud& cloud, const std::string& name, const WriteOptions&);
   Expected<SceneFile> (*read)(Input bytes, const std::string& name);
 };
 
 // Half a step of three components and what follows for the fourth, see spz.h.
 constexpr double kSpzRotation = 0.0025;
 
-Expected<Bytes> encode_spz4(const SplatCloud& cloud, const std::string& name) {
+Expected<Bytes> encode_spz4(const SplatCloud& cloud, const std::string& name, const WriteOptions&) {
   return encode_spz(cloud, name, SpzOptions{.version = 4, .axes = SpzAxes::right_up_back});
 }
 Expected<SceneFile> read_spz4(Input bytes, const std::string& name) {
@@ -99,11 +99,11 @@ SplatCloud generation(const Bytes& file, std::size_t splats, const Writer& write
 }
 
 void try_writer(const SplatCloud& cloud, const Writer& writer) {
-  const auto once = writer.encode(cloud, "x");
+  const auto once = writer.encode(cloud, "x", {});
   if (!once) return check_error(once.error());
   const std::size_t splats = cloud.size() - count_non_finite(cloud);
   const SplatCloud first = generation(*once, splats, writer);
-  const auto twice = writer.encode(first, "x");
+  const auto twice = writer.encode(first, "x", {});
   if (!twice) broken(fmt::format("{}: writes its own: {}", writer.name, twice.error().message()));
   check_same(first, generation(*twice, splats, writer), writer);
 }

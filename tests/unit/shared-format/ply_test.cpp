@@ -394,5 +394,66 @@ TEST(Ply, DamagedFilesNeverCrash) {
   }
 }
 
+// The header of a small scene with these lines behind its second one.
+Bytes ply_with(const std::string& lines) {
+  const std::string text = text_of(*encode_ply(random_cloud(3, 0), "x"));
+  const std::size_t at = text.find("element");
+  return bytes_of(text.substr(0, at) + lines + text.substr(at));
+}
+
+TEST(Ply, CommentsNameTheFilter) {
+  const auto filter_of = [](const std::string& lines) {
+    const auto scene = read_ply(ply_with(lines), "x.ply");
+    EXPECT_TRUE(scene) << lines;
+    return scene ? scene->cloud.filter : ScreenFilter{};
+  };
+  const ScreenFilter classic, mip{.compensated = true}, narrow{0.1F, true};
+  EXPECT_EQ(filter_of(""), classic);
+  for (const char* line : {"comment SplatRenderMode: mip\n", "comment   splatrendermode:MIP  \r\n",
+                           "COMMENT SplatRenderMode = Mip\n", "comment\tSPLATRENDERMODE:\tmip\n",
+                           "comment antialiased 1\n", "Comment Antialiased: 1\n",
+                           "comment antialiased true\n", "comment train_flags antialiasing\n",
+                           "comment SplatRenderMode: default\ncomment "
+                           "antialiased 1\n",
+                           "comment\ncomment \nobj_info x\ncomment SplatRenderMode: mip\n"})
+    EXPECT_EQ(filter_of(line), mip) << line;
+  for (const char* line :
+       {"comment SplatRenderMode: default\n", "comment SplatRenderMode: 2dgs\n",
+        "comment SplatRenderMode: banana\n", "comment SplatRenderMode\n", "comment antialiased 0\n",
+        "comment antialiased\n", "comment antialiased 1 of 2 scenes\n",
+        "comment is it antialiased 1\n", "comment SplatRenderMode: mip\ncomment antialiased 0\n",
+        "comment train_flags none\n"})
+    EXPECT_EQ(filter_of(line), classic) << line;
+  EXPECT_EQ(filter_of("comment Exported from Brush\ncomment SplatRenderMode: mip\n"), narrow);
+  EXPECT_EQ(filter_of("comment Exported from Brush\ncomment SplatRenderMode: default\n"), classic);
+  EXPECT_EQ(filter_of("comment ScreenFilterDilation: 0.1\ncomment SplatRenderMode: mip\n"), narrow);
+  for (const char* bad : {"0", "-1", "nan", "1e9", "x", ""})
+    EXPECT_EQ(filter_of(fmt::format("comment ScreenFilterDilation: {}\n", bad)), classic) << bad;
+}
+
+TEST(Ply, CommentsAnywhereInTheHeader) {
+  std::string text = text_of(*encode_ply(random_cloud(3, 0), "x"));
+  const std::size_t end = text.find("end_header");
+  text.insert(end, "comment SplatRenderMode: mip\n");
+  FLUXGS_UNWRAP(last, read_ply(bytes_of(text), "x.ply"));
+  EXPECT_TRUE(last.cloud.filter.compensated);
+  text = text_of(*encode_ply(random_cloud(3, 0), "x"));
+  text.insert(4, "comment antialiased 1\n");
+  FLUXGS_UNWRAP(first, read_ply(bytes_of(text), "x.ply"));
+  EXPECT_TRUE(first.cloud.filter.compensated);
+}
+
+TEST(Ply, TheFilterComesBack) {
+  SplatCloud cloud = random_cloud(3, 1);
+  for (const ScreenFilter filter :
+       {ScreenFilter{}, ScreenFilter{0.3F, true}, ScreenFilter{0.1F, true}, ScreenFilter{0.15F}}) {
+    cloud.filter = filter;
+    FLUXGS_UNWRAP(bytes, encode_ply(cloud, "x"));
+    FLUXGS_UNWRAP(scene, read_ply(bytes, "x.ply"));
+    EXPECT_EQ(scene.cloud.filter, filter);
+    EXPECT_EQ(text_of(bytes).contains("comment SplatRenderMode: mip\n"), filter.compensated);
+  }
+}
+
 }  // namespace
 }  // namespace fluxgs

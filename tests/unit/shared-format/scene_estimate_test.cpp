@@ -20,7 +20,7 @@ TEST(SceneEstimate, IsWhatDecodingFinds) {
     const SplatCloud cloud = test::random_cloud(1000, degree);
     for (const SceneFormat& format : scene_formats()) {
       if (format.encode == nullptr) continue;
-      const auto bytes = *format.encode(cloud, "scene");
+      const auto bytes = *format.encode(cloud, "scene", {});
       const auto estimate = estimate_scene(bytes, "scene");
       ASSERT_TRUE(estimate) << format.name << ": " << estimate.error().message();
       const auto scene = *read_scene(bytes, "scene");

@@ -59,14 +59,16 @@ TEST(Scene, FormatsThatAreOnlyReadAreNotWritten) {
   }
   EXPECT_EQ(folder.entries(), 0u);
   EXPECT_EQ((*scene_format_for("my.own.ply"))->name, "ply");
-  EXPECT_FALSE(scene_format_for("Big.Compressed.PLY"));
+  EXPECT_EQ((*scene_format_for("Big.Compressed.PLY"))->name, "compressed.ply");
 }
 
 TEST(Scene, UnknownContentAndMissingFilesAreExplained) {
   const TemporaryFolder folder;
   expect_error(read_scene(folder / "none.ply"), {"none.ply", "No such file"});
   ASSERT_TRUE(write_file_atomic(folder / "a.ply", bytes_of("PK\x03\x04 something")));
-  expect_error(read_scene(folder / "a.ply"), {"a.ply", "format", "3DGS .ply", "glTF binary"});
+  expect_error(
+      read_scene(folder / "a.ply"),
+      {"a.ply", "format", "is a ZIP archive without a SOG scene", "3DGS .ply", "glTF binary"});
   ASSERT_TRUE(write_file_atomic(folder / "b.ply", {}));
   expect_error(read_scene(folder / "b.ply"), {"b.ply", "empty"});
   expect_error(read_scene(folder.path()), {"folder"});
@@ -86,7 +88,7 @@ TEST(Scene, FailedWriteLeavesNothing) {
 TEST(Scene, CutFilesAreErrorsOfTheirFile) {
   for (const SceneFormat& format : scene_formats()) {
     if (format.encode == nullptr) continue;
-    const auto bytes = format.encode(random_cloud(2, 0), "x");
+    const auto bytes = format.encode(random_cloud(2, 0), "x", {});
     ASSERT_TRUE(bytes);
     for (std::size_t size = 0; size < bytes->size(); ++size) {
       if (format.name == "splat" && size == 32) continue;  // a whole splat, and nothing tells more
@@ -95,6 +97,21 @@ TEST(Scene, CutFilesAreErrorsOfTheirFile) {
       ASSERT_FALSE(scene) << format.name << ' ' << size;
       EXPECT_EQ(scene.error().file, "cut.file");
       EXPECT_FALSE(scene.error().what.empty());
+    }
+  }
+}
+
+// What the table says of a format's filter is what comes back.
+TEST(Scene, FiltersComeBackFromFormatsThatStoreThem) {
+  SplatCloud cloud = random_cloud(20, 0);
+  for (const SceneFormat& format : scene_formats()) {
+    if (format.encode == nullptr) continue;
+    for (const ScreenFilter filter :
+         {ScreenFilter{}, ScreenFilter{0.3F, true}, ScreenFilter{0.1F, true}}) {
+      cloud.filter = filter;
+      FLUXGS_UNWRAP(bytes, format.encode(cloud, "x", {}));
+      FLUXGS_UNWRAP(scene, read_scene(bytes, "x"));
+      EXPECT_EQ(scene.cloud.filter == filter, format.stores(filter)) << format.name;
     }
   }
 }

@@ -234,6 +234,34 @@ inline Bytes zip_of(const std::vector<ZipEntry>& entries) {
   return zip;
 }
 
+/// The archive with a 64-bit end of its directory (APPNOTE 4.3.14), the plain one saying "see
+/// there".
+inline Bytes in_zip64(Bytes zip) {
+  const std::size_t end = zip.size() - 22;
+  const auto load = [&](std::size_t at, auto value) {
+    std::memcpy(&value, zip.data() + at, sizeof value);
+    return value;
+  };
+  const std::uint64_t count = load(end + 10, std::uint16_t{}),
+                      size = load(end + 12, std::uint32_t{}),
+                      start = load(end + 16, std::uint32_t{});
+  Bytes more = bytes_of("PK\x06\x06");
+  append(more, std::uint64_t{44});
+  append(more, std::uint16_t{45});
+  append(more, std::uint16_t{45});
+  append(more, std::uint64_t{0});  // disks
+  for (const std::uint64_t v : {count, count, size, start}) append(more, v);
+  const Bytes locator = bytes_of("PK\x06\x07");
+  more.insert(more.end(), locator.begin(), locator.end());
+  append(more, std::uint32_t{0});
+  append(more, std::uint64_t{end});
+  append(more, std::uint32_t{1});
+  std::fill(zip.begin() + std::ptrdiff_t(end) + 8, zip.begin() + std::ptrdiff_t(end) + 20,
+            std::byte{0xff});
+  zip.insert(zip.begin() + std::ptrdiff_t(end), more.begin(), more.end());
+  return zip;
+}
+
 inline std::vector<ZipEntry> entries_of(const Files& files) {
   std::vector<ZipEntry> entries;
   for (const auto& [name, bytes] : files) entries.push_back(stored(name, bytes));

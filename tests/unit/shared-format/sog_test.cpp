@@ -252,16 +252,14 @@ TEST(SogLod, LevelZeroIsOneCloudInTheOrderOfItsFiles) {
   EXPECT_GT(scene.bytes, 1000u);
 }
 
-TEST(SogFormats, AreFoundByContentAndNotWritten) {
+TEST(SogFormats, AreFoundByContentAndFoldersAreNotWritten) {
   const Files files = make_sog(random_cloud(3, 0));
   FLUXGS_UNWRAP(scene, read_scene(bundle(files), "x"));
   EXPECT_EQ(scene.format, "sog");
   expect_error(read_scene(files.at("meta.json"), "x.json"), {"x.json", "path"});
   expect_error(read_scene(bytes_of(lod_meta().dump()), "x.json"), {"x.json", "path"});
-  for (const char* name : {"a.sog", "meta.json"}) {
-    expect_error(scene_format_for(name), {name, "not written", ".ply, .glb"});
-    expect_error(write_scene(name, random_cloud(1, 0)), {name, "not written"});
-  }
+  expect_error(scene_format_for("meta.json"), {"meta.json", "not written", ".ply, .glb"});
+  expect_error(write_scene("meta.json", random_cloud(1, 0)), {"meta.json", "not written"});
   EXPECT_FALSE(is_sog(bytes_of("PK\x03\x04")));
   EXPECT_FALSE(is_sog(zip_of({stored("readme.txt", bytes_of("hello"))})));
   EXPECT_FALSE(is_sog_meta(bytes_of("{\"meshes\": []}")));
@@ -294,6 +292,63 @@ TEST(SogRealFiles, StreamedPlaybotAndItsFinestChunk) {
     ASSERT_TRUE(p.x > -1.04f && p.x < 1.04f && p.y > -1.09f && p.y < 0.06f && p.z > -1.04f &&
                 p.z < 1.05f);
   }
+}
+
+// A folder packed as a whole, by Finder, Explorer, and programs that write backslashes.
+TEST(Sog, ScenesInAFolderOfTheArchiveAreRead) {
+  const Files files = make_sog(random_cloud(5, 1));
+  FLUXGS_UNWRAP(plain, read_bundle(files));
+  for (const std::string folder : {"scene/", "a/b/c/", "My scene (1)/", "scene\\"}) {
+    SCOPED_TRACE(folder);
+    std::vector<ZipEntry> entries;
+    if (folder.ends_with('/')) entries.push_back(stored(folder, {}));
+    entries.push_back(stored(folder + ".DS_Store", bytes_of("Bud1")));
+    for (const auto& [name, bytes] : files) entries.push_back(stored(folder + name, bytes));
+    for (const auto& [name, bytes] : files)
+      entries.push_back(stored("__MACOSX/" + folder + "._" + name, bytes_of("Mac OS X")));
+    entries.push_back(stored("__MACOSX/meta.json", bytes_of("Mac OS X")));
+    for (const Bytes& zip : {zip_of(entries), in_zip64(zip_of(entries))}) {
+      EXPECT_TRUE(is_sog(zip));
+      FLUXGS_UNWRAP(scene, read_scene(zip, "x.sog"));
+      EXPECT_EQ(scene.format, "sog");
+      EXPECT_EQ(scene.cloud.positions, plain.cloud.positions);
+      EXPECT_EQ(scene.cloud.sh_rest, plain.cloud.sh_rest);
+    }
+  }
+}
+
+TEST(Sog, SeveralScenesInOneArchiveAreRefused) {
+  std::vector<ZipEntry> entries;
+  for (const char* folder : {"a/", "b/"})
+    for (const auto& [name, bytes] : make_sog(random_cloud(2, 0)))
+      entries.push_back(stored(folder + name, bytes));
+  expect_error(read_sog(zip_of(entries), "x.sog"), {"b/meta.json", "second scene beside a/meta"});
+  // The one above the others is the one that is meant.
+  for (const auto& [name, bytes] : make_sog(random_cloud(3, 0)))
+    entries.push_back(stored(name, bytes));
+  FLUXGS_UNWRAP(scene, read_sog(zip_of(entries), "x.sog"));
+  EXPECT_EQ(scene.cloud.size(), 3U);
+  entries.push_back(stored("c/lod-meta.json", bytes_of("{}")));
+  expect_error(read_sog(zip_of(entries), "x.sog"), {"c/lod-meta.json", "streamed scene"});
+}
+
+TEST(Sog, TheFilterIsRead) {
+  const auto filter_with = [](const char* key, const json& value) {
+    Files files = make_sog(random_cloud(2, 0));
+    json meta = meta_of(files);
+    meta[key] = value;
+    set_meta(files, meta);
+    const auto scene = read_bundle(files);
+    EXPECT_TRUE(scene) << key;
+    return scene ? scene->cloud.filter : ScreenFilter{};
+  };
+  EXPECT_TRUE(filter_with("antialias", true).compensated);
+  EXPECT_FALSE(filter_with("antialias", false).compensated);
+  EXPECT_FALSE(filter_with("antialias", "yes").compensated);
+  EXPECT_TRUE(filter_with("model", "antialiased").compensated);
+  EXPECT_FALSE(filter_with("model", "2dgs").compensated);
+  EXPECT_EQ(filter_with("dilation", 0.1).dilation, 0.1F);
+  EXPECT_EQ(filter_with("dilation", -1), ScreenFilter{});
 }
 
 }  // namespace

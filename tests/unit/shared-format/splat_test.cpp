@@ -171,14 +171,51 @@ TEST(Splat, BrokenSplatsAreDroppedAndCounted) {
   EXPECT_EQ(written.size(), 64u);
 }
 
-TEST(Splat, SizesThatAreNoWholeSplatsAreRefused) {
-  const Bytes two = kPlain + kPlain;
-  for (std::size_t size = 0; size < two.size(); ++size) {
-    const Bytes cut(two.begin(), two.begin() + std::ptrdiff_t(size));
-    EXPECT_EQ(is_splat(cut), size == 32) << size;
-    if (size != 32)
-      expect_error(read_splat(cut, "x.splat"), {"x.splat: size", "multiple of the 32"});
+// A download that stopped, or a tail of an editor.
+TEST(Splat, WholeSplatsAreReadBeforeATail) {
+  Bytes some;
+  for (int i = 0; i < 8; ++i) some = some + kPlain;
+  for (std::size_t size = 0; size <= some.size(); ++size) {
+    const Bytes cut(some.begin(), some.begin() + std::ptrdiff_t(size));
+    const bool whole = size % 32 == 0 && size > 0;
+    EXPECT_EQ(is_splat(cut), whole || size >= 4 * 32) << size;
+    if (size < 32) {
+      expect_error(read_splat(cut, "x.splat"), {"x.splat: size", "at least the 32"});
+      continue;
+    }
+    FLUXGS_UNWRAP(scene, read_splat(cut, "x.splat"));
+    EXPECT_EQ(scene.cloud.size(), size / 32);
+    ASSERT_EQ(scene.warnings.size(), whole ? 0U : 1U);
+    if (!whole) {
+      EXPECT_TRUE(scene.warnings[0].contains("no multiple of the 32 bytes"));
+    }
   }
+}
+
+// Half of plausible records is enough for a size that fits, but not beside a tail.
+TEST(Splat, ATailDemandsMorePlausibleRecords) {
+  const Bytes odd(32, std::byte{0x7f});
+  Bytes mixed;
+  for (int i = 0; i < 10; ++i) mixed = mixed + kPlain + odd;
+  EXPECT_TRUE(is_splat(mixed));
+  EXPECT_FALSE(is_splat(mixed + Bytes(5)));
+}
+
+TEST(Splat, WhatIsSavedUnderItsNameIsNamed) {
+  const std::string page = "\n<!DOCTYPE html>\n<html><head><title>404 Not Found</title></head>";
+  const auto refused = [](const std::string& text) {
+    return read_scene(bytes_of(text), "garden.splat");
+  };
+  expect_error(refused(page), {"garden.splat", "is a web page"});
+  expect_error(refused("<HTML><body>" + std::string(5000, 'x')), {"is a web page"});
+  expect_error(refused("version https://git-lfs.github.com/spec/v1\noid sha256:00\n"),
+               {"pointer of Git LFS", "git lfs pull"});
+  expect_error(refused("{\"error\": \"not found\"}\n"), {"is text"});
+  expect_error(refused("\x89PNG\r\n\x1a\n"), {"is a PNG image"});
+  expect_error(refused(std::string(100, '\xee')), {"100 bytes would be no multiple of 32"});
+}
+
+TEST(Splat, ScenesThatCannotBeWrittenAreRefused) {
   expect_error(encode_splat(SplatCloud(), "x.splat"), {"x.splat", "no splats"});
   SplatCloud broken = random_cloud(2, 0);
   broken.rotations.pop_back();
@@ -221,7 +258,7 @@ TEST(Splat, FilesOfOtherFormatsAreNotTakenForSplats) {
   for (const std::size_t count : {1, 7, 64}) {
     for (const SceneFormat& format : scene_formats()) {
       if (format.encode == nullptr || format.name == "splat") continue;
-      FLUXGS_UNWRAP(bytes, format.encode(random_cloud(count, 0), "x"));
+      FLUXGS_UNWRAP(bytes, format.encode(random_cloud(count, 0), "x", {}));
       bytes.resize(bytes.size() / 32 * 32);
       EXPECT_FALSE(is_splat(bytes)) << format.name;
     }

@@ -1,4 +1,5 @@
 // fluxgs convert: from one scene format to another.
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -24,7 +25,7 @@ struct ConvertSettings {
   std::string in, out;
   bool compact = false, plain_attributes = false;
   double step_scale = 1;
-  int sh_degree = 3;
+  int sh_degree = 3, spz_version = 3;
   std::optional<std::size_t> max_bytes;
   std::optional<double> min_psnr;
   DataOptions data;
@@ -55,11 +56,25 @@ Expected<void> write_compact(const ConvertSettings& s, const SceneFile& scene) {
   return {};
 }
 
+WriteOptions write_options(const ConvertSettings& s) {
+  WriteOptions options;
+  options.spz_version = s.spz_version;
+  options.warn = [out = s.out](const std::string& text) {
+    spdlog::warn("warning: {}: {}", out, text);
+  };
+  const ProgressReport report = show_progress("%");
+  options.progress = [report](double part) {
+    report(static_cast<std::size_t>(std::lround(100 * part)), 100);
+  };
+  return options;
+}
+
 /// Only a .glb says where it is looked at from.
 Expected<void> write_plain(const ConvertSettings& s, const SceneFile& scene,
                            const SceneFormat& format) {
-  if (format.name != "glb") return write_scene(s.out, scene.cloud);
-  const auto bytes = format.encode(scene.cloud, s.out);
+  const WriteOptions options = write_options(s);
+  if (format.name != "glb") return write_scene(s.out, scene.cloud, options);
+  const auto bytes = format.encode(scene.cloud, s.out, options);
   if (!bytes) return std::unexpected(bytes.error());
   if (auto written = write_glb(s.out, *bytes, scene.start); !written)
     return std::unexpected(written.error());
@@ -183,6 +198,11 @@ void add_convert(CLI::App& app, Action& action) {
       ->required();
   command->add_option("--sh-degree", settings->sh_degree, "highest SH degree to keep")
       ->check(CLI::Range(0, 3))
+      ->capture_default_str();
+  command
+      ->add_option("--spz-version", settings->spz_version,
+                   "version of a .spz: 3, read everywhere, or 4, smaller")
+      ->check(CLI::Range(3, 4))
       ->capture_default_str();
   add_compact_options(*command, *settings);
   add_data_options(*command, settings->data);

@@ -129,7 +129,7 @@ std::vector<std::pair<std::string, Encoder>> default_encoders(const SplatCloud& 
   for (const SceneFormat& format : scene_formats())
     if (format.encode != nullptr && format.max_sh_degree >= cloud.sh_degree)
       list.emplace_back(std::string(format.name),
-                        [&cloud, &format] { return format.encode(cloud, "scene"); });
+                        [&cloud, &format] { return format.encode(cloud, "scene", {}); });
   list.emplace_back("spz 4",
                     [&cloud] { return encode_spz(cloud, "scene", SpzOptions{.version = 4}); });
   return list;

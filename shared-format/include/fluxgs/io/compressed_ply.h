@@ -1,5 +1,5 @@
 // The compressed .ply that PlayCanvas SuperSplat and splat-transform write: a binary PLY file whose
-// splats are quantized within chunks of 256. Read only.
+// splats are quantized within chunks of 256.
 //
 //   element chunk    floats min_x … max_z, min_scale_x … max_scale_z (logarithms), and in newer
 //                    files min_r … max_b (colours; in older ones 0…1)
@@ -16,6 +16,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "fluxgs/error.h"
 #include "fluxgs/io/scene_file.h"
@@ -31,5 +32,12 @@ bool is_compressed_ply(std::span<const std::byte> bytes);
 /// lists. All counts are checked against the size of `bytes` before anything is allocated.
 /// Opacities of 0 and 255 stay finite: logits ≈ −87.3 and 17.3. `name` appears in errors.
 Expected<SceneFile> read_compressed_ply(std::span<const std::byte> bytes, const std::string& name);
+
+/// Write a scene, with ranges of colour, in an order that keeps neighbours together: the ranges of
+/// the chunks are then small, and a far splat coarsens only those of its chunk. Logarithms of
+/// scales are limited to ±20, SH coefficients to ±4; rotations come out as unit quaternions. Splats
+/// with a NaN or infinity are left out. The same cloud always gives the same bytes.
+Expected<std::vector<std::byte>> encode_compressed_ply(const SplatCloud& cloud,
+                                                       const std::string& name);
 
 }  // namespace fluxgs

@@ -11,8 +11,16 @@
 
 #include "fluxgs/error.h"
 #include "fluxgs/io/scene_file.h"
+#include "fluxgs/io/write_options.h"
 
 namespace fluxgs {
+
+/// What a format keeps of the screen filter of a scene.
+enum class StoredFilter {
+  none,          ///< comes back as that of classic 3DGS
+  compensation,  ///< on or off; the dilation comes back as 0.3 px²
+  all,
+};
 
 /// A row of the table of formats.
 struct SceneFormat {
@@ -20,15 +28,20 @@ struct SceneFormat {
   std::string_view description;  ///< for people
   std::string_view extension;    ///< end of a file's name, lower case, with the dot
   int max_sh_degree;             ///< highest degree it stores; a writer leaves out the rest
+  StoredFilter stored_filter;    ///< for its writer; readers may find less
   /// True if the content looks like this format.
   bool (*recognises)(std::span<const std::byte> bytes);
   /// Null for a format of several files.
   Expected<SceneFile> (*read)(std::span<const std::byte> bytes, const std::string& name);
   /// Null for a format that is only read.
-  Expected<std::vector<std::byte>> (*encode)(const SplatCloud& cloud, const std::string& name);
+  Expected<std::vector<std::byte>> (*encode)(const SplatCloud& cloud, const std::string& name,
+                                             const WriteOptions& options);
   /// For a format of several files: reads them, given the content of the first and where it lies.
   Expected<SceneFile> (*read_with_folder)(std::span<const std::byte> bytes,
                                           const std::filesystem::path& path) = nullptr;
+
+  /// True if a scene with this filter comes back with it.
+  bool stores(const ScreenFilter& filter) const;
 };
 
 /// All formats, in the order in which a content is offered to them.
@@ -52,7 +65,8 @@ Expected<SceneFile> read_scene(const std::filesystem::path& path);
 
 /// Write a scene under its final name, whole or not at all. An extension that is unknown, or of
 /// a format that is only read, is an error that lists those that can be written.
-Expected<void> write_scene(const std::filesystem::path& path, const SplatCloud& cloud);
+Expected<void> write_scene(const std::filesystem::path& path, const SplatCloud& cloud,
+                           const WriteOptions& options = {});
 
 /// The format that write_scene would choose: for checking a name before long work.
 Expected<const SceneFormat*> scene_format_for(const std::filesystem::path& path);

@@ -20,14 +20,16 @@
 namespace fluxgs {
 
 /// True if the bytes look like .splat records. Without a magic this is a guess, to be made after
-/// every other format has declined: the size is a multiple of 32, and of up to 256 records spread
-/// over the file at least half are plausible (positions and scales within ±10⁹, scales not
-/// negative, quaternions of unit length but for their rounding). One record of random bytes passes
-/// with probability 0.0005; text, zeros and bytes of 255 never do.
+/// every other format has declined: of up to 256 records spread over the file at least half are
+/// plausible (positions and scales within ±10⁹, scales not negative, quaternions of unit length but
+/// for their rounding). One record of random bytes passes with probability 0.0005; text, zeros and
+/// bytes of 255 never do. A size that is no multiple of 32 needs four whole records, nine of ten of
+/// them plausible.
 bool is_splat(std::span<const std::byte> bytes);
 
-/// Read a scene of degree 0 in the order of the file. An error if the size is zero or not a
-/// multiple of 32. Opacities of 0 and 255 stay finite: logits ≈ −87.3 and 17.3. A scale of 0
+/// Read a scene of degree 0 in the order of the file. Bytes behind the last whole record, as a
+/// download that stopped leaves them, are ignored with a warning; a file without one is an error.
+/// Opacities of 0 and 255 stay finite: logits ≈ −87.3 and 17.3. A scale of 0
 /// becomes logarithm ≈ −87.3; splats with a negative scale count as dropped; a zero quaternion
 /// becomes the identity.
 Expected<SceneFile> read_splat(std::span<const std::byte> bytes, const std::string& name);

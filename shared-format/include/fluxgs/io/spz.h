@@ -14,16 +14,21 @@
 // ("RDF"), which are those of a SplatCloud. The second kind is what is read and written unless the
 // caller says otherwise, so that .ply and .spz stay the same scene; the first kind then comes out
 // turned by half a turn about x. Where the record SPZ_ADOBE_coordinate_system names the axes, it is
-// followed.
+// followed; what we write has it.
+//
+// The flag "antialiased" is the compensation of SplatCloud::filter. SPZ has no place for the
+// dilation: 0.3 px², as gsplat, PlayCanvas and others have it.
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "fluxgs/error.h"
 #include "fluxgs/io/scene_file.h"
+#include "fluxgs/io/write_options.h"
 
 namespace fluxgs {
 
@@ -36,9 +41,10 @@ enum class SpzAxes {
   right_up_back,     ///< those of the specification
 };
 
-/// Read versions 1 to 3 (gzip around everything) and 4 (zstd per attribute), degrees 0 to 3.
-/// Opacity 0 and 1 become the finite logits that read_glb gives them. The flag "trained with
-/// antialiasing" and unknown extension records are skipped; unknown flags are refused by name.
+/// Read versions 1 to 3 (gzip around everything) and 4 (zstd per attribute). Degree 4 is left out.
+/// Opacity 0 and 1 become the finite logits that read_glb gives them. Unknown extension records are
+/// skipped, as the specification asks; unknown flags, damaged records and bytes behind the end are
+/// skipped with a warning.
 ///
 /// Bombs: splats beyond the first 2^20 must take at least 1/32 of their unpacked size (19 to 65
 /// bytes) in the file; real scenes take a third or more. This is checked against the header before
@@ -53,19 +59,26 @@ Expected<SceneFile> read_spz(std::span<const std::byte> bytes, const std::string
 /// Precision of writing; the defaults are those of other writers.
 struct SpzOptions {
   int version = 3;           ///< 3 (gzip, read everywhere) or 4 (zstd, smaller)
-  int fractional_bits = 12;  ///< of positions, 0 to 23: steps of 2^-12; fewer where the scene
-                             ///< reaches further than 2^(23 - bits) from the origin
+  int fractional_bits = 12;  ///< of positions, 0 to 23: steps of 2^-12; at most, see encode_spz()
   int sh1_bits = 5;          ///< of coefficients of degree 1, 1 to 8: steps of 2^(1 - bits)
   int sh_rest_bits = 4;      ///< the same for degrees 2 and 3
-  SpzAxes axes = SpzAxes::right_down_front;  ///< of the file
+  SpzAxes axes = SpzAxes::right_down_front;           ///< of the file
+  bool name_axes = true;                              ///< in a record, see above
+  std::function<void(const std::string&)> warn = {};  ///< see WriteOptions
 };
 
-/// Write a scene. Values beyond the ranges above are limited to them, except positions: the error
-/// says so if the scene reaches beyond 2^23. Rotations come out as unit quaternions. The order
-/// stays. Splats with a NaN or infinity are left out. The same cloud always gives the same bytes.
+/// Write a scene. Values beyond the ranges above are limited to them, except positions: what is
+/// further than 2^(23 - bits) from the origin is moved towards the middle of the scene and made as
+/// much smaller, with a warning, or the bits are fewer, whichever errs less in images from the
+/// middle of the scene: few far splats do not coarsen the rest. A scene most of which lies beyond
+/// 2^23 is an error. Rotations come out as unit quaternions. The order stays. Splats with a NaN or
+/// infinity are left out. The same cloud always gives the same bytes.
 Expected<std::vector<std::byte>> encode_spz(const SplatCloud& cloud, const std::string& name,
                                             const SpzOptions& options);
 /// The same with the default options.
 Expected<std::vector<std::byte>> encode_spz(const SplatCloud& cloud, const std::string& name);
+/// The same with the options of any writer.
+Expected<std::vector<std::byte>> write_spz(const SplatCloud& cloud, const std::string& name,
+                                           const WriteOptions& options);
 
 }  // namespace fluxgs

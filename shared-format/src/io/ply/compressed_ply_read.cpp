@@ -15,7 +15,9 @@
 #include "fluxgs/io/compressed_ply.h"
 #include "fluxgs/io/ply.h"
 #include "fluxgs/sanitize.h"
+#include "io/ply/compressed_ply_layout.h"
 #include "io/ply/ply_columns.h"
+#include "io/ply/ply_filter.h"
 #include "io/ply/ply_header.h"
 
 namespace fluxgs {
@@ -24,15 +26,6 @@ namespace {
 using namespace io;
 
 static_assert(std::endian::native == std::endian::little, "the columns are copied as they are");
-
-constexpr std::size_t kChunkSplats = 256;
-constexpr std::size_t kBounds = 12;  // properties of a chunk without those of the colour
-constexpr std::array<std::string_view, 18> kChunkNames{
-    "min_x",       "min_y",       "min_z",       "max_x",       "max_y",       "max_z",
-    "min_scale_x", "min_scale_y", "min_scale_z", "max_scale_x", "max_scale_y", "max_scale_z",
-    "min_r",       "min_g",       "min_b",       "max_r",       "max_g",       "max_b"};
-constexpr std::array<std::string_view, 4> kPackedNames{"packed_position", "packed_rotation",
-                                                       "packed_scale", "packed_color"};
 
 // The rows of an element, and where in a row the properties asked for begin.
 struct Table {
@@ -289,6 +282,7 @@ Expected<SceneFile> read_compressed_ply(std::span<const std::byte> bytes, const 
   }
   SceneFile scene;
   scene.cloud = std::move(*cloud);
+  scene.cloud.filter = filter_of_comments(header->comments);
   scene.dropped = drop_non_finite(scene.cloud);  // colours beyond float after the change of scale
   scene.format = "compressed.ply";
   scene.attribute_bits = bits_of(*tables);

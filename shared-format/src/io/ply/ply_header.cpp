@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <limits>
 #include <string_view>
@@ -45,6 +46,13 @@ std::vector<std::string_view> words_of(std::string_view line) {
   return words;
 }
 
+// Whether they are the same but for the case.
+bool is_word(std::string_view word, std::string_view lower_case) {
+  return std::ranges::equal(word, lower_case, {}, [](char c) {
+    return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  });
+}
+
 std::uint64_t saturating_multiply(std::uint64_t a, std::uint64_t b) {
   constexpr auto kMax = std::numeric_limits<std::uint64_t>::max();
   return b != 0 && a > kMax / b ? kMax : a * b;
@@ -67,7 +75,9 @@ class HeaderParser {
       if (words.size() == 1 && words[0] == "ply") return false;
       return bad(line, "expected \"ply\"");
     }
-    if (words.empty() || words[0] == "comment" || words[0] == "obj_info") return false;
+    if (words.empty()) return false;
+    if (is_word(words[0], "comment")) return take_comment(words);
+    if (is_word(words[0], "obj_info")) return false;
     if (words[0] == "end_header") return finish();
     if (words[0] == "format") return take_format(line, words);
     if (words[0] == "element") return take_element(line, words);
@@ -78,6 +88,13 @@ class HeaderParser {
   PlyHeader header;
 
  private:
+  bool take_comment(const std::vector<std::string_view>& words) {
+    if (words.size() == 1) return false;
+    const char* end = words.back().data() + words.back().size();
+    header.comments.emplace_back(words[1].data(), end);
+    return false;
+  }
+
   Expected<bool> take_format(std::string_view line, const std::vector<std::string_view>& words) {
     if (words.size() != 3 || words[2] != "1.0") return bad(line, "expected \"format NAME 1.0\"");
     if (words[1] == "ascii") {

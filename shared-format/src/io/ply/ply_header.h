@@ -32,7 +32,8 @@ struct PlyElement {
 struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::ascii;
   std::vector<PlyElement> elements;
-  std::size_t size = 0;  ///< bytes; the data begin here
+  std::vector<std::string> comments;  ///< behind the word "comment", of all places
+  std::size_t size = 0;               ///< bytes; the data begin here
 };
 
 std::size_t ply_type_bytes(PlyType type);

@@ -11,6 +11,7 @@
 #include "fluxgs/io/ply.h"
 #include "fluxgs/sanitize.h"
 #include "io/ply/ply_columns.h"
+#include "io/ply/ply_filter.h"
 #include "io/ply/ply_header.h"
 #include "io/ply/ply_rows.h"
 
@@ -132,6 +133,7 @@ Expected<SceneFile> read_ply(std::span<const std::byte> bytes, const std::string
   if (!cloud) return std::unexpected(cloud.error());
   SceneFile scene;
   scene.cloud = std::move(*cloud);
+  scene.cloud.filter = filter_of_comments(header->comments);
   scene.dropped = drop_non_finite(scene.cloud);
   scene.format = "ply";
   scene.attribute_bits = float_attribute_bits(scene.cloud.sh_degree);

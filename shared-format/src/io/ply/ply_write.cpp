@@ -4,13 +4,14 @@
 
 #include "cloud/cloud_memory.h"
 #include "fluxgs/io/ply.h"
+#include "io/ply/ply_filter.h"
 
 namespace fluxgs {
 namespace {
 
 std::string header_of(const SplatCloud& cloud) {
-  std::string text =
-      fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", cloud.size());
+  std::string text = fmt::format("ply\nformat binary_little_endian 1.0\n{}element vertex {}\n",
+                                 io::comment_lines(cloud.filter), cloud.size());
   const auto property = [&](const char* stem) { text += fmt::format("property float {}\n", stem); };
   const auto numbered = [&](const char* stem, int count) {
     for (int i = 0; i < count; ++i) text += fmt::format("property float {}_{}\n", stem, i);

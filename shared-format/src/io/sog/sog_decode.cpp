@@ -86,6 +86,7 @@ class SogDecoder {
     auto cloud = allocate_cloud(meta_.count, 0, name_);
     if (!cloud) return std::unexpected(cloud.error());
     cloud_ = std::move(*cloud);
+    cloud_.filter = meta_.filter;
     for (int axis = 0; axis < 3; ++axis) {
       const double from = meta_.mean_min[axis], step = (meta_.mean_max[axis] - from) / 65535;
       const auto channel = static_cast<std::size_t>(axis);

@@ -125,9 +125,21 @@ SogTable opacity_logits() {
   return make_table([](double opacity) { return double{logit_of(opacity)}; });
 }
 
+// The specification has "antialias", splat-transform writes "model"; "dilation" is ours, and is
+// left out where it is 0.3 px².
+ScreenFilter filter_of(const json& root) {
+  ScreenFilter filter;
+  filter.compensated = member(root, "antialias") == true || member(root, "model") == "antialiased";
+  const json& dilation = member(root, "dilation");
+  const double value = dilation.is_number() ? dilation.get<double>() : 0;
+  if (value > 0 && value <= 100) filter.dilation = static_cast<float>(value);
+  return filter;
+}
+
 // What both versions share: ranges of the positions and the names of the images.
 SogMeta read_common(MetaReader& read, const json& root) {
   SogMeta meta;
+  meta.filter = filter_of(root);
   const auto low = read.numbers("means", "mins", 3), high = read.numbers("means", "maxs", 3);
   meta.mean_min = {low[0], low[1], low[2]};
   meta.mean_max = {high[0], high[1], high[2]};

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fluxgs/error.h"
+#include "fluxgs/screen_filter.h"
 
 namespace fluxgs::io {
 
@@ -32,6 +33,7 @@ struct SogSh {
 
 struct SogMeta {
   std::size_t count = 0;
+  ScreenFilter filter;
   glm::dvec3 mean_min{0}, mean_max{0};  ///< of sign(x)·ln(|x| + 1)
   std::array<std::string, 2> means;     ///< names of images: low bytes, high bytes
   std::array<SogTable, 3> scales;       ///< natural logarithms

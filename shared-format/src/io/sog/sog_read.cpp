@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "fluxgs/io/sog.h"
+#include "fluxgs/sanitize.h"
 #include "io/json_text.h"
 #include "io/sog/folder_files.h"
 #include "io/sog/sog_decode.h"
@@ -20,9 +21,7 @@ using namespace io;
 
 constexpr char kMetaFile[] = "meta.json";
 
-// The local header of a ZIP archive's first entry (APPNOTE 4.3.7).
-constexpr std::string_view kZipMagic = "PK\x03\x04";
-constexpr std::size_t kZipNameLength = 26, kZipName = 30;
+constexpr std::string_view kZipMagic = "PK\x03\x04";  // of a file's header (APPNOTE 4.3.7)
 
 // Whether a text is an object and names all of `keys`; no more is looked at.
 bool is_object_with(std::span<const std::byte> bytes,
@@ -84,18 +83,44 @@ Expected<SplatCloud> read_from(std::span<const std::byte> json, const NamedFiles
   return decode_sog(*meta, files, folder, name);
 }
 
-// Of an archive. Its images may be compressed once more, and tell of far more than it has bytes
-// for.
-Expected<SogMeta> archive_meta(const NamedFiles& files, std::size_t bytes,
-                               const std::string& name) {
-  const auto json = files(kMetaFile, kMaxJsonText);
+// The scene of an archive.
+struct BundledMeta {
+  SogMeta meta;
+  std::string folder;  // "", or with a slash at its end: where meta.json and the images lie
+};
+
+// The one meta.json that lies highest: a folder may have been packed as a whole.
+Expected<std::string> find_meta(const ZipArchive& archive, const std::string& name) {
+  const auto depth = [](const std::string& file) { return std::ranges::count(file, '/'); };
+  std::vector<std::string> found;
+  for (const std::string& file : archive.files()) {
+    const std::string_view base = std::string_view(file).substr(file.rfind('/') + 1);
+    if (base == "lod-meta.json")
+      return fail(name, file, "names a streamed scene; unpack the archive and open this file");
+    if (base == kMetaFile) found.push_back(file);
+  }
+  if (found.empty()) return fail(name, kMetaFile, "is not in the archive");
+  std::ranges::stable_sort(found, {}, depth);
+  if (found.size() == 1 || depth(found[0]) < depth(found[1])) return found[0];
+  return fail(name, found[1],
+              fmt::format("is a second scene beside {}; unpack the archive and open one of them",
+                          sanitized(found[0])));
+}
+
+// Its images may be compressed once more, and tell of far more than it has bytes for.
+Expected<BundledMeta> archive_meta(const ZipArchive& archive, std::size_t bytes,
+                                   const std::string& name) {
+  const auto file = find_meta(archive, name);
+  if (!file) return std::unexpected(file.error());
+  const auto json = archive.read(*file, kMaxJsonText);
   if (!json) return std::unexpected(json.error());
   auto meta = meta_from(*json, kMetaFile, name);
-  if (meta && meta->count > max_sog_splats(bytes))
+  if (!meta) return std::unexpected(meta.error());
+  if (meta->count > max_sog_splats(bytes))
     return fail(name, kMetaFile,
                 fmt::format("announces {} splats; an archive of {} bytes has at most {}",
                             meta->count, bytes, max_sog_splats(bytes)));
-  return meta;
+  return BundledMeta{std::move(*meta), file->substr(0, file->size() - (sizeof kMetaFile - 1))};
 }
 
 NamedFiles reader_of(const ZipArchive& archive) {
@@ -155,23 +180,25 @@ NamedFiles reader_of(FolderFiles& folder) {
 }  // namespace
 
 bool is_sog(std::span<const std::byte> bytes) {
+  // Names stand before the files and, all together, at the end.
+  constexpr std::size_t kBegin = 4096, kEnd = 65536;
   const std::string_view text = as_text(bytes);
-  if (!text.starts_with(kZipMagic) || text.size() < kZipName) return false;
-  const auto length = static_cast<std::size_t>(bytes[kZipNameLength]) +
-                      (static_cast<std::size_t>(bytes[kZipNameLength + 1]) << 8);
-  const std::string_view first = text.substr(kZipName, length);
-  return first == kMetaFile || first.ends_with(".webp");
+  if (!text.starts_with(kZipMagic)) return false;
+  const auto names_scene = [](std::string_view part) {
+    return part.contains(kMetaFile) || part.contains(".webp");
+  };
+  return names_scene(text.substr(0, kBegin)) ||
+         names_scene(text.substr(text.size() - std::min(text.size(), kEnd)));
 }
 
 Expected<SceneFile> read_sog(std::span<const std::byte> bytes, const std::string& name) {
   return within_memory(name, [&]() -> Expected<SceneFile> {
     const auto archive = ZipArchive::open(bytes, name);
     if (!archive) return std::unexpected(archive.error());
+    const auto scene = archive_meta(*archive, bytes.size(), name);
+    if (!scene) return std::unexpected(scene.error());
     AttributeBits bits;
-    const NamedFiles files = counted(reader_of(*archive), bits);
-    const auto meta = archive_meta(files, bytes.size(), name);
-    if (!meta) return std::unexpected(meta.error());
-    auto cloud = decode_sog(*meta, files, "", name);
+    auto cloud = decode_sog(scene->meta, counted(reader_of(*archive), bits), scene->folder, name);
     if (!cloud) return std::unexpected(cloud.error());
     return make_scene(std::move(*cloud), "sog", bytes.size(), std::move(bits));
   });
@@ -182,9 +209,10 @@ Expected<std::pair<std::size_t, int>> announced_by_sog(std::span<const std::byte
   return within_memory(name, [&]() -> Expected<std::pair<std::size_t, int>> {
     const auto archive = ZipArchive::open(bytes, name);
     if (!archive) return std::unexpected(archive.error());
-    const auto meta = archive_meta(reader_of(*archive), bytes.size(), name);
-    if (!meta) return std::unexpected(meta.error());
-    return std::pair(meta->count, meta->sh ? meta->sh->degree.value_or(3) : 0);
+    const auto scene = archive_meta(*archive, bytes.size(), name);
+    if (!scene) return std::unexpected(scene.error());
+    const SogMeta& meta = scene->meta;
+    return std::pair(meta.count, meta.sh ? meta.sh->degree.value_or(3) : 0);
   });
 }
 

@@ -1,7 +1,10 @@
 #include "io/sog/webp_image.h"
 
+#include <cstring>
+
 #include <fmt/format.h>
 #include <webp/decode.h>
+#include <webp/encode.h>
 
 #include "cloud/cloud_memory.h"
 
@@ -44,6 +47,33 @@ Expected<RgbaImage> decode_webp(std::span<const std::byte> bytes, std::size_t mi
     return fail(name, field, "is a damaged WebP image, or memory ran out");
   }
   return image;
+}
+
+Expected<std::vector<std::byte>> encode_webp(const RgbaImage& image, const std::string& name,
+                                             const std::string& field) {
+  constexpr int kEffort = 4;  // of 0…9: more takes several times as long for a percent of the size
+  WebPConfig config;
+  WebPPicture picture;
+  if (WebPConfigInit(&config) == 0 || WebPConfigLosslessPreset(&config, kEffort) == 0 ||
+      WebPPictureInit(&picture) == 0)
+    return fail(name, field, "libwebp is of another version than the one compiled against");
+  config.exact = 1;
+  picture.use_argb = 1;
+  picture.width = static_cast<int>(image.width);
+  picture.height = static_cast<int>(image.height);
+  WebPMemoryWriter writer;
+  WebPMemoryWriterInit(&writer);
+  picture.writer = WebPMemoryWrite;
+  picture.custom_ptr = &writer;
+  const bool done = WebPPictureImportRGBA(&picture, data_of(image.bytes), 4 * picture.width) != 0 &&
+                    WebPEncode(&config, &picture) != 0;
+  const int error = picture.error_code;
+  WebPPictureFree(&picture);
+  auto bytes = done ? allocate_bytes(writer.size, name) : Expected<std::vector<std::byte>>();
+  if (done && bytes) std::memcpy(bytes->data(), writer.mem, writer.size);
+  WebPMemoryWriterClear(&writer);
+  if (!done) return fail(name, field, fmt::format("libwebp could not encode it: error {}", error));
+  return bytes;
 }
 
 }  // namespace fluxgs::io

@@ -28,4 +28,9 @@ Expected<RgbaImage> decode_webp(std::span<const std::byte> bytes, std::size_t mi
                                 std::size_t max_pixels, const std::string& name,
                                 const std::string& field);
 
+/// Encode an image without loss, the colours of transparent pixels included. The same image always
+/// gives the same bytes.
+Expected<std::vector<std::byte>> encode_webp(const RgbaImage& image, const std::string& name,
+                                             const std::string& field);
+
 }  // namespace fluxgs::io

@@ -55,20 +55,22 @@ void store(const SplatRecord& record, const std::array<float, 256>& logits, std:
 }  // namespace
 
 bool is_splat(std::span<const std::byte> bytes) {
-  constexpr std::size_t kSample = 256;
+  constexpr std::size_t kSample = 256, kLeastWithTail = 4;
   const std::size_t count = bytes.size() / sizeof(SplatRecord);
-  if (count == 0 || bytes.size() % sizeof(SplatRecord) != 0) return false;
+  const bool tail = bytes.size() % sizeof(SplatRecord) != 0;
+  if (count < (tail ? kLeastWithTail : 1)) return false;
   const std::size_t sample = std::min(count, kSample), step = count / sample;
   std::size_t plausible = 0;
   for (std::size_t i = 0; i < sample; ++i) plausible += is_plausible(record_at(bytes, i * step));
-  return 2 * plausible >= sample;
+  return tail ? 10 * plausible >= 9 * sample : 2 * plausible >= sample;
 }
 
 Expected<SceneFile> read_splat(std::span<const std::byte> bytes, const std::string& name) {
-  if (bytes.empty() || bytes.size() % sizeof(SplatRecord) != 0) {
+  const std::size_t tail = bytes.size() % sizeof(SplatRecord);
+  if (bytes.size() < sizeof(SplatRecord)) {
     return fail(name, "size",
-                fmt::format("is {} bytes; expected a multiple of the {} bytes of a splat",
-                            bytes.size(), sizeof(SplatRecord)));
+                fmt::format("is {} bytes; expected at least the {} bytes of a splat", bytes.size(),
+                            sizeof(SplatRecord)));
   }
   const std::size_t count = bytes.size() / sizeof(SplatRecord);
   auto cloud = allocate_cloud(count, 0, name);
@@ -78,6 +80,11 @@ Expected<SceneFile> read_splat(std::span<const std::byte> bytes, const std::stri
   SceneFile scene;
   scene.cloud = std::move(*cloud);
   scene.dropped = drop_non_finite(scene.cloud);
+  if (tail != 0)
+    scene.warnings.push_back(
+        fmt::format("its size is no multiple of the {} bytes of a splat: it was cut off, or has a "
+                    "tail; the {} whole splats are read, the last {} bytes ignored",
+                    sizeof(SplatRecord), count, tail));
   scene.format = "splat";
   scene.attribute_bits = {
       {"position", 96}, {"scale", 96}, {"rotation", 32}, {"opacity", 8}, {"sh_dc", 24}};

@@ -71,17 +71,13 @@ Expected<SpzHeader> plain_header(const SpzSource& source) {
 }
 
 Expected<void> check_values(const SpzSource& source, const SpzHeader& header) {
-  if (header.sh_degree > 3) {
-    return source.fail("header", fmt::format("degree {} of spherical harmonics; expected 0 to 3",
-                                             header.sh_degree));
+  if (header.sh_degree > kSpzMaxDegree) {
+    return source.fail("header", fmt::format("degree {} of spherical harmonics; expected 0 to {}",
+                                             header.sh_degree, kSpzMaxDegree));
   }
   if (header.fractional_bits > kMaxFractionalBits) {
     return source.fail("header", fmt::format("{} fractional bits; expected 0 to {}",
                                              header.fractional_bits, kMaxFractionalBits));
-  }
-  if (const unsigned unknown = header.flags & ~(kSpzAntialiased | kSpzExtensions)) {
-    return source.fail("header", fmt::format("unknown flags {:#x}; expected only {:#x} and {:#x}",
-                                             unknown, kSpzAntialiased, kSpzExtensions));
   }
   return {};
 }

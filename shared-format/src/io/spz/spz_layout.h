@@ -17,6 +17,12 @@ inline constexpr std::size_t kSpzHeader4 = 32;      ///< version 4, outside the 
 inline constexpr std::size_t kSpzStreamEntry = 16;  ///< version 4, table of contents
 inline constexpr unsigned kSpzAntialiased = 1, kSpzExtensions = 2;  ///< flags
 
+/// Record that names the axes: its type, and the codes of right-up-back and right-down-front.
+inline constexpr std::uint32_t kSpzAxesRecord = 0xADBE0003;  ///< SPZ_ADOBE_coordinate_system
+inline constexpr std::uint32_t kSpzCodeRub = 4, kSpzCodeRdf = 6;
+
+inline constexpr int kSpzMaxDegree = 4;  ///< of which a SplatCloud holds 3
+
 /// Colour scale of degree 0: smaller than the basis function, so that colours a little outside of
 /// 0…1 can be told.
 inline constexpr double kSpzColour = 0.15;

@@ -3,11 +3,13 @@
 #include <cstdint>
 #include <cstring>
 
+#include <glm/gtc/constants.hpp>
 #include <glm/gtc/packing.hpp>
 
 #include "cloud/activation.h"
 #include "cloud/cloud_memory.h"
 #include "fluxgs/io/spz.h"
+#include "fluxgs/math/sh_rotation.h"
 #include "io/spz/spz_compression.h"
 #include "io/spz/spz_packed.h"
 
@@ -81,6 +83,19 @@ AttributeBits bits_of(const SpzHeader& header) {
   return result;
 }
 
+// A quarter about x, from axes right, back, down to right, down, front.
+void stand_up(SplatCloud& cloud) {
+  const glm::quat turn(glm::angleAxis(-glm::half_pi<float>(), glm::vec3(1, 0, 0)));
+  const math::ShRotation sh = math::make_sh_rotation({1, 0, 0, 0, 0, 1, 0, -1, 0});
+  const auto rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const glm::vec3 p = cloud.positions[i];
+    cloud.positions[i] = {p.x, p.z, -p.y};
+    cloud.rotations[i] = turn * cloud.rotations[i];
+    if (rest > 0) math::rotate_sh(sh, cloud.sh_degree, cloud.sh_rest.data() + i * rest);
+  }
+}
+
 }  // namespace
 
 void read_spz_splat(const SpzPacked& packed, std::size_t i, const AxisFlip& flip,
@@ -104,7 +119,8 @@ void read_spz_splat(const SpzPacked& packed, std::size_t i, const AxisFlip& flip
   splat.rotation =
       glm::quat(q.w, q.x * flip.rotation.x, q.y * flip.rotation.y, q.z * flip.rotation.z);
   const std::byte* sh = at(kSpzSh);
-  for (std::size_t k = 0; k < bytes[kSpzSh] / 3; ++k, sh += 3) {
+  const auto rest = static_cast<std::size_t>(sh_rest_count(header.kept_degree()));
+  for (std::size_t k = 0; k < rest; ++k, sh += 3) {
     splat.sh_rest[k] =
         glm::vec3(byte_value(sh[0]) - 128, byte_value(sh[1]) - 128, byte_value(sh[2]) - 128) *
         (flip.sh[k] / 128);
@@ -134,20 +150,23 @@ Expected<SceneFile> read_spz(std::span<const std::byte> bytes, const std::string
   const io::SpzSource source{bytes, name, ""};
   const auto header = io::read_spz_header(source);
   if (!header) return std::unexpected(header.error());
-  const auto packed = io::unpack_spz(source, *header);
+  auto packed = io::unpack_spz(source, *header);
   if (!packed) return std::unexpected(packed.error());
-  auto cloud = io::allocate_cloud(header->count, header->sh_degree, name);
+  auto cloud = io::allocate_cloud(header->count, header->kept_degree(), name);
   if (!cloud) return std::unexpected(cloud.error());
   const io::AxisFlip flip = io::make_axis_flip(
       packed->axes.value_or(axes == SpzAxes::right_up_back ? io::kRightUpBack : glm::vec3(1)));
-  const auto rest = static_cast<std::size_t>(sh_rest_count(header->sh_degree));
+  const auto rest = static_cast<std::size_t>(sh_rest_count(header->kept_degree()));
   io::SplatValues splat{};
   for (std::size_t i = 0; i < header->count; ++i) {
     io::read_spz_splat(*packed, i, flip, splat);
     io::store_splat(splat, rest, *cloud, i);
   }
+  if (packed->z_up) io::stand_up(*cloud);
+  cloud->filter = header->filter();
   SceneFile scene;
   scene.cloud = std::move(*cloud);
+  scene.warnings = std::move(packed->warnings);
   scene.dropped = drop_non_finite(scene.cloud);
   scene.format = "spz";
   scene.attribute_bits = io::bits_of(*header);

@@ -14,8 +14,6 @@ namespace {
 // Room for the extension records behind the splats of versions 1 to 3; the known ones have 12 to 20
 // bytes.
 constexpr std::size_t kMaxExtensions = 65536;
-constexpr std::uint32_t kAxesExtension = 0xADBE0003;  // SPZ_ADOBE_coordinate_system
-
 template <class T>
 T load(const std::byte* at) {
   T value{};
@@ -23,58 +21,57 @@ T load(const std::byte* at) {
   return value;
 }
 
-// The axes' codes 1…8 of the extension are a bit each for right, up and front; 9…16 are turned by a
-// quarter about x as well. 0 is "unspecified".
-Expected<void> follow_axes(const SpzSource& source, std::span<const std::byte> payload,
-                           std::optional<glm::vec3>& axes) {
-  if (payload.size() != 4) {
-    return source.fail("SPZ_ADOBE_coordinate_system",
-                       fmt::format("{} bytes; expected 4", payload.size()));
-  }
-  const auto code = load<std::uint32_t>(payload.data());
-  if (code > 8) {
-    return source.fail(
-        "SPZ_ADOBE_coordinate_system",
-        fmt::format("axes {} are not supported; expected 0 to 8 (y up or down)", code));
-  }
-  if (code == 0) return {};
-  const std::uint32_t bits = code - 1;
-  axes = glm::vec3((bits & 1) != 0 ? 1 : -1, (bits & 2) != 0 ? -1 : 1, (bits & 4) != 0 ? 1 : -1);
-  return {};
+// Codes 1…8: a bit each for right, up and front of the first, second and third axis. 9…16: right,
+// back and up, of which the latter two change places by a quarter about x.
+void follow_axes(std::uint32_t code, SpzPacked& packed) {
+  const std::uint32_t bits = (code - 1) & 7;
+  const auto sign = [&](unsigned bit, float set) { return (bits & bit) != 0 ? set : -set; };
+  packed.z_up = code > 8;
+  packed.axes = packed.z_up ? glm::vec3(sign(1, 1), sign(4, 1), sign(2, -1))
+                            : glm::vec3(sign(1, 1), sign(2, -1), sign(4, 1));
 }
 
-// Records of type, length and payload (extensions/README of nianticlabs/spz). Unknown ones are
-// skipped, as the specification asks.
-Expected<void> read_extensions(const SpzSource& source, std::span<const std::byte> records,
-                               std::optional<glm::vec3>& axes) {
+void read_record(std::uint32_t type, std::span<const std::byte> payload, SpzPacked& packed) {
+  constexpr std::uint32_t kMostCode = 16;
+  if (type != kSpzAxesRecord) return;  // the specification asks to skip unknown ones
+  const std::uint32_t code = payload.size() == 4 ? load<std::uint32_t>(payload.data()) : 0;
+  if (code > 0 && code <= kMostCode) return follow_axes(code, packed);
+  packed.warnings.push_back(fmt::format(
+      "its record SPZ_ADOBE_coordinate_system names no axes ({} bytes, code {}), and is ignored",
+      payload.size(), code));
+}
+
+// Records of type, length and payload (extensions/README of nianticlabs/spz). The splats do not
+// depend on them, so that damaged ones are left out.
+void read_extensions(std::span<const std::byte> records, SpzPacked& packed) {
   while (!records.empty()) {
-    if (records.size() < 8) {
-      return source.fail(
-          "extensions", fmt::format("{} bytes left; expected a type and a length", records.size()));
+    const std::size_t left = records.size();
+    const auto length = left < 8 ? 0 : load<std::uint32_t>(records.data() + 4);
+    if (left < 8 || length > left - 8) {
+      packed.warnings.push_back(
+          fmt::format("its extension records are damaged; the last {} bytes are ignored", left));
+      return;
     }
-    const auto type = load<std::uint32_t>(records.data());
-    const auto length = load<std::uint32_t>(records.data() + 4);
-    records = records.subspan(8);
-    if (length > records.size()) {
-      return source.fail("extensions",
-                         fmt::format("type {:#010x} promises {} bytes, but {} are left", type,
-                                     length, records.size()));
-    }
-    if (type == kAxesExtension) {
-      if (auto ok = follow_axes(source, records.first(length), axes); !ok) return ok;
-    }
-    records = records.subspan(length);
+    read_record(load<std::uint32_t>(records.data()), records.subspan(8, length), packed);
+    records = records.subspan(8 + std::size_t{length});
   }
-  return {};
 }
 
-// Behind the data there may be the padding of a glTF buffer view, nothing else.
-Expected<void> check_rest(const SpzSource& source, std::span<const std::byte> rest) {
-  if (rest.size() < 4 && std::ranges::all_of(rest, [](std::byte b) { return b == std::byte{}; })) {
-    return {};
-  }
-  return source.fail(
-      "end", fmt::format("{} bytes behind the compressed data; expected none", rest.size()));
+void warn_of_header(const SpzHeader& header, SpzPacked& packed) {
+  if (const unsigned unknown = header.flags & ~(kSpzAntialiased | kSpzExtensions))
+    packed.warnings.push_back(
+        fmt::format("its header has unknown flags ({:#x}), which are ignored", unknown));
+  if (header.sh_degree > header.kept_degree())
+    packed.warnings.push_back(
+        fmt::format("spherical harmonics beyond degree {} are left out", header.kept_degree()));
+}
+
+// Behind the data there may be the padding of a glTF buffer view.
+void check_rest(std::span<const std::byte> rest, SpzPacked& packed) {
+  if (rest.size() < 4 && std::ranges::all_of(rest, [](std::byte b) { return b == std::byte{}; }))
+    return;
+  packed.warnings.push_back(
+      fmt::format("{} bytes behind its compressed data are ignored", rest.size()));
 }
 
 Expected<void> unpack_gzip(const SpzSource& source, SpzPacked& packed, std::size_t splats) {
@@ -94,12 +91,12 @@ Expected<void> unpack_gzip(const SpzSource& source, SpzPacked& packed, std::size
         "gzip", fmt::format("{} after {} bytes; expected {}", got.damaged ? "is damaged" : "ends",
                             got.written, expected));
   }
-  if (auto ok = check_rest(source, source.bytes.subspan(got.consumed)); !ok) return ok;
+  check_rest(source.bytes.subspan(got.consumed), packed);
   packed.data = std::move(*bytes);
   for (std::size_t& offset : packed.offsets) offset += kSpzHeader;
-  if (!extended) return {};
-  return read_extensions(source, std::span(packed.data).subspan(expected, got.written - expected),
-                         packed.axes);
+  if (extended)
+    read_extensions(std::span(packed.data).subspan(expected, got.written - expected), packed);
+  return {};
 }
 
 Expected<void> check_contents(const SpzSource& source, const SpzHeader& header,
@@ -143,8 +140,7 @@ Expected<void> unpack_zstd(const SpzSource& source, SpzPacked& packed, std::size
       bytes_each, [&](std::size_t bytes) { return header.count * bytes > 0; }));
   if (auto ok = check_contents(source, header, streams); !ok) return ok;
   if ((header.flags & kSpzExtensions) != 0) {
-    const auto records = source.bytes.subspan(kSpzHeader4, header.contents - kSpzHeader4);
-    if (auto ok = read_extensions(source, records, packed.axes); !ok) return ok;
+    read_extensions(source.bytes.subspan(kSpzHeader4, header.contents - kSpzHeader4), packed);
   }
   auto data = allocate_bytes(splats, source.name);
   if (!data) return std::unexpected(data.error());
@@ -159,7 +155,8 @@ Expected<void> unpack_zstd(const SpzSource& source, SpzPacked& packed, std::size
     if (auto ok = unpack_stream(source, entry, at, out, field); !ok) return ok;
     entry += kSpzStreamEntry;
   }
-  return check_rest(source, source.bytes.subspan(at));
+  check_rest(source.bytes.subspan(at), packed);
+  return {};
 }
 
 }  // namespace
@@ -167,6 +164,7 @@ Expected<void> unpack_zstd(const SpzSource& source, SpzPacked& packed, std::size
 Expected<SpzPacked> unpack_spz(const SpzSource& source, const SpzHeader& header) {
   SpzPacked packed;
   packed.header = header;
+  warn_of_header(header, packed);
   std::size_t splats = 0;
   const auto bytes_each = spz_attribute_bytes(header.version, header.sh_degree);
   for (std::size_t a = 0; a < kSpzAttributes; ++a) {

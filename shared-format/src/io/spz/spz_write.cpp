@@ -3,11 +3,15 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <optional>
 
 #include <fmt/format.h>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 #include "cloud/cloud_memory.h"
 #include "fluxgs/io/spz.h"
+#include "io/splat/scene_core.h"
 #include "io/spz/spz_compression.h"
 #include "io/spz/spz_layout.h"
 
@@ -35,18 +39,75 @@ Expected<void> check_options(const SpzOptions& options, const std::string& name)
   return {};
 }
 
-// As many fractional bits as asked for, fewer if the farthest position needs more in front.
-Expected<int> choose_fractional_bits(const SplatCloud& cloud, int wanted, const std::string& name) {
-  double farthest = 0;
-  for (const glm::vec3& p : cloud.positions) {
-    for (int c = 0; c < 3; ++c) farthest = std::max(farthest, std::abs(double{p[c]}));
+// The farthest that positions of so many fractional bits may be; rounding adds less than a step.
+double farthest(int fractional_bits) { return std::ldexp(kMaxPosition - 1, -fractional_bits); }
+
+std::vector<std::size_t> beyond(const SplatCloud& cloud, double limit) {
+  std::vector<std::size_t> far;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const glm::vec3 p = glm::abs(cloud.positions[i]);
+    if (std::max({p.x, p.y, p.z}) > limit) far.push_back(i);
   }
-  int bits = wanted;
-  while (bits > 0 && std::round(std::ldexp(farthest, bits)) > kMaxPosition) --bits;
-  if (std::round(farthest) <= kMaxPosition) return bits;
-  return fail(
-      name, "positions",
-      fmt::format("reach {} from the origin; SPZ holds at most {}", farthest, kMaxPosition));
+  return far;
+}
+
+// Sum of the squared angles, seen from somewhere in the scene, by which positions err: those within
+// the range by rounding, those of `far` that are beyond it by the parallax that they gain.
+double squared_error(const SplatCloud& cloud, const std::vector<std::size_t>& far,
+                     const SceneCore& core, int fractional_bits) {
+  const double step = std::ldexp(1.0, -fractional_bits), limit = farthest(fractional_bits);
+  const double radius = std::max(core.radius, step);
+  double error = static_cast<double>(cloud.size()) * step * step / (6 * radius * radius);
+  for (const std::size_t i : far) {
+    const double factor = factor_within(cloud.positions[i], core, limit);
+    const double distance = glm::distance(glm::dvec3(cloud.positions[i]), core.center);
+    const double parallax = radius / distance * (1 / factor - 1);
+    if (factor < 1) error += parallax * parallax;
+  }
+  return error;
+}
+
+// As many fractional bits as asked for; fewer where the scene reaches further, if that errs less
+// than pulling in what is beyond.
+std::optional<int> choose_fractional_bits(const SplatCloud& cloud,
+                                          const std::vector<std::size_t>& far,
+                                          const SceneCore& core, int wanted) {
+  std::optional<int> best;
+  double least = std::numeric_limits<double>::infinity();
+  const glm::dvec3 center = glm::abs(core.center);
+  for (int bits = wanted; bits >= 0; --bits) {
+    if (std::max({center.x, center.y, center.z}) > farthest(bits)) continue;
+    const double error = squared_error(cloud, far, core, bits);
+    if (error < least) least = error, best = bits;
+  }
+  return best;
+}
+
+// The bits of positions; pulls in the splats of `cloud`, copied to `storage`, that are beyond.
+Expected<int> fit_positions(const SplatCloud*& cloud, SplatCloud& storage,
+                            const SpzOptions& options, const std::string& name) {
+  const auto far = beyond(*cloud, farthest(options.fractional_bits));
+  if (far.empty()) return options.fractional_bits;
+  const SceneCore core = scene_core(cloud->positions);
+  const auto bits = choose_fractional_bits(*cloud, far, core, options.fractional_bits);
+  if (!bits)
+    return fail(name, "positions",
+                fmt::format("most are farther than {} from the origin; expected SPZ's range",
+                            kMaxPosition));
+  const double limit = farthest(*bits);
+  if (cloud != &storage) storage = *cloud;
+  std::size_t pulled = 0;
+  for (const std::size_t i : far) {
+    const double factor = factor_within(storage.positions[i], core, limit);
+    if (factor < 1) pull_in(storage, i, core, factor), ++pulled;
+  }
+  cloud = &storage;
+  if (pulled > 0 && options.warn)
+    options.warn(fmt::format(
+        "{} of {} splats are farther than {:.0f} from the origin; they were moved nearer and made "
+        "as much smaller, so that the positions of the others keep steps of {:.2g}",
+        pulled, cloud->size(), limit, std::ldexp(1.0, -*bits)));
+  return *bits;
 }
 
 std::byte to_byte(double value) {
@@ -119,6 +180,16 @@ void pack(const SplatCloud& cloud, const SpzOptions& options, int fractional_bit
   }
 }
 
+// The extension records: which axes the positions have.
+std::vector<std::byte> records(const SpzOptions& options) {
+  if (!options.name_axes) return {};
+  const std::uint32_t record[] = {
+      kSpzAxesRecord, sizeof(std::uint32_t),
+      options.axes == SpzAxes::right_up_back ? kSpzCodeRub : kSpzCodeRdf};
+  const auto bytes = std::as_bytes(std::span(record));
+  return {bytes.begin(), bytes.end()};
+}
+
 // The 16 bytes that all versions begin with; the last one is reserved in version 3 and the number
 // of streams in version 4.
 void put_header(const SplatCloud& cloud, const SpzOptions& options, int fractional_bits,
@@ -129,7 +200,8 @@ void put_header(const SplatCloud& cloud, const SpzOptions& options, int fraction
   std::memcpy(out + 4, numbers, sizeof numbers);
   out[12] = static_cast<std::byte>(cloud.sh_degree);
   out[13] = static_cast<std::byte>(fractional_bits);
-  out[14] = std::byte{0};
+  const unsigned antialiased = cloud.filter.compensated ? kSpzAntialiased : 0;
+  out[14] = static_cast<std::byte>(antialiased | (options.name_axes ? kSpzExtensions : 0));
   out[15] = static_cast<std::byte>(last);
 }
 
@@ -153,13 +225,15 @@ Expected<std::vector<std::byte>> encode_streams(const SplatCloud& cloud, const S
     streams.push_back(std::move(*stream));
   }
   const std::size_t table = streams.size() * kSpzStreamEntry;
-  auto bytes = allocate_bytes(kSpzHeader4 + table + total, name);
+  const auto extensions = records(options);
+  const std::size_t contents = kSpzHeader4 + extensions.size();
+  auto bytes = allocate_bytes(contents + table + total, name);
   if (!bytes) return bytes;
   std::byte* out = bytes->data();
   put_header(cloud, options, fractional_bits, streams.size(), out);
-  constexpr auto kContents = static_cast<std::uint32_t>(kSpzHeader4);
-  std::memcpy(out + kSpzHeader, &kContents, sizeof kContents);
-  out += kSpzHeader4;
+  const auto stored_contents = static_cast<std::uint32_t>(contents);
+  std::memcpy(out + kSpzHeader, &stored_contents, sizeof stored_contents);
+  out = std::ranges::copy(extensions, out + kSpzHeader4).out;
   if (table > 0) std::memcpy(out, sizes.data(), table);
   out += table;
   for (const auto& stream : streams) out = std::ranges::copy(stream, out).out;
@@ -174,15 +248,18 @@ Expected<std::vector<std::byte>> encode_spz(const SplatCloud& cloud, const std::
   SplatCloud storage;
   const auto finite = writable_cloud(cloud, storage, name);
   if (!finite) return std::unexpected(finite.error());
-  const SplatCloud& splats = **finite;
-  if (splats.size() > std::numeric_limits<std::uint32_t>::max()) {
-    return fail(name, "scene", fmt::format("{} splats; SPZ counts in 32 bits", splats.size()));
+  const SplatCloud* fitting = *finite;
+  if (fitting->size() > std::numeric_limits<std::uint32_t>::max()) {
+    return fail(name, "scene", fmt::format("{} splats; SPZ counts in 32 bits", fitting->size()));
   }
-  const auto fractional_bits = choose_fractional_bits(splats, options.fractional_bits, name);
+  const auto fractional_bits = fit_positions(fitting, storage, options, name);
   if (!fractional_bits) return std::unexpected(fractional_bits.error());
-  const std::size_t each =
-      spz_splat_bytes(static_cast<unsigned>(options.version), splats.sh_degree);
-  auto plain = allocate_bytes(kSpzHeader + splats.size() * each, name);
+  const SplatCloud& splats = *fitting;
+  const auto extensions = options.version == 4 ? std::vector<std::byte>() : records(options);
+  const std::size_t packed =
+      kSpzHeader +
+      splats.size() * spz_splat_bytes(static_cast<unsigned>(options.version), splats.sh_degree);
+  auto plain = allocate_bytes(packed + extensions.size(), name);
   if (!plain) return plain;
   pack(splats, options, *fractional_bits, plain->data() + kSpzHeader);
   if (options.version == 4) {
@@ -190,11 +267,20 @@ Expected<std::vector<std::byte>> encode_spz(const SplatCloud& cloud, const std::
                           name);
   }
   put_header(splats, options, *fractional_bits, 0, plain->data());
+  std::ranges::copy(extensions, plain->data() + packed);
   return compress_gzip(*plain, name);
 }
 
 Expected<std::vector<std::byte>> encode_spz(const SplatCloud& cloud, const std::string& name) {
   return encode_spz(cloud, name, SpzOptions{});
+}
+
+Expected<std::vector<std::byte>> write_spz(const SplatCloud& cloud, const std::string& name,
+                                           const WriteOptions& options) {
+  SpzOptions spz;
+  spz.version = options.spz_version;
+  spz.warn = options.warn;
+  return encode_spz(cloud, name, spz);
 }
 
 }  // namespace fluxgs

@@ -1,0 +1,249 @@
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <exception>
+#include <limits>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "cloud/activation.h"
+#include "cloud/cloud_memory.h"
+#include "fluxgs/io/sog.h"
+#include "io/sog/scalar_codebook.h"
+#include "io/sog/sh_palette.h"
+#include "io/sog/sog_decode.h"
+#include "io/sog/webp_image.h"
+#include "io/sog/zip_writer.h"
+#include "io/splat/spatial_order.h"
+
+namespace fluxgs {
+namespace {
+
+using namespace io;
+using nlohmann::json;
+using Bytes = std::vector<std::byte>;
+using Pixel = std::array<std::uint8_t, 4>;
+
+constexpr std::size_t kPaletteRow = 64, kMostPalette = 65536;
+
+// Parts of the time, measured on scenes of degree 3: the palette, then the images.
+constexpr double kPaletteTime = 0.5;
+
+// As many entries as other writers have: a power of two that is at most half of the splats.
+std::size_t palette_size(std::size_t splats) {
+  if (splats <= 1024) return splats;
+  return std::min(kMostPalette, std::bit_floor(splats));
+}
+
+// About square, sides of whole blocks of four.
+RgbaImage image_for(std::size_t splats) {
+  const auto whole = [](double side) {
+    return 4 * std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(side / 4)));
+  };
+  RgbaImage image;
+  image.width = whole(std::sqrt(static_cast<double>(splats)));
+  image.height = whole(static_cast<double>(splats) / static_cast<double>(image.width));
+  image.bytes.resize(4 * image.pixels());
+  return image;
+}
+
+// The cloud's attributes as images, of which the specification's sections are named below.
+class SogEncoder {
+ public:
+  SogEncoder(const SplatCloud& cloud, const std::string& name, const WriteOptions& options)
+      : cloud_(cloud), name_(name), options_(options), order_(spatial_order(cloud.positions)) {}
+
+  Expected<Bytes> encode() {
+    meta_["version"] = 2;
+    meta_["asset"] = {{"generator", "Flux-GS"}};
+    meta_["count"] = cloud_.size();
+    if (cloud_.filter.compensated) meta_["antialias"] = true, meta_["model"] = "antialiased";
+    if (cloud_.filter.dilation != ScreenFilter{}.dilation)
+      meta_["dilation"] = cloud_.filter.dilation;
+    files_.emplace_back("meta.json", Bytes());
+    for (const auto step : {&SogEncoder::positions, &SogEncoder::rotations, &SogEncoder::scales,
+                            &SogEncoder::colours, &SogEncoder::sh})
+      if (auto done = (this->*step)(); !done) return std::unexpected(done.error());
+    const std::string text = meta_.dump();
+    const auto bytes = std::as_bytes(std::span(text));
+    files_[0].second.assign(bytes.begin(), bytes.end());
+    return write_zip(files_, name_);
+  }
+
+ private:
+  void progress(double part) const {
+    if (options_.progress) options_.progress(part);
+  }
+
+  // An image of a pixel for each splat.
+  template <class Make>
+  Expected<void> add_image(const std::string& file, const Make& make) {
+    RgbaImage image = image_for(cloud_.size());
+    for (std::size_t k = 0; k < order_.size(); ++k) set_pixel(image, k, make(order_[k]));
+    return add_file(file, image);
+  }
+
+  static void set_pixel(RgbaImage& image, std::size_t at, const Pixel& pixel) {
+    for (std::size_t c = 0; c < pixel.size(); ++c)
+      image.bytes[4 * at + c] = static_cast<std::byte>(pixel[c]);
+  }
+
+  Expected<void> add_file(const std::string& file, const RgbaImage& image) {
+    auto bytes = encode_webp(image, name_, file);
+    if (!bytes) return std::unexpected(bytes.error());
+    files_.emplace_back(file, std::move(*bytes));
+    const double begin = cloud_.sh_degree > 0 ? kPaletteTime : 0;
+    const double images = cloud_.sh_degree > 0 ? 7 : 5;
+    progress(begin + (1 - begin) * static_cast<double>(files_.size() - 1) / images);
+    return {};
+  }
+
+  // Section 3.1.
+  Expected<void> positions() {
+    constexpr double kMost = std::numeric_limits<double>::max();
+    glm::dvec3 low(kMost), high(-kMost);
+    const auto contracted = [&](std::uint32_t i, int c) {
+      const double p = cloud_.positions[i][c];
+      return std::copysign(std::log1p(std::abs(p)), p);
+    };
+    for (const std::uint32_t i : order_)
+      for (int c = 0; c < 3; ++c) {
+        low[c] = std::min(low[c], contracted(i, c));
+        high[c] = std::max(high[c], contracted(i, c));
+      }
+    if (order_.empty()) low = high = glm::dvec3(0);
+    const auto level = [&](std::uint32_t i, int c) {
+      const double range = std::max(high[c] - low[c], 1e-300);
+      return static_cast<unsigned>(std::lround(65535 * (contracted(i, c) - low[c]) / range));
+    };
+    const auto byte = [&](std::uint32_t i, int c, unsigned shift) {
+      return static_cast<std::uint8_t>(level(i, c) >> shift);
+    };
+    const auto bytes = [&](std::uint32_t i, unsigned shift) {
+      return Pixel{byte(i, 0, shift), byte(i, 1, shift), byte(i, 2, shift), 255};
+    };
+    meta_["means"] = {{"mins", {low.x, low.y, low.z}},
+                      {"maxs", {high.x, high.y, high.z}},
+                      {"files", {"means_l.webp", "means_u.webp"}}};
+    if (auto ok = add_image("means_l.webp", [&](auto i) { return bytes(i, 0); }); !ok) return ok;
+    if (auto ok = add_image("means_u.webp", [&](auto i) { return bytes(i, 8); }); !ok) return ok;
+    return check_size();
+  }
+
+  // That read_sog() would not take it for a bomb: splats that all lie in few places.
+  Expected<void> check_size() const {
+    const std::size_t bytes = files_[1].second.size() + files_[2].second.size();
+    if (cloud_.size() <= max_sog_splats(bytes)) return {};
+    return fail(name_, "splats",
+                fmt::format("the positions of all {} take {} bytes, so alike are they; expected a "
+                            "scene of more different splats",
+                            cloud_.size(), bytes));
+  }
+
+  // Section 3.2: three components of w, x, y, z, and which is the fourth, the largest.
+  Expected<void> rotations() {
+    meta_["quats"] = {{"files", {"quats.webp"}}};
+    return add_image("quats.webp", [&](std::uint32_t i) {
+      const glm::quat& rotation = cloud_.rotations[i];
+      std::array<double, 4> q{rotation.w, rotation.x, rotation.y, rotation.z};
+      const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+      if (length == 0) q[0] = 1;
+      const auto largest = static_cast<std::size_t>(
+          std::ranges::max_element(q, {}, [](double c) { return std::abs(c); }) - q.begin());
+      const double unit = std::copysign(length == 0 ? 1 : 1 / length, q[largest]);
+      Pixel pixel{0, 0, 0, static_cast<std::uint8_t>(252 + largest)};
+      std::size_t to = 0;
+      for (std::size_t c = 0; c < q.size(); ++c)
+        if (c != largest) pixel[to++] = byte_of((q[c] * unit * std::numbers::sqrt2 + 1) / 2);
+      return pixel;
+    });
+  }
+
+  // Adds the codebook of an attribute of three numbers to its part of meta.json.
+  ScalarCodebook add_codebook(const char* group, const std::vector<glm::vec3>& values) {
+    std::vector<float> numbers;
+    numbers.reserve(3 * values.size());
+    for (const glm::vec3& v : values) numbers.insert(numbers.end(), {v.x, v.y, v.z});
+    const ScalarCodebook codebook = make_scalar_codebook(std::move(numbers));
+    meta_[group]["codebook"] = codebook;
+    return codebook;
+  }
+
+  static Pixel indices(const ScalarCodebook& codebook, const glm::vec3& v, std::uint8_t alpha) {
+    return {nearest_index(codebook, v.x), nearest_index(codebook, v.y),
+            nearest_index(codebook, v.z), alpha};
+  }
+
+  // Section 3.3.
+  Expected<void> scales() {
+    const ScalarCodebook codebook = add_codebook("scales", cloud_.log_scales);
+    meta_["scales"]["files"] = {"scales.webp"};
+    return add_image("scales.webp",
+                     [&](std::uint32_t i) { return indices(codebook, cloud_.log_scales[i], 255); });
+  }
+
+  // Section 3.4.
+  Expected<void> colours() {
+    const ScalarCodebook codebook = add_codebook("sh0", cloud_.sh_dc);
+    meta_["sh0"]["files"] = {"sh0.webp"};
+    return add_image("sh0.webp", [&](std::uint32_t i) {
+      return indices(codebook, cloud_.sh_dc[i], byte_of(opacity_of(cloud_.opacity_logits[i])));
+    });
+  }
+
+  // Section 3.5.
+  Expected<void> sh() {
+    if (cloud_.sh_degree == 0 || cloud_.size() == 0) return {};
+    const auto rest = static_cast<std::size_t>(sh_rest_count(cloud_.sh_degree));
+    const std::span<const float> vectors(&cloud_.sh_rest[0].x, 3 * cloud_.sh_rest.size());
+    const ShPalette palette = make_sh_palette(vectors, 3 * rest, palette_size(cloud_.size()),
+                                              [&](double part) { progress(kPaletteTime * part); });
+    std::vector<glm::vec3> entries(palette.entries.size() / 3);
+    for (std::size_t k = 0; k < entries.size(); ++k)
+      for (int c = 0; c < 3; ++c)
+        entries[k][c] = palette.entries[3 * k + static_cast<std::size_t>(c)];
+    const ScalarCodebook codebook = add_codebook("shN", entries);
+    json& group = meta_["shN"];
+    group["count"] = entries.size() / rest;
+    group["bands"] = cloud_.sh_degree;
+    group["files"] = {"shN_centroids.webp", "shN_labels.webp"};
+    RgbaImage image;
+    image.width = kPaletteRow * rest;
+    image.height = (entries.size() + image.width - 1) / image.width;
+    image.bytes.resize(4 * image.pixels());
+    for (std::size_t k = 0; k < entries.size(); ++k)
+      set_pixel(image, k, indices(codebook, entries[k], 255));
+    if (auto ok = add_file("shN_centroids.webp", image); !ok) return ok;
+    return add_image("shN_labels.webp", [&](std::uint32_t i) {
+      const std::uint32_t label = palette.labels[i];
+      return Pixel{static_cast<std::uint8_t>(label), static_cast<std::uint8_t>(label >> 8), 0, 255};
+    });
+  }
+
+  const SplatCloud& cloud_;
+  const std::string& name_;
+  const WriteOptions& options_;
+  std::vector<std::uint32_t> order_;
+  json meta_;
+  std::vector<std::pair<std::string, Bytes>> files_;
+};
+
+}  // namespace
+
+Expected<Bytes> encode_sog(const SplatCloud& cloud, const std::string& name,
+                           const WriteOptions& options) {
+  SplatCloud storage;
+  const auto finite = writable_cloud(cloud, storage, name);
+  if (!finite) return std::unexpected(finite.error());
+  try {
+    return SogEncoder(**finite, name, options).encode();
+  } catch (const std::exception&) {  // bad_alloc, or length_error beyond what a vector can count
+    return fail(name, "memory", "out of memory writing the scene");
+  }
+}
+
+}  // namespace fluxgs

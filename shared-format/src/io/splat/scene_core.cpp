@@ -1,0 +1,49 @@
+#include "io/splat/scene_core.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+namespace fluxgs::io {
+namespace {
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+}  // namespace
+
+SceneCore scene_core(const std::vector<glm::vec3>& positions) {
+  SceneCore core;
+  std::vector<double> values(positions.size());
+  for (int c = 0; c < 3; ++c) {
+    std::ranges::transform(positions, values.begin(), [c](const glm::vec3& p) { return p[c]; });
+    core.center[c] = median(values);
+  }
+  std::ranges::transform(positions, values.begin(), [&](const glm::vec3& p) {
+    return glm::distance(glm::dvec3(p), core.center);
+  });
+  core.radius = median(values);
+  return core;
+}
+
+double factor_within(const glm::vec3& position, const SceneCore& core, double limit) {
+  double factor = 1;
+  for (int c = 0; c < 3; ++c) {
+    const double p = position[c];
+    if (std::abs(p) <= limit) continue;
+    factor = std::min(factor, (std::copysign(limit, p) - core.center[c]) / (p - core.center[c]));
+  }
+  return factor;
+}
+
+void pull_in(SplatCloud& cloud, std::size_t i, const SceneCore& core, double factor) {
+  cloud.positions[i] =
+      glm::vec3(core.center + factor * (glm::dvec3(cloud.positions[i]) - core.center));
+  cloud.log_scales[i] += static_cast<float>(std::log(factor));
+}
+
+}  // namespace fluxgs::io

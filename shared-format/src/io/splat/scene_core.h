@@ -1,0 +1,30 @@
+// Where most of a scene lies, whatever a few far splats do; for formats whose steps grow with the
+// extent of the scene.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "fluxgs/splat_cloud.h"
+
+namespace fluxgs::io {
+
+struct SceneCore {
+  glm::dvec3 center{0};  ///< median of each coordinate
+  double radius = 0;     ///< median distance from it
+};
+
+/// Of at least one position.
+SceneCore scene_core(const std::vector<glm::vec3>& positions);
+
+/// Factor, 0…1, by which a position must come nearer to the core's centre, which lies within ±limit
+/// of the origin on each axis, so that it does, too.
+double factor_within(const glm::vec3& position, const SceneCore& core, double limit);
+
+/// Moves splat i nearer to the core's centre by this factor and makes it as much smaller: seen from
+/// there it looks the same.
+void pull_in(SplatCloud& cloud, std::size_t i, const SceneCore& core, double factor);
+
+}  // namespace fluxgs::io
