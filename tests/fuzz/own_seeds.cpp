@@ -19,6 +19,7 @@
 #include "unit/shared-format/networks/support.h"
 #include "unit/shared-format/sog_support.h"
 #include "unit/shared-format/spz_support.h"
+#include "unit/trainer/data/exif_support.h"
 
 namespace fluxgs::fuzz {
 namespace {
@@ -98,6 +99,38 @@ void add_ply_points(Seeds& seeds) {
     const Bytes data(2 * (3 * 4 + 3), std::byte{0x3f});
     points[format] = joined({bytes_of(ply_header(format, position + color)), data});
   }
+}
+
+/// Headers of each format of images, as small as they can be; the phone's Exif data in three of
+/// them.
+void add_image_header(Seeds& seeds) {
+  auto& headers = seeds["image_header"];
+  const test::TiffWriter w;
+  const std::string tiff =
+      w.file({w.shorts(256, 9), w.shorts(257, 7), w.shorts(274, 6), w.text(271, "Maker"),
+              w.shorts(273, 8), w.shorts(279, 4)},
+             {w.rationals(37386, {{425, 100}}), w.shorts(41989, 26), w.shorts(40962, 9),
+              w.rationals(41486, {{2000, 1}}), w.shorts(41488, 3)},
+             {w.text(1, "S"), w.rationals(2, {{48, 1}, {30, 1}, {0, 1}}), w.text(3, "E"),
+              w.rationals(4, {{11, 1}, {15, 1}, {0, 1}}), w.rationals(6, {{500, 1}})});
+  const std::string frame("\xff\xc0\0\x11\x08\0\x07\0\x09\x03\x01\x11\0\x02\x11\0\x03\x11\0", 19);
+  headers["tiff"] = bytes_of(tiff);
+  headers["jpeg"] = bytes_of(test::jpeg_with_exif("\xff\xd8" + frame + "\xff\xd9", tiff));
+  const std::string png("\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\x09\0\0\0\x07\x08\x02\0\0\0\0\0\0\0",
+                        33);
+  headers["png"] =
+      bytes_of(test::png_with_exif(png + std::string("\0\0\0\0IEND\xae\x42\x60\x82", 12), tiff));
+  const auto number = [&](std::size_t n) { return w.number(static_cast<std::uint32_t>(n), 4); };
+  const std::string vp8x = "VP8X" + number(10) + std::string("\x08\0\0\0\x08\0\0\x06\0\0", 10);
+  const std::string webp = "WEBP" + vp8x + "EXIF" + number(tiff.size()) + tiff;
+  headers["webp"] = bytes_of("RIFF" + number(webp.size()) + webp);
+  headers["bmp"] =
+      bytes_of("BM" + number(58) + number(0) + number(54) + number(40) + number(1) + number(1) +
+               w.number(1, 2) + w.number(24, 2) + number(0) + std::string(24, '\0'));
+  headers["heic"] =
+      bytes_of(std::string("\0\0\0\x18"
+                           "ftypheic\0\0\0\0mif1heic",
+                           24));
 }
 
 void add_compressed_ply(Seeds& seeds) {
@@ -417,6 +450,7 @@ void add_own_seeds(Seeds& seeds) {
   add_written(seeds);
   add_ply(seeds);
   add_ply_points(seeds);
+  add_image_header(seeds);
   add_compressed_ply(seeds);
   add_spz(seeds);
   add_glb(seeds);

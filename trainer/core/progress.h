@@ -4,11 +4,16 @@
 #include <cstddef>
 #include <functional>
 #include <mutex>
+#include <string>
 
 namespace fluxgs {
 
 /// Called now and then, never by two threads at once; `done` grows up to `total`. May be empty.
 using ProgressReport = std::function<void(std::size_t done, std::size_t total)>;
+
+/// The same for work of several steps: `step` says what is done, `unit` what is counted.
+using StepReport = std::function<void(const std::string& step, const std::string& unit,
+                                      std::size_t done, std::size_t total)>;
 
 /// Counts what several threads finish.
 class ProgressCounter {

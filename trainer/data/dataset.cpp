@@ -12,10 +12,12 @@
 #include "trainer/data/file_list.h"
 #include "trainer/data/find_masks.h"
 #include "trainer/data/fit_images.h"
+#include "trainer/data/holdout.h"
 #include "trainer/data/load_views.h"
-#include "trainer/data/lower_case.h"
 #include "trainer/data/outliers.h"
-#include "trainer/data/run_colmap.h"
+#include "trainer/data/photos/photo_list.h"
+#include "trainer/data/photos/photos_source.h"
+#include "trainer/data/reduction.h"
 #include "trainer/data/source.h"
 #include "trainer/data/transforms_source.h"
 
@@ -24,36 +26,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool has_image_extension(const fs::path& file) {
-  const std::string extension = lower_case(file.extension().string());
-  constexpr std::string_view kExtensions[] = {".jpg", ".jpeg", ".png", ".webp",
-                                              ".tif", ".tiff", ".bmp"};
-  return std::ranges::find(kExtensions, extension) != std::end(kExtensions);
-}
-
 bool holds_views(const fs::path& folder) {
   std::error_code error;
   return std::ranges::any_of(fs::directory_iterator(folder, error), [](const auto& entry) {
     std::error_code ignored;
-    return entry.is_regular_file(ignored) && has_image_extension(entry.path());
+    return entry.is_regular_file(ignored) && is_photo_name(entry.path());
   });
-}
-
-/// The images of a folder without poses: those that COLMAP found earlier, or finds now.
-Expected<Source> read_views_source(const fs::path& folder) {
-  const fs::path work = folder / "colmap";
-  auto models = colmap_models(work / "sparse");
-  if (models.empty()) {
-    const fs::path images = holds_views(folder / "images") ? folder / "images" : folder;
-    if (!holds_views(images))
-      return fail(folder.string(), "",
-                  "no data set here; expected a COLMAP model (sparse/0), transforms.json, or "
-                  "images (.jpg, .png, .webp, .tif, .bmp)");
-    if (const auto ok = run_colmap(images, work); !ok) return std::unexpected(ok.error());
-    models = colmap_models(work / "sparse");
-  }
-  if (models.empty()) return fail((work / "sparse").string(), "", "holds no COLMAP model");
-  return read_colmap_source(models.front().folder, folder);
 }
 
 struct Found {
@@ -95,14 +73,17 @@ bool holds_poses(const fs::path& folder) {
          is_colmap_model(folder) || has_transforms(folder);
 }
 
-Expected<Found> read_source(const fs::path& folder) {
-  const fs::path sparse = folder / "sparse";
+Expected<Found> read_source(const fs::path& folder, const LoadOptions& options) {
+  const fs::path sparse = folder / "sparse", colmap = folder / "colmap" / "sparse";
   if (is_colmap_model(sparse) || has_colmap_models(sparse)) return read_sparse(sparse, folder);
   if (is_colmap_model(folder))
     return named("COLMAP", read_colmap_source(folder, folder_of_images(folder)));
   if (has_transforms(folder)) return named("transforms.json", read_transforms_source(folder));
   if (has_colmap_models(folder)) return read_sparse(folder, folder_of_images(folder));
-  return named("images (COLMAP)", read_views_source(folder));
+  if (has_colmap_models(colmap)) return read_sparse(colmap, folder);
+  auto photos = read_photos_source(folder, options.video_frames, options.steps);
+  if (!photos) return std::unexpected(photos.error());
+  return Found{std::move(photos->kind), std::move(photos->source)};
 }
 
 /// The folder that was meant: that of a transforms.json, the one above images/ that has the poses,
@@ -160,20 +141,16 @@ Expected<LoadedViews> load_all(Source& source, const LoadOptions& options) {
   return views;
 }
 
-/// Every n-th frame of those sorted by name moves to the test split; a single frame stays.
-void split(Source& source, int test_every) {
-  const auto by_name = [](const SourceFrame& a, const SourceFrame& b) {
-    return std::tie(a.name, a.file) < std::tie(b.name, b.file);
-  };
-  std::ranges::sort(source.frames, by_name);
-  std::ranges::sort(source.test_frames, by_name);
-  if (source.has_split || test_every == 0 || source.frames.size() < 2) return;
-  std::vector<SourceFrame> train;
-  for (std::size_t i = 0; i < source.frames.size(); ++i) {
-    const bool test = i % static_cast<std::size_t>(test_every) == 0;
-    (test ? source.test_frames : train).push_back(std::move(source.frames[i]));
+/// One line where images are reduced that nobody asked to reduce.
+void tell_of_reduction(const Source& source, int downscale) {
+  for (const SourceFrame& frame : source.frames) {
+    const ImageSize stored{frame.lens.width, frame.lens.height};
+    const ImageSize reduced = reduced_size(stored, downscale);
+    if (downscale != 0 || reduced.width == stored.width) continue;
+    spdlog::info("images of {}x{} are reduced to {}x{} (--downscale 1 keeps them as they are)",
+                 stored.width, stored.height, reduced.width, reduced.height);
+    return;
   }
-  source.frames = std::move(train);
 }
 
 /// One line about the masks of a capture that has some.
@@ -191,10 +168,10 @@ void tell_of_masks(const Dataset& data, MaskUse use) {
 }
 
 Expected<void> check_options(const LoadOptions& options) {
-  if (options.downscale < 1)
-    return fail("", "downscale", fmt::format("{}, expected 1 or more", options.downscale));
-  if (options.test_every < 0)
-    return fail("", "test_every", fmt::format("{}, expected 0 or more", options.test_every));
+  if (options.downscale < 0)
+    return fail("", "downscale", fmt::format("{}, expected 0 or more", options.downscale));
+  if (options.test_every.value_or(0) < 0)
+    return fail("", "test_every", fmt::format("{}, expected 0 or more", *options.test_every));
   return {};
 }
 
@@ -226,21 +203,28 @@ Expected<Dataset> load_dataset(const fs::path& given, const LoadOptions& options
   std::error_code error;
   const auto status = fs::status(folder, error);
   if (!fs::exists(status)) return fail(folder.string(), "", "no such folder");
-  if (!fs::is_directory(status))
-    return fail(folder.string(), "", "not a folder, expected one with images and their poses");
+  if (!fs::is_directory(status) && !is_video_name(folder))
+    return fail(folder.string(), "", "neither a folder with images nor a video (.mp4, .mov, ...)");
 
-  auto found = read_source(folder);
+  auto found = read_source(folder, options);
   if (!found) return std::unexpected(found.error());
   Source& source = found->source;
   if (options.masks != MaskUse::off) find_masks(source, folder);
   fit_to_images(source);
   remove_outliers(source);
-  split(source, options.test_every);
+  if (const auto ok = check_reduction(source, options.downscale); !ok)
+    return std::unexpected(ok.error());
+  if (const auto ok = hold_out(source, folder, options); !ok) return std::unexpected(ok.error());
   if (source.frames.empty())
     return fail(folder.string(), "",
                 fmt::format("no training images: {} left out, {} for testing{}",
                             source.skipped_images, source.test_frames.size(),
                             source.warnings.empty() ? "" : "; " + source.warnings.front()));
+  if (source.frames.size() + source.test_frames.size() == 1)
+    source.warnings.push_back(
+        "one image only: it shows no depth, and what is trained will look right from its place "
+        "alone");
+  tell_of_reduction(source, options.downscale);
 
   auto views = load_all(source, options);
   if (!views) return std::unexpected(views.error());

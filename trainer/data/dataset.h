@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,12 +29,19 @@ enum class MaskUse {
 inline constexpr std::array<std::string_view, 4> kMaskUseNames = {"auto", "ignore", "carve", "off"};
 
 struct LoadOptions {
-  int downscale = 1;        ///< integer factor ≥ 1, area-averaged; sizes are rounded down
-  int test_every = 8;       ///< every n-th image, sorted by name, is for testing; 0: none
-  glm::vec3 background{0};  ///< sRGB as stored, 0…1: what transparent pixels show
-  int threads = 0;          ///< for decoding; 0: all
+  /// Integer factor ≥ 1, area-averaged, sizes rounded down; 0: the longer side is limited to
+  /// kDefaultLongestSide (reduction.h).
+  int downscale = 1;
+  /// Every n-th image, sorted by name, is for testing; 0: none. Without a value as the data set
+  /// says, or every eighth (holdout.h).
+  std::optional<int> test_every = {};
+  std::filesystem::path test_list = {};  ///< names of the images for testing, one a line, or JSON
+  glm::vec3 background{0};               ///< sRGB as stored, 0…1: what transparent pixels show
+  int threads = 0;                       ///< for decoding; 0: all
   MaskUse masks = MaskUse::automatic;
-  ProgressReport progress = {};  ///< images ready
+  ProgressReport progress = {};          ///< images ready
+  int video_frames = 0;                  ///< taken of a video; 0: as before, or kDefaultVideoFrames
+  StepReport steps = {};                 ///< of finding poses
 };
 
 /// An image as an ideal pinhole camera would have taken it: distortion undone, reduced by
@@ -56,7 +64,7 @@ inline constexpr int kCounts = 230;
 /// World coordinates are those of the data set, untouched: of transforms.json only the camera axes
 /// are converted (from OpenGL's to OpenCV's).
 struct Dataset {
-  std::string kind;                       ///< "COLMAP", "transforms.json" or "images (COLMAP)"
+  std::string kind;  ///< "COLMAP", "transforms.json", "images (COLMAP)" or "video (COLMAP)"
   std::vector<View> train, test;          ///< each sorted by name; train is never empty
   std::vector<glm::vec3> points;          ///< sparse points, finite; may be empty
   std::vector<glm::u8vec3> point_colors;  ///< sRGB, one per point
@@ -78,8 +86,9 @@ std::vector<Camera> spread_cameras(const std::vector<Camera>& cameras, std::size
 ///     images/ or the folder itself;
 ///   - transforms_train.json, with transforms_test.json as the test split if it exists;
 ///   - transforms.json (instant-ngp, nerfstudio);
-///   - images without poses (in images/ or the folder itself): COLMAP is run, if installed, in the
-///     folder's colmap/ sub-folder, and its result is kept there for the next time.
+///   - a COLMAP model in colmap/sparse (nerfstudio);
+///   - images without poses, or a video, which may also be named itself: COLMAP finds the poses, if
+///     installed (photos/photos_source.h).
 /// Masks are those that transforms.json names (mask_path), and the images of a folder masks/ or
 /// mask/ that have the photos' names (see find_masks.h). Photos that a mask leaves nothing of are
 /// left out. The result does not depend on the number of threads. Errors: anything missing,

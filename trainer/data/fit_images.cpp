@@ -22,12 +22,14 @@ bool fit(SourceFrame& frame, ImageFindings& found) {
   }
   ImageSize size = image->size;
   const ImageSize turned{size.height, size.width};
-  if (!has_shape(frame.lens, size)) {
+  if (swaps_sides(frame.orientation)) {
+    size = turned;
+  } else if (!has_shape(frame.lens, size)) {
     if (!has_shape(frame.lens, turned)) {
       found.scaled.add(file);
-    } else if (swaps_sides(image->orientation)) {
+    } else if (swaps_sides(image->exif.orientation)) {
       found.turned.add(file);
-      frame.orientation = image->orientation;
+      frame.orientation = image->exif.orientation;
       size = turned;
     } else {
       found.swapped.add(file);

@@ -50,68 +50,12 @@ std::size_t skip_scan(Bytes bytes, std::size_t at) {
   return bytes.size();
 }
 
-/// The first directory of a TIFF file (TIFF 6.0, section 2), which Exif data are too.
-class TiffDirectory {
- public:
-  explicit TiffDirectory(Bytes bytes) : bytes_(bytes) {
-    if (bytes.size() < 8) return;
-    little_ = bytes[0] == 'I';
-    begin_ = read(4, 4);
-    count_ = read(begin_, 2);
-  }
-
-  /// Place of a tag's values: bytes, 16 or 32-bit integers, all of them inside of the file.
-  struct Values {
-    std::size_t at = 0, size = 1, count = 0;
-  };
-  Values find(std::uint32_t tag) const {
-    constexpr std::size_t kEntry = 12;
-    for (std::size_t i = 0; i < count_; ++i) {
-      const std::size_t at = begin_ + 2 + kEntry * i;
-      if (at + kEntry > bytes_.size()) break;
-      if (read(at, 2) != tag) continue;
-      Values values{.at = at + 8, .size = size_of(read(at + 2, 2)), .count = read(at + 4, 4)};
-      if (values.size * values.count > 4) values.at = read(at + 8, 4);
-      if (values.size == 0 || values.at + values.size * values.count > bytes_.size()) break;
-      return values;
-    }
-    return {};
-  }
-  std::uint32_t value(const Values& values, std::size_t index) const {
-    return read(values.at + values.size * index, values.size);
-  }
-  /// The first value of a tag; nothing where it has none.
-  std::optional<std::uint32_t> first(std::uint32_t tag) const {
-    const Values values = find(tag);
-    return values.count > 0 ? std::optional(value(values, 0)) : std::nullopt;
-  }
-
- private:
-  static std::size_t size_of(std::uint32_t type) {
-    return type == 1 ? 1 : type == 3 ? 2 : type == 4 ? 4 : 0;
-  }
-  std::uint32_t read(std::size_t at, std::size_t size) const {
-    if (at > bytes_.size() || bytes_.size() - at < size) return 0;
-    return integer(bytes_, at, size, little_);
-  }
-
-  Bytes bytes_;
-  bool little_ = false;
-  std::size_t begin_ = 0, count_ = 0;
-};
-
-int orientation_of(const TiffDirectory& directory) {
-  constexpr std::uint32_t kOrientation = 274;
-  const std::uint32_t value = directory.first(kOrientation).value_or(1);
-  return value >= 1 && value <= 8 ? static_cast<int>(value) : 1;
-}
-
-/// The orientation in Exif data, which are a TIFF file behind "Exif\0\0" (CIPA DC-008, 4.5.2).
-int exif_orientation(Bytes segment) {
+/// Exif data behind "Exif\0\0", as JPEG and some writers of WebP have it (CIPA DC-008, 4.5.2).
+std::optional<Exif> exif_segment(Bytes segment) {
   constexpr std::array<std::uint8_t, 6> kExif{'E', 'x', 'i', 'f', 0, 0};
   if (segment.size() < kExif.size() || !std::ranges::equal(segment.first(kExif.size()), kExif))
-    return 1;
-  return orientation_of(TiffDirectory(segment.subspan(kExif.size())));
+    return std::nullopt;
+  return parse_exif(segment.subspan(kExif.size()));
 }
 
 ImageHeader parse_tiff(Bytes bytes) {
@@ -122,7 +66,7 @@ ImageHeader parse_tiff(Bytes bytes) {
   if (!width || !height) return header;
   header.width = *width;
   header.height = *height;
-  header.orientation = orientation_of(directory);
+  header.exif = parse_exif(bytes);
   // Offsets and lengths of strips, or of tiles
   TiffDirectory::Values offsets = directory.find(273), lengths = directory.find(279);
   if (offsets.count == 0) {
@@ -164,12 +108,21 @@ ImageHeader parse_webp(Bytes bytes) {
   header.width = width;
   header.height = height;
   header.complete = std::uint64_t{little_endian(bytes, 4, 4)} + 8 <= bytes.size();
+  for (std::size_t at = 12; at + 8 <= bytes.size();) {
+    const std::size_t length = little_endian(bytes, at + 4, 4);
+    if (length > bytes.size() - at - 8) break;
+    const Bytes chunk = bytes.subspan(at + 8, length);
+    if (std::memcmp(bytes.data() + at, "EXIF", 4) == 0)
+      header.exif = exif_segment(chunk).value_or(parse_exif(chunk));
+    at += 8 + length + length % 2;
+  }
   return header;
 }
 
 ImageHeader parse_jpeg(Bytes bytes) {
   constexpr std::uint8_t kEndOfImage = 0xd9, kStartOfScan = 0xda;
   ImageHeader header{.format = ImageFormat::kJpeg};
+  bool has_exif = false;
   std::size_t at = 2;
   while (at + 1 < bytes.size()) {
     if (bytes[at] != 0xff) {
@@ -193,9 +146,11 @@ ImageHeader parse_jpeg(Bytes bytes) {
       header.width = big_endian(bytes, at + 7, 2);
     }
     constexpr std::uint8_t kExifMarker = 0xe1;
-    if (marker == kExifMarker && length >= 2 && at + 2 + length <= bytes.size() &&
-        header.orientation == 1)
-      header.orientation = exif_orientation(bytes.subspan(at + 4, length - 2));
+    if (marker == kExifMarker && length >= 2 && at + 2 + length <= bytes.size() && !has_exif)
+      if (auto exif = exif_segment(bytes.subspan(at + 4, length - 2))) {
+        header.exif = std::move(*exif);
+        has_exif = true;
+      }
     at += 2 + length;
     if (marker == kStartOfScan) at = skip_scan(bytes, std::min(at, bytes.size()));
   }
@@ -216,6 +171,7 @@ ImageHeader parse_png(Bytes bytes) {
       header.height = big_endian(bytes, at + 12, 4);
     }
     if (length > left) break;
+    if (is("eXIf")) header.exif = parse_exif(bytes.subspan(at + 8, length));
     if (is("IEND")) {
       header.complete = header.width >= 0;
       break;
@@ -223,6 +179,19 @@ ImageHeader parse_png(Bytes bytes) {
     at += 12 + length;
   }
   return header;
+}
+
+/// The brands of HEIF and AVIF (ISO/IEC 23008-12, annex B; AV1 Image File Format, 6).
+bool has_heif_brand(Bytes bytes) {
+  constexpr std::string_view kBrands[] = {"heic", "heix", "heim", "heis", "hevc", "hevx",
+                                          "mif1", "msf1", "avif", "avis", "miaf"};
+  if (bytes.size() < 12 || std::memcmp(bytes.data() + 4, "ftyp", 4) != 0) return false;
+  const std::size_t end = std::min<std::size_t>(big_endian(bytes, 0, 4), bytes.size());
+  for (std::size_t at = 8; at + 4 <= end; at += 4)
+    if (at != 12)  // the minor version
+      for (const std::string_view brand : kBrands)
+        if (std::memcmp(bytes.data() + at, brand.data(), 4) == 0) return true;
+  return false;
 }
 
 }  // namespace
@@ -234,6 +203,7 @@ std::optional<ImageHeader> parse_image_header(std::span<const std::byte> raw) {
            std::memcmp(bytes.data() + at, magic.data(), magic.size()) == 0;
   };
   using namespace std::string_view_literals;
+  if (has_heif_brand(bytes)) return ImageHeader{.format = ImageFormat::kHeif};
   if (begins("\x89PNG\r\n\x1a\n"sv)) return parse_png(bytes);
   if (begins("\xff\xd8\xff"sv)) return parse_jpeg(bytes);
   if (begins("II*\0"sv) || begins("MM\0*"sv)) return parse_tiff(bytes);

@@ -6,18 +6,21 @@
 #include <optional>
 #include <span>
 
+#include "trainer/data/exif.h"
+
 namespace fluxgs {
 
-enum class ImageFormat { kJpeg, kPng, kTiff, kBmp, kWebp };
+enum class ImageFormat { kJpeg, kPng, kTiff, kBmp, kWebp, kHeif };
 
 struct ImageHeader {
   ImageFormat format = ImageFormat::kJpeg;
   std::int64_t width = -1, height = -1;  ///< −1: the bytes do not reach as far as the frame header
   bool complete = false;                 ///< the bytes reach to the end that the header announces
-  int orientation = 1;  ///< of Exif and TIFF: 1 upright … 8, as TIFF 6.0 defines it
+  Exif exif = {};
 };
 
-/// Nothing if the bytes start like none of the formats.
+/// Of HEIF and AVIF only the format (heif.h has the rest). Nothing if the bytes start like none of
+/// the formats.
 std::optional<ImageHeader> parse_image_header(std::span<const std::byte> bytes);
 
 }  // namespace fluxgs

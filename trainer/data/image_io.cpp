@@ -14,6 +14,7 @@
 
 #include "fluxgs/io/file.h"
 #include "trainer/data/file_bytes.h"
+#include "trainer/data/heif.h"
 #include "trainer/data/image_header.h"
 #include "trainer/data/jpeg.h"
 #include "trainer/data/lens.h"
@@ -27,7 +28,8 @@ Expected<ImageHeader> checked_header(std::span<const std::byte> bytes, const std
   if (bytes.empty()) return fail(file, "", "is empty, expected an image");
   const auto header = parse_image_header(bytes);
   if (!header)
-    return fail(file, "", "not an image that can be read, expected JPEG, PNG, WebP, TIFF or BMP");
+    return fail(file, "",
+                "not an image that can be read, expected JPEG, PNG, WebP, TIFF, BMP, HEIC or AVIF");
   if (header->width < 0) return fail(file, "", "the image is truncated: its header is incomplete");
   // Neither product can overflow: JPEG has 16 bits for a side, PNG 32.
   if (header->width < 1 || header->height < 1 ||
@@ -96,6 +98,11 @@ Expected<Image<std::uint8_t>> decode(std::vector<std::byte>& bytes, const ImageH
   return image;
 }
 
+bool is_heif(std::span<const std::byte> bytes) {
+  const auto header = parse_image_header(bytes.first(std::min<std::size_t>(bytes.size(), 4096)));
+  return header && header->format == ImageFormat::kHeif;
+}
+
 std::uint8_t to_byte(float value) {
   // Written so that NaN becomes 0.
   const float clamped = value > 0.0F ? std::min(value, 1.0F) : 0.0F;
@@ -108,6 +115,7 @@ Expected<Image<std::uint8_t>> read_image(const std::filesystem::path& file) {
   try {
     auto bytes = read_file(file, kLargestFile);
     if (!bytes) return std::unexpected(bytes.error());
+    if (is_heif(*bytes)) return decode_heif(*bytes, file.string());
     const auto header = checked_header(*bytes, file.string());
     if (!header) return std::unexpected(header.error());
     if (header->format != ImageFormat::kJpeg && !header->complete)
@@ -128,10 +136,15 @@ Expected<ImageOutline> read_image_outline(const std::filesystem::path& file) {
     bytes = read_file(file, kLargestFile);
     if (!bytes) return std::unexpected(bytes.error());
   }
+  if (is_heif(*bytes)) {
+    auto outline = read_heif_outline(*bytes, file.string());
+    if (!outline) return std::unexpected(outline.error());
+    return ImageOutline{.size = outline->size, .exif = std::move(outline->exif)};
+  }
   const auto checked = checked_header(*bytes, file.string());
   if (!checked) return std::unexpected(checked.error());
   return ImageOutline{.size = {static_cast<int>(checked->width), static_cast<int>(checked->height)},
-                      .orientation = checked->orientation};
+                      .exif = checked->exif};
 }
 
 Image<std::uint8_t> upright(const Image<std::uint8_t>& image, int orientation) {

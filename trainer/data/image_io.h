@@ -1,4 +1,4 @@
-// Image files: JPEG, PNG, WebP, TIFF and BMP in, PNG out.
+// Image files: JPEG, PNG, WebP, TIFF, BMP, and HEIC and AVIF (by libheif) in, PNG out.
 #pragma once
 
 #include <cstdint>
@@ -8,14 +8,15 @@
 
 #include "fluxgs/error.h"
 #include "fluxgs/image.h"
+#include "trainer/data/exif.h"
 #include "trainer/data/lens.h"
 
 namespace fluxgs {
 
 /// An image file as its header describes it.
 struct ImageOutline {
-  ImageSize size;       ///< as stored
-  int orientation = 1;  ///< EXIF's, 1 to 8: how to turn the stored image
+  ImageSize size;  ///< as stored
+  Exif exif;       ///< its orientation says how to turn the stored image
 };
 
 /// True for orientations that turn an image on its side.
@@ -23,13 +24,13 @@ inline bool swaps_sides(int orientation) { return orientation >= 5; }
 
 /// Decode an image file to 8 bits a channel: RGBA if the file has transparency (straight, as
 /// stored), otherwise RGB; grey becomes RGB, 16 bits are rounded to 8.
-/// EXIF orientation is ignored: most intrinsics refer to the pixels as they are stored (see
-/// fit_images.h).
-/// Errors: none of these formats, larger than kMaxPixels (before anything is allocated), truncated
-/// (even where decoders would only warn and fill up with grey), or undecodable.
+/// EXIF orientation is ignored (HEIC and AVIF come upright): most intrinsics refer to the pixels as
+/// they are stored (see fit_images.h). Errors: none of these formats, larger than kMaxPixels
+/// (before anything is allocated), truncated (even where decoders would only warn and fill up with
+/// grey), or undecodable.
 Expected<Image<std::uint8_t>> read_image(const std::filesystem::path& file);
 
-/// The size and orientation from the header of an image file, without decoding it.
+/// The size and Exif data from the header of an image file, without decoding it.
 Expected<ImageOutline> read_image_outline(const std::filesystem::path& file);
 
 /// The image turned upright from how an EXIF orientation says that it is stored.

@@ -75,8 +75,8 @@ Expected<Plane> turned(Plane mask, const SourceFrame& frame) {
   if (on_its_side && has_shape(frame.lens, size)) return mask;
   // The photo stays as its file lies, but whoever made the mask saw it upright
   const auto photo = read_image_outline(frame.file);
-  if (photo && swaps_sides(photo->orientation) && has_shape(frame.lens, swapped))
-    return upright(mask, inverse_of(photo->orientation));
+  if (photo && swaps_sides(photo->exif.orientation) && has_shape(frame.lens, swapped))
+    return upright(mask, inverse_of(photo->exif.orientation));
   return fail(frame.mask.string(), "",
               fmt::format("the mask is {}x{}, expected the shape of its photo, {}x{}", mask.width,
                           mask.height, upright_size.width, upright_size.height));

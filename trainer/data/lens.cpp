@@ -50,7 +50,7 @@ bool has_shape(const Lens& lens, ImageSize size) {
   // One side may be rounded by up to a pixel while the other fits exactly.
   const double skew = std::abs(static_cast<double>(size.width) * lens.height -
                                static_cast<double>(size.height) * lens.width);
-  return skew <= std::max(lens.width, lens.height);
+  return skew <= std::max({lens.width, lens.height, size.width, size.height});
 }
 
 }  // namespace fluxgs

@@ -16,6 +16,7 @@
 #include "fluxgs/sanitize.h"
 #include "trainer/data/layers.h"
 #include "trainer/data/rectify.h"
+#include "trainer/data/reduction.h"
 
 namespace fluxgs {
 namespace {
@@ -75,8 +76,8 @@ Expected<View> make_view(const SourceFrame& frame, const Rectification& rectific
                             glm::length(t), kFarthest));
   auto layers = read_layers(frame, options);
   if (!layers) return std::unexpected(layers.error());
-  const int width = layers->rgb.width / options.downscale,
-            height = layers->rgb.height / options.downscale;
+  const auto [width, height] =
+      reduced_size({layers->rgb.width, layers->rgb.height}, options.downscale);
   if (width < 1 || height < 1)
     return fail(file, "",
                 fmt::format("the image is {}x{}, too small to be reduced {} times",

@@ -25,10 +25,17 @@ struct SourceFrame {
   glm::dvec3 translation{0.0};  ///< as in Camera
 };
 
+/// Names of images by split, as a file of the data set lists them.
+struct SplitLists {
+  std::vector<std::string> train, test;
+  std::string file;  ///< empty: there are no lists
+};
+
 struct Source {
   std::vector<SourceFrame> frames;
   bool has_split = false;  ///< the data set says itself which frames are for testing
   std::vector<SourceFrame> test_frames;
+  SplitLists split;               ///< names inside of the data set's own file
   std::vector<glm::vec3> points;  ///< finite
   std::vector<glm::u8vec3> point_colors;
   std::filesystem::path points_file;  ///< the .ply that the points came from, if it was one

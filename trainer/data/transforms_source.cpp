@@ -155,6 +155,17 @@ void set_mask(const Json& json, const Json& all, ImageFinder& files, SourceFrame
     missing.add(path.get<std::string>());
 }
 
+/// Size of an image whose camera has none: as stored, or turned by Exif where the principal point
+/// then lies nearer to the middle.
+ImageSize size_for(const TransformsIntrinsics& in, const ImageOutline& image) {
+  const ImageSize stored = image.size, turned{stored.height, stored.width};
+  if (!swaps_sides(image.exif.orientation) || !in.center_x || !in.center_y) return stored;
+  const auto off_centre = [&](ImageSize size) {
+    return std::hypot(*in.center_x - 0.5 * size.width, *in.center_y - 0.5 * size.height);
+  };
+  return off_centre(turned) < off_centre(stored) ? turned : stored;
+}
+
 /// One frame appended to the list, or counted as left out.
 Expected<void> add_frame(const Json& json, const TransformsIntrinsics& global, const fs::path& file,
                          const std::string& field, ImageFinder& images, FrameList& list) {
@@ -177,7 +188,7 @@ Expected<void> add_frame(const Json& json, const TransformsIntrinsics& global, c
   // Only a camera without a size needs that of its image. One that cannot be read is left out later
   ImageSize size{1, 1};
   if (!in->width || !in->height)
-    if (const auto outline = read_image_outline(*image)) size = outline->size;
+    if (const auto outline = read_image_outline(*image)) size = size_for(*in, *outline);
   const auto lens = make_lens(*in, size, file.string(), field);
   if (!lens) return std::unexpected(lens.error());
   frame.lens = *lens;
@@ -240,6 +251,22 @@ Expected<void> read_ply(const Json& json, const fs::path& file, Source& source) 
   return add_ply_points(ply, source);
 }
 
+/// nerfstudio's lists of file paths; what it validates with is for testing, too.
+SplitLists read_split(const Json& json, const fs::path& file) {
+  SplitLists lists;
+  const auto add = [&](const char* key, std::vector<std::string>& names) {
+    const auto list = json.find(key);
+    if (list == json.end() || !list->is_array()) return;
+    for (const Json& name : *list)
+      if (name.is_string()) names.push_back(name.get<std::string>());
+  };
+  add("train_filenames", lists.train);
+  add("test_filenames", lists.test);
+  add("val_filenames", lists.test);
+  if (!lists.train.empty() || !lists.test.empty()) lists.file = file.string();
+  return lists;
+}
+
 }  // namespace
 
 bool has_transforms(const fs::path& folder) {
@@ -257,6 +284,7 @@ Expected<Source> read_transforms_source(const fs::path& folder) {
   Source source;
   note_warnings(*train, file, source);
   source.frames = std::move(train->frames);
+  source.split = read_split(*json, file);
   if (const auto ok = read_ply(*json, file, source); !ok) return std::unexpected(ok.error());
 
   const fs::path test_file = folder / "transforms_test.json";

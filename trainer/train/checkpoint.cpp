@@ -121,7 +121,7 @@ StateLayout read_layout(const json& header) {
 std::optional<std::pair<const char*, std::string>> impossible(const Checkpoint& c,
                                                               const StateLayout& layout) {
   const TrainState& s = c.state;
-  if (c.downscale < 1) return {{"downscale", "expected 1 or more"}};
+  if (c.downscale < 0) return {{"downscale", "expected 0 or more"}};
   if (!(s.iteration >= 0 && s.iteration <= c.options.iterations))
     return {{"iteration", fmt::format("expected 0 to {}", c.options.iterations)}};
   if (!(s.max_pairs >= 0 && std::isfinite(s.max_pairs)))

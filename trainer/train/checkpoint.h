@@ -17,7 +17,7 @@ namespace fluxgs {
 struct Checkpoint {
   TrainOptions options;
   std::string preset;
-  int downscale = 1;  ///< of the images, as they were loaded
+  int downscale = 1;  ///< LoadOptions::downscale of the images
   std::size_t train_views = 0;
   std::uint64_t views_hash = 0;  ///< hash_views() of them; checked when the run goes on
   TrainState state;

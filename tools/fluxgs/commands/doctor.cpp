@@ -21,6 +21,7 @@
 #include "tools/fluxgs/terminal/json_file.h"
 #include "trainer/core/isa.h"
 #include "trainer/core/process.h"
+#include "trainer/data/heif.h"
 
 namespace fluxgs::cli {
 namespace {
@@ -74,6 +75,8 @@ json examine() {
           {"glfw", windows()},
           {"cuda", {{"available", false}, {"reason", "this build has no CUDA backend"}}},
           {"colmap", program_path("colmap")},
+          {"ffmpeg", program_path("ffmpeg")},
+          {"libheif", has_libheif()},
           {"gnuplot", program_path("gnuplot")},
           {"onnxruntime", onnxruntime()},
           {"flip", flip()},
@@ -104,6 +107,11 @@ void print_doctor(const json& found) {
   fmt::print("COLMAP      {}\n", found["colmap"].is_null()
                                      ? "not found; needed only for images without poses"
                                      : found["colmap"].get<std::string>());
+  fmt::print("ffmpeg      {}\n", found["ffmpeg"].is_null() ? "not found; needed only for videos"
+                                                           : found["ffmpeg"].get<std::string>());
+  fmt::print("libheif     {}\n", found["libheif"].get<bool>()
+                                     ? "there"
+                                     : "not found; needed only for HEIC and AVIF photos");
   fmt::print("gnuplot     {}\n", found["gnuplot"].is_null()
                                      ? "not found; needed only for the charts of fluxgs report"
                                      : found["gnuplot"].get<std::string>());

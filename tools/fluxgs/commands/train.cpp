@@ -89,7 +89,7 @@ class TrainCommand {
   /// An interruption saves a checkpoint and is an error that says how to go on.
   Expected<void> to_end();
 
-  /// The scene and, of its test views, the error. Nothing of the training is lost where that fails.
+  /// The scene and its error. Nothing of the training is lost where that fails.
   Expected<void> write_results() {
     auto written = write_scenes();
     if (written) return {};
@@ -271,16 +271,17 @@ Expected<std::optional<SplatCloud>> TrainCommand::write_out() {
   if (auto written = write_scene(settings_.out, trainer_.cloud()); !written)
     return std::unexpected(written.error());
   report_["bytes"] = size_of(settings_.out);
-  if (format == "ply" || run_.data.test.empty()) return std::nullopt;
+  if (format == "ply") return std::nullopt;
   auto stored = read_scene(settings_.out);
   if (!stored) return std::unexpected(stored.error());
   return std::move(stored->cloud);
 }
 
-/// Scores the trainer's scene and, if it is another, the one in the file.
+/// Scores the trainer's scene and, if it is another, the one in the file: against the test views,
+/// or against the training views where all images are trained on.
 Expected<void> TrainCommand::score(const std::optional<SplatCloud>& stored) {
-  const std::vector<View>& views = run_.data.test;
-  if (views.empty()) return {};
+  const bool held_out = !run_.data.test.empty();
+  const std::vector<View>& views = held_out ? run_.data.test : run_.data.train;
   const auto score_of = [&](const SplatCloud& scene) {
     return evaluate(views, cpu_view_renderer(scene, run_.options.render, threads_), threads_,
                     show_progress("views"));
@@ -289,11 +290,14 @@ Expected<void> TrainCommand::score(const std::optional<SplatCloud>& stored) {
   const auto score = stored ? score_of(*stored) : before;
   if (!score) return std::unexpected(score.error());
   if (!before) return std::unexpected(before.error());
+  report_["scored_views"] = held_out ? "test" : "train";
   report_["psnr"] = score->psnr;
   report_["ssim"] = score->ssim;
   report_["psnr_before_compression"] = before->psnr;
   report_["ssim_before_compression"] = before->ssim;
-  tell(fmt::format("test views: PSNR {:.2f} dB, SSIM {:.4f}\n", score->psnr, score->ssim));
+  tell(fmt::format("{}: PSNR {:.2f} dB, SSIM {:.4f}\n",
+                   held_out ? "test views" : "training views, as there are none for testing",
+                   score->psnr, score->ssim));
   return {};
 }
 
@@ -343,7 +347,7 @@ Expected<void> train(TrainSettings settings) {
 /// A checkpoint brings every option but these.
 bool stays_free_on_resume(const std::string& name) {
   const std::string_view free[] = {"data",    "out",  "float-output",     "resume", "threads",
-                                   "backend", "json", "checkpoint-every", "help"};
+                                   "backend", "json", "checkpoint-every", "help",   "holdout"};
   return std::ranges::find(free, name) != std::end(free);
 }
 
@@ -354,7 +358,7 @@ void add_train(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("train", "Train a scene from posed images");
   command->footer(
       "DATA is a COLMAP folder (sparse/0 and images/), a folder with transforms.json or\n"
-      "transforms_train.json, or a folder of images (then COLMAP is run, if installed).\n"
+      "transforms_train.json, or a folder of photos or a video (then COLMAP finds the poses).\n"
       "Ctrl-C saves OUT.ckpt, from which --resume goes on exactly as if nothing had happened.\n"
       "Example: fluxgs train captures/garden -o garden.glb --downscale 2 --iterations 7000");
   const auto grouped = [](CLI::Option* option, const char* group) { return option->group(group); };
@@ -385,7 +389,8 @@ void add_train(CLI::App& app, Action& action) {
                             "print the schedule as a table, without training"),
           kRun);
   add_data_options(*command, settings->data);
-  for (const char* name : {"--downscale", "--background", "--threads"})
+  for (const char* name :
+       {"--downscale", "--holdout", "--video-frames", "--background", "--threads"})
     grouped(command->get_option(name), kRun);
   grouped(command->add_option("--backend", settings->backend, "auto, cpu or cuda"), kRun)
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))

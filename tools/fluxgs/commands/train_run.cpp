@@ -130,6 +130,7 @@ std::string how_to_resume(const TrainSettings& settings) {
     line += " --json -";
   else if (!settings.report.empty())
     line += " --json " + typed(settings.report);
+  if (!settings.data.holdout.empty()) line += " --holdout " + typed(settings.data.holdout);
   if (settings.data.threads > 0) line += fmt::format(" --threads {}", settings.data.threads);
   if (settings.checkpoint_every > 0)
     line += fmt::format(" --checkpoint-every {}", settings.checkpoint_every);

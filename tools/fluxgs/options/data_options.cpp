@@ -7,6 +7,8 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/fluxgs/terminal/progress.h"
+#include "trainer/data/photos/video_frames.h"
+#include "trainer/data/reduction.h"
 
 namespace fluxgs::cli {
 namespace {
@@ -32,9 +34,20 @@ CLI::Validator in_range(double min, double max) {
 }
 
 void add_data_options(CLI::App& command, DataOptions& options) {
-  command.add_option("--downscale", options.downscale, "reduce the images by this factor")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
+  command
+      .add_option("--downscale", options.downscale,
+                  fmt::format("reduce the images by this factor (default: only those above {} "
+                              "pixels, to that size)",
+                              kDefaultLongestSide))
+      ->check(CLI::Range(1, 64));
+  command.add_option("--holdout", options.holdout,
+                     "images for testing: none, every-N, or a file of their names (default: as the "
+                     "data set says, or every-8)");
+  command
+      .add_option("--video-frames", options.video_frames,
+                  fmt::format("frames to take of a video (default: {}, or as many as before)",
+                              kDefaultVideoFrames))
+      ->check(CLI::Range(2, 2000));
   add_background(command, options.background);
   command.add_option("--threads", options.threads, "0: all cores; does not change the result")
       ->check(CLI::Range(0, 1024))
@@ -61,12 +74,38 @@ void add_split_option(CLI::App& command, std::string& split) {
       ->capture_default_str();
 }
 
+namespace {
+
+Expected<void> set_holdout(const std::string& text, LoadOptions& options) {
+  constexpr std::string_view kEvery = "every-";
+  int n = 0;
+  if (text == "none") {
+    options.test_every = 0;
+  } else if (text.starts_with(kEvery) && CLI::detail::lexical_cast(text.substr(kEvery.size()), n) &&
+             n > 1) {
+    options.test_every = n;
+  } else if (std::error_code ignored; std::filesystem::is_regular_file(text, ignored)) {
+    options.test_list = text;
+  } else if (!text.empty()) {
+    return fail("", "--holdout",
+                fmt::format("'{}' is neither none, nor every-N with N of 2 or more, nor a file of "
+                            "names",
+                            text));
+  }
+  return {};
+}
+
+}  // namespace
+
 Expected<Dataset> load(const DataOptions& options) {
   LoadOptions how;
+  if (const auto ok = set_holdout(options.holdout, how); !ok) return std::unexpected(ok.error());
   how.downscale = options.downscale;
   how.threads = options.threads;
   how.masks = options.masks;
   how.progress = show_progress("images");
+  how.video_frames = options.video_frames;
+  how.steps = show_steps();
   how.background = glm::vec3(options.background_color());
   auto data = load_dataset(options.folder, how);
   if (data)

@@ -16,7 +16,10 @@ namespace fluxgs::cli {
 
 struct DataOptions {
   std::string folder;
-  int downscale = 1, threads = 0;
+  int downscale = 0;  ///< 0: only images that are very large (LoadOptions)
+  int threads = 0;
+  std::string holdout = {};  ///< "none", "every-N", a file of names, or empty: as the data set says
+  int video_frames = 0;      ///< 0: as before, or the default
   std::vector<double> background{0, 0, 0};
   MaskUse masks = MaskUse::automatic;
 
@@ -26,7 +29,7 @@ struct DataOptions {
 /// For options: a number from `min` to `max` and, unlike with CLI::Range, never NaN.
 CLI::Validator in_range(double min, double max);
 
-/// --downscale, --background ("r,g,b", each from 0 to 1) and --threads.
+/// --downscale, --holdout, --video-frames, --background ("r,g,b", each from 0 to 1) and --threads.
 void add_data_options(CLI::App& command, DataOptions& options);
 
 /// --masks, for commands that compare with photos.

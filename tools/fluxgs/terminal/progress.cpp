@@ -81,4 +81,38 @@ ProgressReport show_progress(const std::string& unit) {
   };
 }
 
+namespace {
+
+/// The step that is under way.
+struct ShownStep {
+  using Clock = std::chrono::steady_clock;
+  std::string name, unit;
+  Progress bar;
+  Clock::time_point start = Clock::now();
+
+  void finish(std::size_t total) const {
+    bar.clear();
+    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    say(fmt::format("{}: {} {} in {}\n", name, total, unit, duration(seconds)));
+  }
+};
+
+}  // namespace
+
+StepReport show_steps() {
+  return [shown = std::shared_ptr<ShownStep>()](const std::string& step, const std::string& unit,
+                                                std::size_t done, std::size_t total) mutable {
+    if (done < total && (!shown || shown->name != step))
+      shown = std::make_shared<ShownStep>(
+          ShownStep{step, unit, Progress(unit, static_cast<int>(total), static_cast<int>(done))});
+    if (!shown || shown->name != step) return;
+    if (done < total) {
+      shown->bar.update(static_cast<int>(done), step);
+    } else {
+      shown->finish(total);
+      shown.reset();
+    }
+  };
+}
+
 }  // namespace fluxgs::cli

@@ -41,4 +41,7 @@ std::string duration(double seconds);
 /// For work that the library reports: shows a bar if it takes long, and leaves nothing behind.
 ProgressReport show_progress(const std::string& unit);
 
+/// For work of several steps: a bar for each, and one line with its time behind it.
+StepReport show_steps();
+
 }  // namespace fluxgs::cli

@@ -9,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "exif_support.h"
 #include "test_files.h"
 #include "trainer/data/image_io.h"
 
@@ -245,41 +246,23 @@ TEST(ImageIo, HeaderWarningsOfLibjpegAreNoDamage) {
   EXPECT_EQ(image->pixels, read_image(folder.path() / "plain.jpg")->pixels);
 }
 
-/// A JPEG with an Exif segment that holds an orientation.
-std::string with_orientation(const std::string& jpeg_bytes, int orientation, bool little) {
-  const auto number = [&](std::uint32_t value, int bytes) {
-    std::string text;
-    for (int i = 0; i < bytes; ++i)
-      text += static_cast<char>(value >> 8 * (little ? i : bytes - 1 - i));
-    return text;
-  };
-  std::string tiff = little ? "II" : "MM";
-  tiff += number(42, 2) + number(8, 4) + number(1, 2);
-  tiff += number(0x0112, 2) + number(3, 2) + number(1, 4) +
-          number(static_cast<std::uint32_t>(orientation), 2) + number(0, 2) + number(0, 4);
-  const std::string body = std::string("Exif\0\0", 6) + tiff;
-  std::string segment = "\xff\xe1";
-  segment += static_cast<char>((body.size() + 2) >> 8);
-  segment += static_cast<char>(body.size() + 2);
-  return jpeg_bytes.substr(0, 2) + segment + body + jpeg_bytes.substr(2);
-}
-
 TEST(ImageIo, OrientationIsReadFromExif) {
   const TempFolder folder;
   for (const bool little : {false, true})
     for (int orientation = 1; orientation <= 8; ++orientation) {
-      write_text(folder.path() / "a.jpg", with_orientation(jpeg(40, 24), orientation, little));
+      write_text(folder.path() / "a.jpg",
+                 jpeg_with_exif(jpeg(40, 24), orientation_tiff(orientation, little)));
       const auto outline = read_image_outline(folder.path() / "a.jpg");
       ASSERT_TRUE(outline) << outline.error().message();
-      EXPECT_EQ(outline->orientation, orientation);
+      EXPECT_EQ(outline->exif.orientation, orientation);
       EXPECT_EQ(outline->size.width, 40);
       EXPECT_TRUE(read_image(folder.path() / "a.jpg"));
     }
-  const std::string whole = with_orientation(jpeg(40, 24), 9, true);
+  const std::string whole = jpeg_with_exif(jpeg(40, 24), orientation_tiff(9));
   for (std::size_t length = 0; length < 60; ++length) {
     write_text(folder.path() / "a.jpg", whole.substr(0, length));
     const auto outline = read_image_outline(folder.path() / "a.jpg");
-    EXPECT_EQ(outline ? outline->orientation : 1, 1);
+    EXPECT_EQ(outline ? outline->exif.orientation : 1, 1);
   }
 }
 

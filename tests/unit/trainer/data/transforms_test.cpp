@@ -137,7 +137,8 @@ TEST(Transforms, MissingImagesAreSkippedWithOneWarning) {
   EXPECT_EQ(data->skipped_images, 3U);
   EXPECT_THAT(data->warnings,
               testing::ElementsAre(testing::AllOf(testing::HasSubstr("3 of 4 frames"),
-                                                  testing::HasSubstr("images/x.png"))));
+                                                  testing::HasSubstr("images/x.png")),
+                                   testing::HasSubstr("one image only")));
 }
 
 TEST(Transforms, EveryEighthFrameByFileNameIsForTesting) {
@@ -187,7 +188,7 @@ TEST(Transforms, NerfstudioPointsAreRead) {
   write_image(folder.path() / "images" / "a.png", pattern(16, 12));
   const auto missing = load_dataset(folder.path(), {});
   ASSERT_TRUE(missing);
-  EXPECT_THAT(missing->warnings, testing::ElementsAre(testing::HasSubstr("sparse_pc.ply")));
+  EXPECT_THAT(missing->warnings, testing::Contains(testing::HasSubstr("sparse_pc.ply")));
 
   const std::string properties =
       "property float x\nproperty float y\nproperty float z\nproperty uint8 red\n"
@@ -198,7 +199,7 @@ TEST(Transforms, NerfstudioPointsAreRead) {
   ASSERT_TRUE(text) << text.error().message();
   EXPECT_THAT(text->points, testing::ElementsAre(glm::vec3(1, 2, 3)));
   EXPECT_THAT(text->point_colors, testing::ElementsAre(glm::u8vec3(4, 5, 6)));
-  EXPECT_EQ(text->warnings.size(), 1U);
+  EXPECT_EQ(text->warnings.size(), 2U);
 
   Bytes bytes;
   bytes.add(-1.5F).add(2.5F).add(3.5F).add<std::uint8_t>(7).add<std::uint8_t>(8).add<std::uint8_t>(

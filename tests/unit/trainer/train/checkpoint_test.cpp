@@ -195,7 +195,7 @@ TEST(Checkpoint, WhatNoTrainingHasIsAnErrorThatNamesTheField) {
       {R"({"splats": 4611686018427387904})", "splats"},
       {R"({"splats": -1})", "splats"},
       {R"({"splats": 2})", "splats"},
-      {R"({"downscale": 0})", "downscale"},
+      {R"({"downscale": -1})", "downscale"},
       {R"({"max_pairs": -1})", "max_pairs"},
       {R"({"random": ""})", "random"},
       {R"({"next_view": 1000})", "next_view"},

@@ -1,0 +1,21 @@
+// How far images are reduced before training.
+#pragma once
+
+#include "fluxgs/error.h"
+#include "trainer/data/lens.h"
+#include "trainer/data/source.h"
+
+namespace fluxgs {
+
+/// Pixels of the longer side that images are reduced to unless a factor is given, as in 3DGS.
+inline constexpr int kDefaultLongestSide = 1600;
+
+/// The size of a reduced image: each side divided by the factor and rounded down, or for factor 0
+/// (automatic) both sides scaled until the longer is at most kDefaultLongestSide.
+ImageSize reduced_size(ImageSize stored, int factor);
+
+/// Refuses a factor above 1 that leaves an image of fewer than 32 pixels on its shorter side; the
+/// error names the largest factor that does not.
+Expected<void> check_reduction(const Source& source, int factor);
+
+}  // namespace fluxgs
