@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "trainer/core/random.h"
+#include "trainer/data/scene_focus.h"
 
 namespace fluxgs::capture {
 namespace {

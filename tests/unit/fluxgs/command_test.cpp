@@ -119,6 +119,46 @@ TEST(Command, TrainsEvaluatesRendersConvertsAndInforms) {
   EXPECT_EQ(fluxgs("doctor --json").status, 0);
 }
 
+TEST(Command, MasksAreIgnoredCarvedOrLeftAside) {
+  const test::TempFolder folder;
+  const auto data = folder / "data", scene = folder / "scene.ply";
+  capture::CaptureOptions small;
+  small.width = 64, small.height = 48, small.train = 9, small.test = 2, small.samples = 1;
+  small.occluder = true;
+  ASSERT_TRUE(capture::write_capture(data, small));
+  const auto run = [&](const std::string& more) {
+    return fluxgs(fmt::format("train {} -o {} --max-splats 2000 --iterations 30 {}", quoted(data),
+                              quoted(scene), more));
+  };
+  const Outcome trained = run("--json " + quoted(folder / "report.json"));
+  ASSERT_EQ(trained.status, 0) << trained.err;
+  EXPECT_THAT(trained.err, HasSubstr("9 of 11 photos have masks: that is ignored"));
+  EXPECT_THAT(trained.err, HasSubstr("mask pruning at 6: "));
+  EXPECT_EQ(json::parse(text_of(folder / "report.json"))["options"]["masks"], "auto");
+  const auto psnr = [&](const std::string& masks) {
+    const Outcome scored = fluxgs(fmt::format("eval {} --data {} --split train --masks {} --json",
+                                              quoted(scene), quoted(data), masks));
+    return json::parse(scored.out)["psnr"].get<double>();
+  };
+  const double ignored = psnr("ignore");
+  EXPECT_GT(ignored, psnr("off")) << "the occluder is not what was trained";
+  EXPECT_EQ(ignored, psnr("auto"));
+  EXPECT_NE(ignored, psnr("carve"));
+
+  // A checkpoint keeps the choice
+  const Outcome carved = run("--masks carve --checkpoint-every 20");
+  ASSERT_EQ(carved.status, 0) << carved.err;
+  EXPECT_THAT(carved.err, HasSubstr("black or transparent parts: that is to stay empty"));
+  const std::string whole = text_of(scene);
+  std::filesystem::remove(scene);
+  const Outcome resumed = fluxgs(fmt::format("train {} -o {} --resume {}", quoted(data),
+                                             quoted(scene), quoted(folder / "scene.ply.ckpt")));
+  ASSERT_EQ(resumed.status, 0) << resumed.err;
+  EXPECT_EQ(text_of(scene), whole);
+  EXPECT_THAT(run("--masks off").err, Not(HasSubstr("photos have")));
+  EXPECT_EQ(run("--masks maybe").status, 2);
+}
+
 // Hours of training are not lost for a disk that was full at their end
 TEST(Command, ATrainingWhoseSceneCannotBeWrittenIsSaved) {
   const test::TempFolder folder;
