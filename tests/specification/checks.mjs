@@ -16,7 +16,7 @@ import {unexpectedMessages} from './validate.mjs';
 /** fluxgs' own reading of a file. */
 async function readByUs(file) {
   const out = `${file}.fluxgs.ply`;
-  await fluxgs('convert', file, out);
+  await fluxgs('convert', file, out, '--force');
   return readPly(out);
 }
 
@@ -99,6 +99,19 @@ export async function compact(folder, name, source) {
     sameReading(label, 'fluxgs = glTF-Transform', oursPlain, await readGlb(plain)),
     sameReading(label, 'as without attributes', ours, oursPlain),
   ];
+}
+
+/** Plain .glb with attributes of 8 and 16 bits: glTF-Transform decodes what we decode. */
+export async function quantized(folder, name, source) {
+  const results = [];
+  for (const bits of ['8', '16']) {
+    const file = path.join(folder, `${name}.${bits}-bit.glb`), label = path.basename(file);
+    await fluxgs('convert', source, file, '--quantize-attributes', bits);
+    const ours = await readByUs(file);
+    results.push(await validate(label, file),
+      sameReading(label, 'fluxgs = glTF-Transform', ours, await readGlb(file)));
+  }
+  return results;
 }
 
 /** A scene without splats, as .glb. */

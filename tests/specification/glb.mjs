@@ -22,17 +22,19 @@ const io = new NodeIO()
 /** Orders m of the basis functions from degree 1, in the order of their coefficients. */
 const orders = [1, 2, 3].flatMap((l) => Array.from({length: 2 * l + 1}, (_, i) => i - l));
 
-/** Nodes with a mesh that the default scene shows; their transforms must be the identity. */
+/** Primitives that the default scene shows, with their nodes' scales; nothing else may move them. */
 function splatPrimitives(document) {
   const primitives = [];
   const scene = document.getRoot().getDefaultScene();
   if (!scene) throw new Error('no default scene');
   scene.traverse((node) => {
-    const matrix = node.getWorldMatrix();
-    if (matrix.some((value, i) => value !== (i % 5 === 0 ? 1 : 0))) {
-      throw new Error('a node has a transform');
+    const matrix = node.getWorldMatrix(), scale = matrix[0];
+    if (matrix.some((value, i) => value !== (i === 15 ? 1 : i % 5 === 0 ? scale : 0))) {
+      throw new Error('a node has a transform that is no even scale');
     }
-    primitives.push(...(node.getMesh()?.listPrimitives() ?? []));
+    for (const primitive of node.getMesh()?.listPrimitives() ?? []) {
+      primitives.push({primitive, scale});
+    }
   });
   return primitives;
 }
@@ -60,7 +62,7 @@ const put = (part, width, first) => (i, values) => part.set(values, width * (fir
  * glTF stores scale and opacity, a .ply their logarithm and logit, both quaternions' w elsewhere.
  * Bands that the primitive lacks stay 0.
  */
-function fillCloud(cloud, primitive, first) {
+function fillCloud(cloud, primitive, nodeScale, first) {
   const named = (name, width) => rowsOf(primitive, prefix + name, width);
   const position = rowsOf(primitive, 'POSITION', 3), scale = named('SCALE', 3);
   const rotation = named('ROTATION', 4), opacity = named('OPACITY', 1);
@@ -69,8 +71,8 @@ function fillCloud(cloud, primitive, first) {
   const putRotation = put(cloud.rotation, 4, first), putDc = put(cloud.dc, 3, first);
   for (let i = 0; i < position.count; ++i) {
     const [x, y, z] = position.at(i);
-    putPosition(i, [-x, -y, z]);
-    putScale(i, scale.at(i).map(Math.log));
+    putPosition(i, [-x, -y, z].map((value) => value * nodeScale));
+    putScale(i, scale.at(i).map((value) => Math.log(value * nodeScale)));
     const [qx, qy, qz, qw] = rotation.at(i);
     putRotation(i, [-qz, -qy, qx, qw]);
     const [o] = opacity.at(i);
@@ -95,11 +97,11 @@ const countOf = (primitive) => primitive.getAttribute('POSITION')?.getCount() ??
 export async function readGlb(file) {
   const primitives = splatPrimitives(await io.read(file));
   if (primitives.length === 0) throw new Error('no primitives; expected one at least');
-  const count = primitives.reduce((sum, primitive) => sum + countOf(primitive), 0);
-  const cloud = makeCloud(count, Math.max(...primitives.map(degreeOf)));
+  const count = primitives.reduce((sum, {primitive}) => sum + countOf(primitive), 0);
+  const cloud = makeCloud(count, Math.max(...primitives.map(({primitive}) => degreeOf(primitive))));
   let first = 0;
-  for (const primitive of primitives) {
-    fillCloud(cloud, primitive, first);
+  for (const {primitive, scale} of primitives) {
+    fillCloud(cloud, primitive, scale, first);
     first += countOf(primitive);
   }
   return cloud;
@@ -108,5 +110,5 @@ export async function readGlb(file) {
 /** How many splats glTF-Transform finds in a .glb that may be empty. */
 export async function countGlb(file) {
   const primitives = splatPrimitives(await io.read(file));
-  return primitives.reduce((sum, primitive) => sum + countOf(primitive), 0);
+  return primitives.reduce((sum, {primitive}) => sum + countOf(primitive), 0);
 }

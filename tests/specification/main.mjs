@@ -9,7 +9,7 @@ import path from 'node:path';
 import {parseArgs} from 'node:util';
 
 import {
-  compact, empty, readTheirs, roundTrips, written, writtenBySplatTransform,
+  compact, empty, quantized, readTheirs, roundTrips, written, writtenBySplatTransform,
 } from './checks.mjs';
 import {makeCloud} from './cloud.mjs';
 import {writtenFormats} from './formats.mjs';
@@ -60,6 +60,7 @@ function generatedTasks(folder) {
       tasks.push({name, run: () => written(folder, name, source, format)});
     }
     tasks.push({name, run: () => compact(folder, name, source)});
+    tasks.push({name, run: () => quantized(folder, name, source)});
     for (const format of otherFormats.filter(({only}) => !only || only.includes(name))) {
       tasks.push({name, run: () => writtenBySplatTransform(folder, name, source, format)});
     }

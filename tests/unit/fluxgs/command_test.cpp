@@ -303,13 +303,133 @@ TEST(Command, ConvertSaysWhatAFormatCannotHold) {
   EXPECT_EQ(facts["bits_per_splat"], 256);
 }
 
+/// `fluxgs convert` between files of a folder.
+class Convert : public testing::Test {
+ protected:
+  Outcome convert(const std::string& in, const std::string& out, const std::string& more = "") {
+    return fluxgs(
+        fmt::format("convert {} {} {}", quoted(folder_ / in), quoted(folder_ / out), more));
+  }
+  SceneFile scene(const std::string& name) { return *read_scene(folder_ / name); }
+  std::string bytes(const std::string& name) { return text_of(folder_ / name); }
+
+  void SetUp() override {
+    cloud_.filter = {0.1f, true};
+    ASSERT_TRUE(write_scene(folder_ / "s.ply", cloud_));
+    view_.position = {1, 2, 3};
+    view_.up = {0, 0, 1};
+    const auto glb = encode_glb(cloud_, "s.glb");
+    ASSERT_TRUE(write_file_atomic(folder_ / "s.glb", *with_initial_view(*glb, view_, "s.glb")));
+  }
+
+  test::TempFolder folder_;
+  SplatCloud cloud_ = test::random_cloud(700, 1, 3);
+  InitialView view_;
+};
+
+TEST_F(Convert, ReplacesNothingUnlessForced) {
+  ASSERT_EQ(convert("s.glb", "t.ply").status, 0);
+  const std::string before = bytes("t.ply");
+  expect_error(convert("s.ply", "t.ply", "--sh-degree 0"), {"t.ply", "exists already", "--force"});
+  EXPECT_EQ(bytes("t.ply"), before);
+  expect_error(convert("s.ply", "s.ply"), {"s.ply", "exists already"});
+  EXPECT_EQ(convert("s.ply", "t.ply", "--sh-degree 0 --force").status, 0);
+  EXPECT_EQ(scene("t.ply").cloud.sh_degree, 0);
+}
+
+TEST_F(Convert, CompactScenesStayCompact) {
+  ASSERT_EQ(convert("s.glb", "c.glb", "--compact").status, 0);
+  ASSERT_EQ(convert("c.glb", "d.glb").status, 0);
+  EXPECT_EQ(bytes("d.glb"), bytes("c.glb"));
+  const Outcome turned = convert("c.glb", "e.glb", "--rotate 0,0,90 --scale 2");
+  EXPECT_THAT(turned.out, HasSubstr("compact"));
+  EXPECT_THAT(scene("e.glb").extensions, testing::Contains("FLUXGS_gaussian_splatting_compact"));
+  ASSERT_EQ(convert("c.glb", "less.glb", "--sh-degree 0").status, 0);
+  EXPECT_THAT(scene("less.glb").extensions, testing::Contains("FLUXGS_gaussian_splatting_compact"));
+  ASSERT_EQ(convert("c.glb", "f.glb", "--no-compact").status, 0);
+  EXPECT_EQ(scene("f.glb").extensions, std::vector<std::string>{"KHR_gaussian_splatting"});
+  EXPECT_EQ(scene("f.glb").cloud.positions, scene("c.glb").cloud.positions);
+  for (const char* name : {"c.glb", "d.glb", "e.glb", "f.glb"}) {
+    EXPECT_EQ(scene(name).cloud.filter, cloud_.filter) << name;
+    EXPECT_TRUE(scene(name).start) << name;
+  }
+  EXPECT_EQ(convert("c.glb", "g.glb", "--compact --no-compact").status, 2);
+}
+
+TEST_F(Convert, TurnsResizesAndMovesSplatsAndStart) {
+  ASSERT_EQ(convert("s.glb", "t.glb", "--rotate 0,0,90 --scale 2 --translate 1,-1,0.5").status, 0);
+  const SceneFile turned = scene("t.glb");
+  for (std::size_t i = 0; i < cloud_.size(); ++i) {
+    const glm::vec3 p = cloud_.positions[i];
+    EXPECT_LT(glm::length(turned.cloud.positions[i] -
+                          glm::vec3(-2 * p.y + 1, 2 * p.x - 1, 2 * p.z + 0.5f)),
+              1e-4);
+    EXPECT_NEAR(turned.cloud.log_scales[i].x, cloud_.log_scales[i].x + std::log(2), 1e-5);
+    // Of degree 1: −y, z, −x; what was seen along x is seen along y
+    const glm::vec3 *was = &cloud_.sh_rest[3 * i], *is = &turned.cloud.sh_rest[3 * i];
+    EXPECT_LT(glm::length(is[0] - was[2]), 1e-5);
+    EXPECT_LT(glm::length(is[1] - was[1]), 1e-5);
+    EXPECT_LT(glm::length(is[2] + was[0]), 1e-5);
+  }
+  ASSERT_TRUE(turned.start);
+  EXPECT_LT(glm::length(turned.start->position - glm::dvec3(-3, 1, 6.5)), 1e-9);
+  EXPECT_LT(glm::length(turned.start->up - glm::dvec3(0, 0, 1)), 1e-9);
+
+  ASSERT_EQ(convert("s.glb", "up.glb", "--up z").status, 0);
+  const SceneFile upright = scene("up.glb");
+  for (std::size_t i = 0; i < cloud_.size(); ++i)
+    EXPECT_NEAR(upright.cloud.positions[i].y, -cloud_.positions[i].z, 1e-5);
+  EXPECT_LT(glm::length(upright.start->up - glm::dvec3(0, -1, 0)), 1e-9);
+  ASSERT_EQ(convert("s.ply", "same.ply", "--up -y --rotate 0,0,0 --scale 1").status, 0);
+  EXPECT_EQ(scene("same.ply").cloud.positions, cloud_.positions);
+  ASSERT_EQ(convert("s.ply", "down.ply", "--up 0,5,0").status, 0);
+  EXPECT_EQ(scene("down.ply").cloud.positions[3].y, -cloud_.positions[3].y);
+  for (const char* wrong :
+       {"--up w", "--up 0,0,0", "--up 1,2", "--up --", "--rotate 1,2", "--rotate a,b,c",
+        "--rotate 1,2,nan", "--scale 0", "--scale -1", "--scale nan", "--translate 1e300,0,0"})
+    EXPECT_EQ(convert("s.ply", "w.ply", wrong).status, 2) << wrong;
+}
+
+TEST_F(Convert, SaysWhatAFormatLoses) {
+  const Outcome splat = convert("s.glb", "t.splat");
+  EXPECT_THAT(splat.err, HasSubstr("t.splat: the scene's screen filter (a blur of 0.1 px², "
+                                   "antialiased) is left out"));
+  EXPECT_THAT(splat.err, HasSubstr("t.splat: the scene's start view and up are left out"));
+  EXPECT_THAT(splat.err, HasSubstr("t.splat: rounded, at most: shapes "));
+  EXPECT_THAT(splat.err, HasSubstr("up to degree 0"));
+  const Outcome glb = convert("s.glb", "t.glb");
+  EXPECT_EQ(glb.status, 0);
+  EXPECT_EQ(glb.err, "");
+  EXPECT_THAT(convert("s.glb", "c.glb", "--compact").err,
+              HasSubstr("rounded, at most: positions "));
+}
+
+TEST_F(Convert, WritesAttributesOfFewerBits) {
+  const Outcome o = convert("s.glb", "q.glb", "--quantize-attributes 8");
+  ASSERT_EQ(o.status, 0) << o.err;
+  EXPECT_THAT(o.err, HasSubstr("q.glb: rounded, at most: shapes "));
+  EXPECT_THAT(o.err, Not(HasSubstr("positions")));
+  const SceneFile q = scene("q.glb");
+  EXPECT_EQ(q.attribute_bits.at("rotation"), 32);
+  EXPECT_TRUE(q.start);
+  EXPECT_EQ(q.cloud.filter, cloud_.filter);
+  const json facts =
+      json::parse(fluxgs(fmt::format("info {} --json", quoted(folder_ / "q.glb"))).out);
+  EXPECT_EQ(facts["antialiased"], true);
+  EXPECT_NEAR(facts["dilation"].get<double>(), 0.1, 1e-6);
+  EXPECT_EQ(convert("s.ply", "w.glb", "--quantize-attributes 7").status, 2);
+  EXPECT_EQ(convert("s.ply", "w.glb", "--quantize-attributes 8 --compact").status, 2);
+  expect_error(convert("s.ply", "w.spz", "--quantize-attributes 8"), {"w.spz", "expected .glb"});
+}
+
 TEST(Command, CompactScenesAreSearchedForAndReportedOn) {
   const test::TempFolder folder;
   const auto scene = folder / "scene.ply";
   ASSERT_TRUE(write_scene(scene, test::random_cloud(500, 1)));
   const std::string data = " --data " + quoted(capture_folder());  // small views
   const auto run = [&](const std::string& more) {
-    return fluxgs(fmt::format("convert {} {} {}", quoted(scene), quoted(folder / "c.glb"), more));
+    return fluxgs(
+        fmt::format("convert {} {} --force {}", quoted(scene), quoted(folder / "c.glb"), more));
   };
   EXPECT_EQ(run("--compact").status, 0);
   const auto standard = std::filesystem::file_size(folder / "c.glb");
@@ -321,7 +441,7 @@ TEST(Command, CompactScenesAreSearchedForAndReportedOn) {
   const auto from_start = folder / "start.glb";
   const auto glb = encode_glb(test::random_cloud(500, 1), "start.glb");
   ASSERT_TRUE(write_file_atomic(from_start, *with_initial_view(*glb, {}, "start.glb")));
-  EXPECT_EQ(fluxgs(fmt::format("convert {} {} --max-bytes 5000{}", quoted(from_start),
+  EXPECT_EQ(fluxgs(fmt::format("convert {} {} --force --max-bytes 5000{}", quoted(from_start),
                                quoted(folder / "c.glb"), data))
                 .status,
             0);

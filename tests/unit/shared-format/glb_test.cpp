@@ -572,6 +572,62 @@ TEST(Glb, ScreenFiltersOutOfRangeAreReplacedWithAWarning) {
   EXPECT_EQ(two.warnings.size(), 1u);
 }
 
+TEST(Glb, QuantizedAttributesKeepWithinHalfALevel) {
+  for (const int bits : {8, 16}) {
+    for (const int degree : {0, 3}) {
+      SplatCloud cloud = random_cloud(2000, degree, 12);
+      // Sizes from dust to sky, needles and planes
+      for (std::size_t i = 0; i < cloud.size(); ++i)
+        cloud.log_scales[i] += glm::vec3(-12.0f + 0.01f * static_cast<float>(i));
+      cloud.log_scales[7] = {3, -60, -60};
+      cloud.log_scales[8] = {-300, -300, -300};
+      cloud.filter = {0.1f, true};
+      const GlbOptions options{bits};
+      FLUXGS_UNWRAP(bytes, encode_glb(cloud, options, "x"));
+      FLUXGS_UNWRAP(scene, read(bytes));
+      const std::vector<std::uint32_t> order = glb_order(cloud, options);
+      ASSERT_EQ(order.size(), cloud.size());
+      ASSERT_EQ(scene.cloud.size(), cloud.size());
+      EXPECT_EQ(scene.cloud.filter, cloud.filter);
+      EXPECT_EQ(scene.dropped, 0u);
+      const SplatCloud expected = in_order(cloud, order);
+      EXPECT_EQ(scene.cloud.positions, expected.positions);  // scaled by powers of two
+      EXPECT_EQ(scene.cloud.sh_dc, expected.sh_dc);
+      EXPECT_EQ(scene.cloud.sh_rest, expected.sh_rest);
+      const double unsigned_levels = bits == 8 ? 255 : 65535, levels = bits == 8 ? 127 : 32767;
+      // A node's scale is at most 4 or 256 times the size of its splats, but for the few of
+      // kMinClass
+      const double coarsest = bits == 8 ? 4 : 256;
+      std::size_t coarse = 0;
+      for (std::size_t i = 0; i < cloud.size(); ++i) {
+        EXPECT_LE(std::abs(opacity_of(scene.cloud.opacity_logits[i]) -
+                           opacity_of(expected.opacity_logits[i])),
+                  0.5 / unsigned_levels + 1e-7);
+        EXPECT_LE(rotation_difference(scene.cloud.rotations[i], expected.rotations[i]),
+                  2 * 0.5 / levels * 1.001);
+        const glm::vec3 &s = expected.log_scales[i], &got = scene.cloud.log_scales[i];
+        const double size = std::exp(double{std::max({s.x, s.y, s.z})});
+        for (int c = 0; c < 3; ++c) {
+          EXPECT_TRUE(std::isfinite(got[c]));
+          const double off = std::abs(std::exp(double{got[c]}) - std::exp(double{s[c]}));
+          coarse += off > 1.001 * coarsest / unsigned_levels * size;
+        }
+      }
+      EXPECT_LE(coarse, 3u * 64u);
+      EXPECT_LT(bytes.size(), encode_glb(cloud, "x")->size());
+      const auto bits_of = scene.attribute_bits;
+      EXPECT_EQ(bits_of.at("rotation"), 4 * bits);
+      EXPECT_EQ(bits_of.at("position"), 96);
+      EXPECT_EQ(json_of(bytes).find("extensionsRequired"), std::string::npos);
+    }
+  }
+  EXPECT_FALSE(encode_glb(random_cloud(3, 0), GlbOptions{12}, "x"));
+  FLUXGS_UNWRAP(none, encode_glb(SplatCloud{}, GlbOptions{8}, "x"));
+  EXPECT_TRUE(read(none));
+  EXPECT_EQ(*encode_glb(random_cloud(9, 1), GlbOptions{}, "x"),
+            *encode_glb(random_cloud(9, 1), "x"));
+}
+
 TEST(Glb, OtherContentIsIgnored) {
   const Bytes bytes = small_glb();
   const Bytes busy = edited(

@@ -1,4 +1,6 @@
 // fluxgs convert: from one scene format to another.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -9,11 +11,15 @@
 
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/io/file.h"
+#include "fluxgs/io/gltf.h"
 #include "fluxgs/sanitize.h"
 #include "tools/fluxgs/cameras/orbit.h"
 #include "tools/fluxgs/commands/command.h"
+#include "tools/fluxgs/commands/conversion_losses.h"
+#include "tools/fluxgs/commands/scene_map.h"
 #include "tools/fluxgs/options/data_options.h"
 #include "tools/fluxgs/terminal/console.h"
+#include "tools/fluxgs/terminal/files.h"
 #include "tools/fluxgs/terminal/progress.h"
 #include "trainer/compress/compact_search.h"
 #include "trainer/compress/view_sensitivity.h"
@@ -23,7 +29,9 @@ namespace {
 
 struct ConvertSettings {
   std::string in, out;
-  bool compact = false, plain_attributes = false;
+  bool compact = false, no_compact = false, plain_attributes = false, force = false;
+  GlbOptions glb;
+  MapOptions map;
   double step_scale = 1;
   int sh_degree = 3, spz_version = 3;
   std::optional<std::size_t> max_bytes;
@@ -32,6 +40,9 @@ struct ConvertSettings {
 
   bool searches() const { return max_bytes || min_psnr; }
 };
+
+// In SceneFile::extensions of a compact .glb.
+constexpr char kCompactExtension[] = "FLUXGS_gaussian_splatting_compact";
 
 std::string shown(const std::string& path) { return one_line(path, std::string::npos); }
 
@@ -45,6 +56,18 @@ void warn_of_outliers(const ConvertSettings& s, const SplatCloud& cloud) {
         s.in, step);
 }
 
+/// Says what the file lost, having read it again.
+Expected<void> tell_losses(const ConvertSettings& s, const SceneFile& scene,
+                           const std::vector<std::uint32_t>& order) {
+  const auto written = read_scene(s.out);
+  if (!written) return std::unexpected(written.error());
+  for (const std::string& lost : lost_parts(scene, *written))
+    spdlog::warn("warning: {}: {}", shown(s.out), lost);
+  const std::string errors = rounding_errors(scene, *written, order);
+  if (!errors.empty()) spdlog::info("{}: rounded, at most: {}", shown(s.out), errors);
+  return {};
+}
+
 Expected<void> write_compact(const ConvertSettings& s, const SceneFile& scene) {
   const SplatCloud& cloud = scene.cloud;
   const CompactOptions options{default_quantization_steps(cloud, s.step_scale), s.plain_attributes};
@@ -52,8 +75,8 @@ Expected<void> write_compact(const ConvertSettings& s, const SceneFile& scene) {
   if (!bytes) return std::unexpected(bytes.error());
   const auto written = write_glb(s.out, *bytes, scene.start);
   if (!written) return std::unexpected(written.error());
-  fmt::print("{}: {} splats, {} bytes\n", shown(s.out), cloud.size(), *written);
-  return {};
+  fmt::print("{}: {} splats, {} bytes, compact\n", shown(s.out), cloud.size(), *written);
+  return tell_losses(s, scene, compact_order(cloud));
 }
 
 WriteOptions write_options(const ConvertSettings& s) {
@@ -72,9 +95,8 @@ WriteOptions write_options(const ConvertSettings& s) {
 /// Only a .glb says where it is looked at from.
 Expected<void> write_plain(const ConvertSettings& s, const SceneFile& scene,
                            const SceneFormat& format) {
-  const WriteOptions options = write_options(s);
-  if (format.name != "glb") return write_scene(s.out, scene.cloud, options);
-  const auto bytes = format.encode(scene.cloud, s.out, options);
+  if (format.name != "glb") return write_scene(s.out, scene.cloud, write_options(s));
+  const auto bytes = encode_glb(scene.cloud, s.glb, s.out);
   if (!bytes) return std::unexpected(bytes.error());
   if (auto written = write_glb(s.out, *bytes, scene.start); !written)
     return std::unexpected(written.error());
@@ -128,23 +150,48 @@ Expected<void> write_searched(const ConvertSettings& s, const SceneFile& scene, 
   return {};
 }
 
+bool is_compact(const SceneFile& scene) {
+  return std::ranges::find(scene.extensions, kCompactExtension) != scene.extensions.end();
+}
+
+/// A compact file stays as it is if nothing about its splats shall change.
+Expected<void> copy_compact(const ConvertSettings& s, std::size_t splats) {
+  const auto bytes = read_file(s.in);
+  if (!bytes) return std::unexpected(bytes.error());
+  if (auto written = write_file_atomic(s.out, *bytes); !written) return written;
+  fmt::print("{}: {} splats, {} bytes, compact, copied (--no-compact writes floats)\n",
+             shown(s.out), splats, bytes->size());
+  return {};
+}
+
 Expected<void> convert(const ConvertSettings& s) {
   const auto format = scene_format_for(s.out);
   if (!format) return std::unexpected(format.error());
-  const bool compact = s.compact || s.searches();
-  if (compact && (*format)->name != "glb")
+  const bool glb = (*format)->name == "glb";
+  if ((s.compact || s.searches()) && !glb)
     return fail(s.out, "extension", "expected .glb, which a compact scene is written as");
+  if ((s.no_compact || s.glb.attribute_bits != 32) && !glb)
+    return fail(s.out, "extension", "expected .glb, whose attributes the options are about");
+  if (auto free = check_overwrite(s.out, s.force); !free) return free;
   auto scene = load_scene(s.in);
   if (!scene) return std::unexpected(scene.error());
   const int full_degree = scene->cloud.sh_degree;
+  const bool stays_compact =
+      glb && is_compact(*scene) && !s.no_compact && s.glb.attribute_bits == 32;
+  if (stays_compact && !s.compact && !s.searches() && full_degree <= s.sh_degree &&
+      map_of(s.map) == AffineMap{})
+    return copy_compact(s, scene->cloud.size());
   limit_sh_degree(scene->cloud, s.sh_degree);
+  map_scene(s.map, *scene);
   warn_of_lost_degrees(s.out, **format, scene->cloud.sh_degree);
+  const bool compact = s.compact || s.searches() || stays_compact;
   if (compact) warn_of_outliers(s, scene->cloud);
   if (s.searches()) return write_searched(s, *scene, full_degree);
   if (compact) return write_compact(s, *scene);
   if (auto written = write_plain(s, *scene, **format); !written) return written;
   fmt::print("{}: {} splats\n", shown(s.out), scene->cloud.size());
-  return {};
+  return tell_losses(s, *scene,
+                     glb ? glb_order(scene->cloud, s.glb) : std::vector<std::uint32_t>());
 }
 
 /// Refuses options that would do nothing.
@@ -165,6 +212,9 @@ void add_compact_options(CLI::App& command, ConvertSettings& s) {
   const std::string group = "Compact .glb";
   CLI::Option* compact = command.add_flag(
       "--compact", s.compact, "write a compact file: a fraction of the bytes, with a small error");
+  CLI::Option* floats =
+      command.add_flag("--no-compact", s.no_compact, "write plain floats, also if IN is compact");
+  floats->excludes(compact);
   CLI::Option* step_scale = command.add_option(
       "--step-scale", s.step_scale,
       "with --compact: factor of the quantization steps; 0.5 is finer, 2 is smaller");
@@ -174,14 +224,20 @@ void add_compact_options(CLI::App& command, ConvertSettings& s) {
   bytes->check(CLI::Range(std::size_t{1}, std::size_t{1} << 50));
   CLI::Option* loss = command.add_option(
       "--min-psnr", s.min_psnr, "search for the smallest file whose renders have this PSNR (dB)");
-  loss->check(in_range(1, 120))->excludes(bytes)->excludes(step_scale);
-  bytes->excludes(step_scale);
+  loss->check(in_range(1, 120))->excludes(bytes)->excludes(step_scale)->excludes(floats);
+  bytes->excludes(step_scale)->excludes(floats);
   CLI::Option* plain =
       command.add_flag("--plain-attributes", s.plain_attributes,
                        "also store plain floats: a large file that other viewers open");
   CLI::Option* data = command.add_option(
       "--data", s.data.folder, "measure PSNR on the views of this data set instead of an orbit");
-  for (CLI::Option* option : {compact, step_scale, bytes, loss, plain, data}) option->group(group);
+  for (CLI::Option* option : {compact, floats, step_scale, bytes, loss, plain, data})
+    option->group(group);
+  CLI::Option* quantize = command.add_option(
+      "--quantize-attributes", s.glb.attribute_bits,
+      "bits of rotations, scales and opacities in a plain .glb: 8, 16 or 32 (floats)");
+  quantize->check(CLI::IsMember({8, 16, 32}))->capture_default_str()->group("Plain .glb");
+  for (CLI::Option* option : {compact, bytes, loss}) quantize->excludes(option);
 }
 
 }  // namespace
@@ -191,8 +247,11 @@ void add_convert(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("convert", "Convert a scene to another format");
   command->footer(
       "The content of IN tells its format, the name of OUT the other. PSNR is measured on twelve\n"
-      "views, against the scene with the SH coefficients that are kept.\n"
-      "Example: fluxgs convert garden.ply garden.glb --min-psnr 40");
+      "views, against the scene with the SH coefficients that are kept. A compact .glb stays "
+      "compact\n"
+      "as a .glb. What a format cannot hold is said in a line each.\n"
+      "Example: fluxgs convert garden.ply garden.glb --min-psnr 40\n"
+      "         fluxgs convert garden.glb upright.glb --up z --scale 0.5");
   command->add_option("in", settings->in, "the scene to read")->required();
   command->add_option("out", settings->out, "the scene to write: " + writable_extensions())
       ->required();
@@ -204,6 +263,8 @@ void add_convert(CLI::App& app, Action& action) {
                    "version of a .spz: 3, read everywhere, or 4, smaller")
       ->check(CLI::Range(3, 4))
       ->capture_default_str();
+  command->add_flag("--force", settings->force, "replace OUT if it exists");
+  add_map_options(*command, settings->map);
   add_compact_options(*command, *settings);
   add_data_options(*command, settings->data);
   command->callback([=, &action] {

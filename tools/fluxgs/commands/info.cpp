@@ -39,14 +39,13 @@ json describe(const SceneFile& scene) {
           {"sh_degree", scene.cloud.sh_degree},
           {"splats_by_degree", count_degrees(scene.cloud)},
           {"bytes", scene.bytes},
-          {"filter",
-           {{"dilation", scene.cloud.filter.dilation},
-            {"compensated", scene.cloud.filter.compensated}}},
           {"bits_per_splat", 8.0 * static_cast<double>(scene.bytes) / splats},
           {"attributes", scene.attribute_bits},
           {"bounds", bounds_of(scene.cloud)},
-          {"start", initial_view_json(scene.start)},
+          {"antialiased", scene.cloud.filter.compensated},
+          {"dilation", scene.cloud.filter.dilation},
           {"warnings", scene.warnings},
+          {"start", initial_view_json(scene.start)},
           {"extensions", scene.extensions}};
 }
 
@@ -62,10 +61,8 @@ void print_info(const std::string& path, const json& d) {
   fmt::print("  splats      {} ({} left out for NaN or infinity)\n", d["splats"].get<std::size_t>(),
              d["dropped"].get<std::size_t>());
   fmt::print("  SH degree   {}{}\n", d["sh_degree"].get<int>(), mixture(d["splats_by_degree"]));
-  const json& filter = d["filter"];
-  fmt::print("  filter      {:.3g} px², {}\n", filter["dilation"].get<double>(),
-             filter["compensated"].get<bool>() ? "with opacity compensation (antialiased)"
-                                               : "without opacity compensation (classic)");
+  fmt::print("  filter      blur of {:.3g} px², {}\n", d["dilation"].get<double>(),
+             d["antialiased"].get<bool>() ? "opacities compensated (antialiased)" : "classic");
   fmt::print("  size        {} bytes, {:.1f} bits a splat\n", d["bytes"].get<std::size_t>(),
              d["bits_per_splat"].get<double>());
   for (const auto& [name, bits] : d["attributes"].items())
@@ -75,8 +72,8 @@ void print_info(const std::string& path, const json& d) {
   if (!d["start"].is_null())
     fmt::print("  start       at {}, up {}\n", d["start"]["position"].dump(),
                d["start"]["up"].dump());
-  for (const json& w : d["warnings"]) fmt::print("  warning     {}\n", w.get<std::string>());
   if (d.contains("self_test")) fmt::print("  self-test   {}\n", d["self_test"].dump());
+  for (const json& w : d["warnings"]) fmt::print("  warning     {}\n", w.get<std::string>());
   for (const json& e : d["extensions"]) fmt::print("  extension   {}\n", e.get<std::string>());
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -58,12 +59,31 @@ Expected<SceneFile> read_gltf(std::span<const std::byte> bytes, const std::strin
 Expected<SceneFile> read_gltf_folder(std::span<const std::byte> bytes,
                                      const std::filesystem::path& path);
 
+/// Precision of encode_glb().
+struct GlbOptions {
+  /// 32: floats. 16 or 8: rotations as signed, scales and opacities as unsigned normalized integers
+  /// of so many bits, as KHR_gaussian_splatting allows; positions and SH coefficients are floats in
+  /// any case, which it demands (of positions unless another extension is required).
+  int attribute_bits = 32;
+};
+
+/// Order of a finite cloud's splats in the file: order[k] is the index in the cloud of splat k of
+/// the file. That of the cloud for 32 bits.
+std::vector<std::uint32_t> glb_order(const SplatCloud& cloud, const GlbOptions& options);
+
+/// Write a scene with these options. Integers reach from 0 to the scale of their node, so that each
+/// size of splats has a node of its own, evenly scaled by a power of two, and positions lose
+/// nothing: with 16 bits the sizes of a node are within a factor of 256, with 8 bits of 4 (few
+/// splats go with the next larger ones). Scales above 0 stay so.
+Expected<std::vector<std::byte>> encode_glb(const SplatCloud& cloud, const GlbOptions& options,
+                                            const std::string& name);
+
 /// Write one node with one POINTS primitive: float attributes, unit quaternions, and COLOR_0
 /// (linear, 8 bits) for viewers that do not know the extension. A screen filter other than the
-/// classic one is in `extras` of the extension's object (schema/README.md). Scales and opacities beyond the
-/// range of float are limited to it. Splats with a NaN or infinity are left out. A scene without
-/// splats is written without a mesh (glTF has no empty accessors) and so loses its degree. An error
-/// if the file would exceed the 4 GiB that a .glb can hold.
+/// classic one is in `extras` of the extension's object (schema/README.md). Scales and opacities
+/// beyond the range of float are limited to it. Splats with a NaN or infinity are left out. A scene
+/// without splats is written without a mesh (glTF has no empty accessors) and so loses its degree.
+/// An error if the file would exceed the 4 GiB that a .glb can hold.
 Expected<std::vector<std::byte>> encode_glb(const SplatCloud& cloud, const std::string& name);
 
 }  // namespace fluxgs

@@ -268,8 +268,8 @@ Expected<std::vector<std::byte>> make_file(const std::vector<Part>& parts,
   std::vector<io::GltfPrimitive> primitives;
   for (const Part& part : parts)
     primitives.push_back(describe(part, filter, plain_attributes, builder));
-  auto file =
-      io::allocate_glb(builder.document(primitives, !plain_attributes), builder.bin_bytes(), name);
+  auto file = io::allocate_glb(builder.document({{std::move(primitives)}}, !plain_attributes),
+                               builder.bin_bytes(), name);
   if (!file) return std::unexpected(file.error());
   BinWriter bin(file->bytes.data() + file->bin);
   for (const Part& part : parts) put_part(part, plain_attributes, bin);

@@ -36,9 +36,10 @@ constexpr std::size_t padded(std::size_t bytes) { return (bytes + 3) / 4 * 4; }
 
 }  // namespace
 
-std::size_t GltfBuilder::add_view(std::size_t bytes, bool vertices) {
+std::size_t GltfBuilder::add_view(std::size_t bytes, bool vertices, std::size_t stride) {
   views_.push_back({{"buffer", 0}, {"byteOffset", bin_bytes_}, {"byteLength", bytes}});
   if (vertices) views_.back()["target"] = kGltfArrayBuffer;
+  if (stride > 0) views_.back()["byteStride"] = stride;
   bin_bytes_ += padded(bytes);
   return views_.size() - 1;
 }
@@ -48,18 +49,27 @@ std::size_t GltfBuilder::add_accessor(json accessor) {
   return accessors_.size() - 1;
 }
 
-json GltfBuilder::document(const std::vector<GltfPrimitive>& primitives, bool required) const {
-  json used = json::array({kSplatExtension}), list = json::array();
-  for (const GltfPrimitive& primitive : primitives) list.push_back(json_of(primitive));
-  for (const auto& entry : primitives.at(0).nested.items()) used.push_back(entry.key());
+json GltfBuilder::document(const std::vector<GltfMesh>& meshes, bool required) const {
+  json used = json::array({kSplatExtension}), mesh_list = json::array(), nodes = json::array(),
+       shown = json::array();
+  for (const auto& entry : meshes.at(0).primitives.at(0).nested.items())
+    used.push_back(entry.key());
+  for (const GltfMesh& mesh : meshes) {
+    json primitives = json::array();
+    for (const GltfPrimitive& primitive : mesh.primitives) primitives.push_back(json_of(primitive));
+    shown.push_back(nodes.size());
+    nodes.push_back({{"mesh", mesh_list.size()}});
+    if (mesh.scale != 1) nodes.back()["scale"] = {mesh.scale, mesh.scale, mesh.scale};
+    mesh_list.push_back({{"primitives", std::move(primitives)}});
+  }
   json root = {{"asset", asset()}, {"extensionsUsed", used}, {"scene", 0}};
   if (required) root["extensionsRequired"] = used;
-  root["scenes"] = json::array({{{"nodes", json::array({0})}}});
-  root["nodes"] = json::array({{{"mesh", 0}}});
+  root["scenes"] = json::array({{{"nodes", std::move(shown)}}});
+  root["nodes"] = std::move(nodes);
   root["buffers"] = json::array({{{"byteLength", bin_bytes_}}});
   root["bufferViews"] = views_;
   root["accessors"] = accessors_;
-  root["meshes"] = json::array({{{"primitives", std::move(list)}}});
+  root["meshes"] = std::move(mesh_list);
   return root;
 }
 

@@ -12,7 +12,8 @@
 namespace fluxgs::io {
 
 /// glTF 2.0, sections 5.1 and 5.11.
-inline constexpr int kGltfFloat = 5126, kGltfUnsignedByte = 5121, kGltfArrayBuffer = 34962;
+inline constexpr int kGltfByte = 5120, kGltfUnsignedByte = 5121, kGltfShort = 5122,
+                     kGltfUnsignedShort = 5123, kGltfFloat = 5126, kGltfArrayBuffer = 34962;
 
 /// A POINTS primitive of splats: semantic → accessor, and the extensions and extras of
 /// KHR_gaussian_splatting's object (null: none).
@@ -22,20 +23,26 @@ struct GltfPrimitive {
   nlohmann::json extras = {};
 };
 
-/// The lists of a document with one mesh of splats, as far as they are known.
+/// A mesh and the even scale of the node that shows it.
+struct GltfMesh {
+  std::vector<GltfPrimitive> primitives;
+  double scale = 1;
+};
+
+/// The lists of a document with meshes of splats, as far as they are known.
 class GltfBuilder {
  public:
   /// Announces a part of the BIN chunk, which begins at bin_bytes(), a multiple of 4. Returns its
-  /// bufferView.
-  std::size_t add_view(std::size_t bytes, bool vertices);
+  /// bufferView. Of vertices, `stride` is from one to the next; 0: they are close together.
+  std::size_t add_view(std::size_t bytes, bool vertices, std::size_t stride = 0);
   /// Returns its index.
   std::size_t add_accessor(nlohmann::json accessor);
 
   std::size_t bin_bytes() const { return bin_bytes_; }
 
-  /// The whole document: one scene, one node, one mesh of these primitives, which have the same
-  /// extensions nested. Those are listed as used and, if `required`, as required.
-  nlohmann::json document(const std::vector<GltfPrimitive>& primitives, bool required) const;
+  /// The whole document: one scene, a node for each mesh. All primitives have the same extensions
+  /// nested. Those are listed as used and, if `required`, as required.
+  nlohmann::json document(const std::vector<GltfMesh>& meshes, bool required) const;
 
  private:
   nlohmann::json accessors_ = nlohmann::json::array(), views_ = nlohmann::json::array();

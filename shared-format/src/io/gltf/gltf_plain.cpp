@@ -25,7 +25,7 @@ std::size_t floats_of(std::string_view type) {
 
 // COLOR_0 is linear, the colours of the splats are sRGB-encoded (the extension's note on fallback
 // behaviour; IEC 61966-2-1).
-std::uint8_t fallback_colour(float dc) {
+std::uint8_t linear_colour(float dc) {
   const double c = std::clamp(colour_of(dc), 0.0, 1.0);
   return byte_of(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
 }
@@ -50,6 +50,11 @@ struct Output {
 };
 
 }  // namespace
+
+std::array<std::uint8_t, 4> fallback_colour(const glm::vec3& sh_dc, float opacity_logit) {
+  return {linear_colour(sh_dc.x), linear_colour(sh_dc.y), linear_colour(sh_dc.z),
+          byte_of(opacity_of(opacity_logit))};
+}
 
 std::vector<std::pair<std::string, const char*>> splat_semantics(int sh_degree) {
   std::vector<std::pair<std::string, const char*>> list{
@@ -101,10 +106,8 @@ json add_plain_attributes(const SplatCloud& cloud, GltfBuilder& builder) {
 std::byte* put_plain_attributes(const SplatCloud& cloud, std::byte* at) {
   Output out{at};
   for (const glm::vec3& position : cloud.positions) out.put_vec3(turn_position(position));
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    for (int c = 0; c < 3; ++c) out.put(fallback_colour(cloud.sh_dc[i][c]));
-    out.put(byte_of(opacity_of(cloud.opacity_logits[i])));
-  }
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    out.put(fallback_colour(cloud.sh_dc[i], cloud.opacity_logits[i]));
   for (const glm::quat& rotation : cloud.rotations) {
     const glm::quat q = turn_to_gltf(unit(rotation));
     for (const float c : {q.x, q.y, q.z, q.w}) out.put(c);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +20,9 @@ std::vector<std::pair<std::string, const char*>> splat_semantics(int sh_degree);
 
 /// "min" and "max" of POSITION, which glTF demands; floats become doubles without loss.
 std::array<nlohmann::json, 2> gltf_bounds(const SplatCloud& cloud);
+
+/// One splat's COLOR_0: linear, opacity last.
+std::array<std::uint8_t, 4> fallback_colour(const glm::vec3& sh_dc, float opacity_logit);
 
 /// Announces them one after the other, and behind POSITION COLOR_0 (linear, 8 bits) for viewers
 /// that do not know the extension. Returns semantic → accessor.

@@ -162,6 +162,21 @@ Expected<std::size_t> count_splats(const std::vector<GltfInstance>& instances, s
   return plain + compressed;
 }
 
+void add_plain_bits(const GltfSplats& from, AttributeBits& bits) {
+  const auto add = [&](const char* name, const GltfAttribute& attribute, int components) {
+    const int bytes =
+        tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(attribute.component_type));
+    bits[name] += 8.0 * bytes * components * static_cast<double>(from.count);
+  };
+  add("position", from.position, 3);
+  add("rotation", from.rotation, 4);
+  add("scale", from.scale, 3);
+  add("opacity", from.opacity, 1);
+  add("sh_dc", from.sh[0], 3);
+  const auto rest = static_cast<std::size_t>(sh_rest_count(from.sh_degree));
+  for (std::size_t k = 0; k < rest; ++k) add("sh_rest", from.sh[k + 1], 3);
+}
+
 // SPZ's attributes cannot be told apart.
 AttributeBits bits_of(const std::vector<GltfInstance>& instances, int sh_degree) {
   AttributeBits bits;
@@ -169,6 +184,7 @@ AttributeBits bits_of(const std::vector<GltfInstance>& instances, int sh_degree)
   for (const GltfInstance& instance : instances) {
     const GltfSplats& from = instance.splats;
     splats += static_cast<double>(from.count);
+    if (from.compression == GltfCompression::none) add_plain_bits(from, bits);
     if (from.compression == GltfCompression::spz)
       bits["spz"] += 8 * static_cast<double>(from.compressed.size());
     if (from.compression != GltfCompression::compact) continue;
