@@ -39,9 +39,9 @@ struct LoadOptions {
   glm::vec3 background{0};               ///< sRGB as stored, 0…1: what transparent pixels show
   int threads = 0;                       ///< for decoding; 0: all
   MaskUse masks = MaskUse::automatic;
-  ProgressReport progress = {};          ///< images ready
-  int video_frames = 0;                  ///< taken of a video; 0: as before, or kDefaultVideoFrames
-  StepReport steps = {};                 ///< of finding poses
+  ProgressReport progress = {};  ///< images ready
+  int video_frames = 0;          ///< taken of a video; 0: as before, or kDefaultVideoFrames
+  StepReport steps = {};         ///< of finding poses
 };
 
 /// An image as an ideal pinhole camera would have taken it: distortion undone, reduced by

@@ -46,12 +46,12 @@ Schedule make_schedule(TrainOptions options, const std::vector<View>& views,
   auto quantization = make_quantization_aware(options, std::max(densify_until, reduced_at));
 
   Schedule schedule{std::move(options), {}};
-  for (auto* phase : {&resolution, &curriculum, &carving, &dropout, &penalties, &noise,
-                      // Before splats are added, which shakes the image for a moment
-                      &networks.energy, &reduction, &networks.colors,
-                      // Late pruning before opacities are reset, after which they tell nothing
-                      &densification, &mask_pruning, &late_pruning, &reset, &antialiasing,
-                      &quantization})
+  for (auto* phase :
+       {&resolution, &curriculum, &carving, &dropout, &penalties, &noise,
+        // Before splats are added, which shakes the image for a moment
+        &networks.energy, &reduction, &networks.colors,
+        // Late pruning before opacities are reset, after which they tell nothing
+        &densification, &mask_pruning, &late_pruning, &reset, &antialiasing, &quantization})
     if (*phase) schedule.phases.push_back(std::move(*phase));
   return schedule;
 }
