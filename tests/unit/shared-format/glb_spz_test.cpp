@@ -52,7 +52,7 @@ Bytes spz_glb(const SplatCloud& cloud, const Bytes& spz) {
 }
 
 SpzOptions in_axes_of_the_draft(int version) {
-  SpzOptions options{version};
+  SpzOptions options{.version = version, .name_axes = false};
   options.axes = SpzAxes::right_up_back;
   return options;
 }

@@ -11,9 +11,9 @@ struct WriteOptions {
   int spz_version = 3;  ///< 3 (gzip, read everywhere) or 4 (zstd, smaller)
 
   /// Called now and then with the part of the work that is done, 0…1, by writers that take long.
-  std::function<void(double)> progress;
+  std::function<void(double)> progress = {};
   /// Called with what a person should know of the file written, a sentence without its name.
-  std::function<void(const std::string&)> warn;
+  std::function<void(const std::string&)> warn = {};
 };
 
 }  // namespace fluxgs

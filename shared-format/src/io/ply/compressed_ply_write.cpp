@@ -24,6 +24,7 @@ using namespace io;
 
 // Other writers limit logarithms of scales to ±20, too: flat splats would coarsen their chunk's.
 constexpr float kMostLogScale = 20;
+constexpr float kMostColour = 1e30F;  // beyond, the reader's change of scale leaves the floats
 
 glm::vec3 log_scale_at(const SplatCloud& cloud, std::size_t i) {
   return glm::clamp(cloud.log_scales[i], -kMostLogScale, kMostLogScale);
@@ -31,7 +32,8 @@ glm::vec3 log_scale_at(const SplatCloud& cloud, std::size_t i) {
 
 glm::vec3 colour_at(const SplatCloud& cloud, std::size_t i) {
   const glm::vec3& dc = cloud.sh_dc[i];
-  return {colour_of(dc.x), colour_of(dc.y), colour_of(dc.z)};
+  return glm::clamp(glm::vec3(colour_of(dc.x), colour_of(dc.y), colour_of(dc.z)), -kMostColour,
+                    kMostColour);
 }
 
 struct Bounds {

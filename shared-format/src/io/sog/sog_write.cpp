@@ -30,6 +30,10 @@ using Pixel = std::array<std::uint8_t, 4>;
 
 constexpr std::size_t kPaletteRow = 64, kMostPalette = 65536;
 
+// Beyond any scene; so far, rounding leaves values finite and their squares are floats.
+constexpr double kMostPosition = 1e38;
+constexpr float kMostSh = 1000;
+
 // Parts of the time, measured on scenes of degree 3: the palette, then the images.
 constexpr double kPaletteTime = 0.5;
 
@@ -108,7 +112,7 @@ class SogEncoder {
     glm::dvec3 low(kMost), high(-kMost);
     const auto contracted = [&](std::uint32_t i, int c) {
       const double p = cloud_.positions[i][c];
-      return std::copysign(std::log1p(std::abs(p)), p);
+      return std::copysign(std::log1p(std::min(std::abs(p), kMostPosition)), p);
     };
     for (const std::uint32_t i : order_)
       for (int c = 0; c < 3; ++c) {
@@ -199,7 +203,10 @@ class SogEncoder {
   Expected<void> sh() {
     if (cloud_.sh_degree == 0 || cloud_.size() == 0) return {};
     const auto rest = static_cast<std::size_t>(sh_rest_count(cloud_.sh_degree));
-    const std::span<const float> vectors(&cloud_.sh_rest[0].x, 3 * cloud_.sh_rest.size());
+    std::vector<float> vectors;
+    vectors.reserve(3 * cloud_.sh_rest.size());
+    for (const glm::vec3& v : cloud_.sh_rest)
+      for (int c = 0; c < 3; ++c) vectors.push_back(std::clamp(v[c], -kMostSh, kMostSh));
     const ShPalette palette = make_sh_palette(vectors, 3 * rest, palette_size(cloud_.size()),
                                               [&](double part) { progress(kPaletteTime * part); });
     std::vector<glm::vec3> entries(palette.entries.size() / 3);
