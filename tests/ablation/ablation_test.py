@@ -171,14 +171,14 @@ class Sweep(unittest.TestCase):
         self.assertEqual(self.sweep("resumed", *arguments).returncode, 0)
         run = self.path / "resumed/spheres/densify-gradient/seed-1"
         whole = (run / "scene.ply").read_bytes()
-        # As after an interruption: a checkpoint of the middle and no results
+        # As after an interruption: a checkpoint and no report
         (run / "train.json").unlink()
         subprocess.run([PROGRAMS / "fluxgs", "train", self.data, "-o", run / "scene.glb",
                         "--preset", "3dgs", "--seed", "1", *TINY[1:], "--densify", "gradient",
-                        "--checkpoint-every", "40"], check=True, capture_output=True)
+                        "--force"], check=True, capture_output=True)
         self.assertTrue((run / "scene.glb.ckpt").exists())
         self.assertEqual(self.sweep("resumed", *arguments).returncode, 0)
-        self.assertEqual(json.loads((run / "train.json").read_text())["resumed_at"], 40)
+        self.assertEqual(json.loads((run / "train.json").read_text())["resumed_at"], 60)
         self.assertEqual((run / "scene.ply").read_bytes(), whole)
 
     def test_an_interruption_saves_and_the_same_command_continues(self):

@@ -125,7 +125,7 @@ def train(fluxgs, run, folder):
         return
     checkpoint = folder / "scene.glb.ckpt"
     files = ["train", run.data, "-o", str(scene), "--float-output", str(folder / "scene.ply"),
-             "--json", str(report)]
+             "--json", str(report), "--force"]  # what an interrupted run left
     options = merged(["--checkpoint-every", "1000"], run.options)  # little is lost with the power
     if checkpoint.exists():
         start = ["--resume", str(checkpoint),

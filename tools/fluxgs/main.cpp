@@ -1,6 +1,7 @@
 // fluxgs: the one desktop command.
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -57,13 +58,27 @@ std::string usage_error(const CLI::App& app, const CLI::Error& error) {
   if (words.empty())
     return subs.empty() ? error.what()
                         : fmt::format("expected a sub-command: {}", fmt::join(subs, ", "));
-  const std::string word = words.front().substr(0, words.front().find('='));
+  // A misspelled option leaves its value behind, too
+  const auto option = std::ranges::find_if(words, [](auto& w) { return w.starts_with('-'); });
+  const std::string& odd = option == words.end() ? words.front() : *option;
+  const std::string word = odd.substr(0, odd.find('='));
   const bool is_option = word.starts_with('-');
   const char* what = is_option ? "option" : subs.empty() ? "argument" : "sub-command";
   const std::string nearest =
       fluxgs::cli::nearest_name(word, is_option ? names_of_options(command) : subs);
   return fmt::format("unknown {} {}{}", what, word,
                      nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest));
+}
+
+/// The arguments, last one first as CLI11 takes them. "help train" is "train --help".
+std::vector<std::string> arguments_of(int argc, char** argv) {
+  std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+  if (!words.empty() && words.front() == "help") {
+    words.erase(words.begin());
+    words.emplace_back("--help");
+  }
+  std::ranges::reverse(words);
+  return words;
 }
 
 /// Ends at once, but not without a word. Training takes the signal over to save first.
@@ -84,7 +99,7 @@ int main(int argc, char** argv) {
   spdlog::set_default_logger(spdlog::stderr_logger_st("fluxgs"));
   spdlog::set_pattern("%v");
 
-  CLI::App app("Train 3D Gaussian Splatting scenes from posed images and look at them.");
+  CLI::App app("Train 3D Gaussian Splatting scenes from posed images and look at them.", "fluxgs");
   app.require_subcommand(1);
   app.set_version_flag("--version", FLUXGS_VERSION);
   app.failure_message([](const CLI::App* program, const CLI::Error& error) {
@@ -103,7 +118,7 @@ int main(int argc, char** argv) {
   fluxgs::cli::add_doctor(app, action);
 
   try {
-    app.parse(argc, argv);
+    app.parse(arguments_of(argc, argv));
   } catch (const CLI::ParseError& e) {
     if (app.exit(e) != 0) return 2;
     const auto printed = fluxgs::cli::flush_standard_output();

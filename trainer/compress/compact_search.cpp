@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kFinest = 0x1p-12, kCoarsest = 0x1p12;  // of the steps that the search begins with
 constexpr int kBalances = 2, kMaxTrials = 24;
+constexpr int kUsualTrials = 9;                // of one solve(), for the progress
 constexpr double kStride = std::numbers::ln2;  // of the logarithm of the step scale
 constexpr double kCloseEnough = 0.003;         // the same
 constexpr float kExactly = 0x1p-8f;            // of a step, where an error is not to count
@@ -85,12 +86,12 @@ Expected<Stored> store(const SplatCloud& cloud, const CompactOptions& options) {
 
 CompactSearch::CompactSearch(const SplatCloud& cloud, const SplatCloud& shown,
                              const SceneError& error, CompactOptions options,
-                             std::function<void(const CompactTrial&)> on_trial)
+                             ProgressReport progress)
     : cloud_(cloud),
       ordered_(in_order(shown, compact_order(cloud, options.networks.has_value()))),
       error_(error),
       options_(std::move(options)),
-      on_trial_(std::move(on_trial)),
+      progress_(std::move(progress)),
       finest_position_(finest_position_step(cloud)) {}
 
 Expected<CompactTrial> CompactSearch::trial(const QuantizationSteps& steps) const {
@@ -103,7 +104,6 @@ Expected<CompactTrial> CompactSearch::trial(const QuantizationSteps& steps) cons
   result.file = std::move(stored->file);
   result.attribute_bits = std::move(stored->scene.attribute_bits);
   result.mse = *mse;
-  if (on_trial_) on_trial_(result);
   return result;
 }
 
@@ -162,8 +162,8 @@ Expected<QuantizationSteps> CompactSearch::balanced(const QuantizationSteps& ste
 /// The cheapest trial that fits at any scale of these steps. Where nothing fits, nothing;
 /// `last` is then the finest.
 Expected<std::optional<CompactTrial>> CompactSearch::solve(const QuantizationSteps& steps,
-                                                           const Goal& goal,
-                                                           CompactTrial& last) const {
+                                                           const Goal& goal, CompactTrial& last,
+                                                           const ProgressReport& progress) const {
   // Of the logarithm of the step scale or, where coarser steps are what fits, of its negative
   const double sign = goal.coarser_fits ? -1 : 1;
   const double ends[] = {sign * std::log(kFinest), sign * std::log(kCoarsest)};
@@ -174,6 +174,7 @@ Expected<std::optional<CompactTrial>> CompactSearch::solve(const QuantizationSte
   for (int i = 0; i < kMaxTrials && high - low > kCloseEnough; ++i) {
     auto tried = trial(scaled(steps, std::exp(sign * at)));
     if (!tried) return std::unexpected(tried.error());
+    if (progress) progress(static_cast<std::size_t>(std::min(i + 1, kUsualTrials)), kUsualTrials);
     const double excess = goal.excess(*tried);
     last = *tried;
     if (excess > 0) {
@@ -196,19 +197,25 @@ Expected<std::optional<CompactTrial>> CompactSearch::solve(const QuantizationSte
 }
 
 Expected<CompactTrial> CompactSearch::reach(const Goal& goal, CompactTrial& last) const {
+  // A balance renders and stores about as often as so many trials
+  const ProgressParts parts(progress_, {kUsualTrials, 8, kUsualTrials, 8, kUsualTrials});
   QuantizationSteps steps = options_.steps;
   std::optional<CompactTrial> best;
   for (int round = 0; round <= kBalances; ++round) {
-    auto found = solve(steps, goal, last);
+    const auto part = static_cast<std::size_t>(2 * round);
+    auto found = solve(steps, goal, last, parts.part(part));
     if (!found) return std::unexpected(found.error());
     if (!*found) break;
     const QuantizationSteps from = (*found)->options.steps;
     if (!best || goal.cost(**found) < goal.cost(*best)) best = std::move(**found);
     if (round == kBalances || best->mse <= goal.enough) break;
+    if (progress_) parts.part(part)(1, 1);
     const auto balance = balanced(from);
     if (!balance) return std::unexpected(balance.error());
+    if (progress_) parts.part(part + 1)(1, 1);
     steps = *balance;
   }
+  if (progress_) parts.part(2 * kBalances)(1, 1);
   if (!best) return fail("", "", "");  // the caller says what was missed
   return std::move(*best);
 }

@@ -14,6 +14,7 @@
 #include "fluxgs/io/scene_file.h"
 #include "fluxgs/splat_cloud.h"
 #include "trainer/compress/scene_error.h"
+#include "trainer/core/progress.h"
 #include "trainer/core/psnr.h"
 
 namespace fluxgs {
@@ -33,19 +34,17 @@ struct CompactTrial {
 
 class CompactSearch {
  public:
-  static constexpr int kDefaultTrials = 24;  ///< of within_loss() and within_bytes(), about
-
   /// `cloud` (finite) is stored; `shown` is the same but for colours that networks in `options`
-  /// make of it, and what `error` is of. `cloud` and `error` must outlive this. `on_trial` is
-  /// called after each trial. `options` holds what is not searched for; its steps are where the
-  /// search begins.
+  /// make of it, and what `error` is of. `cloud` and `error` must outlive this. `options` holds
+  /// what is not searched for; its steps are where the search begins. `progress` follows
+  /// within_loss() and within_bytes().
   CompactSearch(const SplatCloud& cloud, const SplatCloud& shown, const SceneError& error,
-                CompactOptions options, std::function<void(const CompactTrial&)> on_trial = {});
+                CompactOptions options, ProgressReport progress = {});
 
   /// Takes a cloud that has its colours.
   CompactSearch(const SplatCloud& cloud, const SceneError& error, CompactOptions options,
-                std::function<void(const CompactTrial&)> on_trial = {})
-      : CompactSearch(cloud, cloud, error, std::move(options), std::move(on_trial)) {}
+                ProgressReport progress = {})
+      : CompactSearch(cloud, cloud, error, std::move(options), std::move(progress)) {}
 
   /// Stores and measures.
   Expected<CompactTrial> trial(const QuantizationSteps& steps) const;
@@ -72,7 +71,8 @@ class CompactSearch {
     std::function<double(const CompactTrial&)> cost;    ///< to be made small
   };
   Expected<std::optional<CompactTrial>> solve(const QuantizationSteps& steps, const Goal& goal,
-                                              CompactTrial& last) const;
+                                              CompactTrial& last,
+                                              const ProgressReport& progress) const;
   Expected<CompactTrial> reach(const Goal& goal, CompactTrial& last) const;
   Expected<double> error_of(std::size_t part, const QuantizationSteps& steps,
                             const SplatCloud& stored) const;
@@ -81,7 +81,7 @@ class CompactSearch {
   SplatCloud ordered_;  ///< what is shown, as in the file
   const SceneError& error_;
   CompactOptions options_;
-  std::function<void(const CompactTrial&)> on_trial_;
+  ProgressReport progress_;
   double finest_position_;
 };
 

@@ -29,15 +29,35 @@ double compressed_psnr(double psnr, const CompressionOptions& options) {
   return options.psnr > 0 ? std::min(asked, options.psnr) : asked;
 }
 
+namespace {
+
+/// Renders that view_sensitivity() takes: one and its scores, then forward and backward.
+double sensitivity_renders(std::size_t views) {
+  const auto seen = static_cast<double>(std::min(views, kSensitivityViews));
+  return 2 * seen + 3 * std::max(seen, 64.0);
+}
+
+/// The search: about so many trials and balances, each over all images and with a file.
+constexpr double kTrials = 40;
+constexpr PhaseWork kSearch{.renders = kTrials * kEvaluationCameras, .files = kTrials};
+
+}  // namespace
+
+PhaseWork compact_search_work(std::size_t views) {
+  return {.renders = sensitivity_renders(views) + kSearch.renders, .files = kSearch.files};
+}
+
 Expected<CompactTrial> compact_within(const SplatCloud& cloud, const SplatCloud& shown,
                                       const CompactGoal& goal, CompactOptions start,
-                                      const Threads& threads,
-                                      const std::function<void(const CompactTrial&)>& on_trial) {
-  start.sensitivity =
-      view_sensitivity(goal.cameras, shown, start.networks.has_value(), goal.render, threads);
+                                      const Threads& threads, const WorkControl& control) {
+  const ProgressParts parts(control.progress,
+                            {sensitivity_renders(goal.cameras.size()), kSearch.share()});
+  start.sensitivity = view_sensitivity(goal.cameras, shown, start.networks.has_value(), goal.render,
+                                       threads, {parts.part(0), control.stop});
   const SceneError error(shown, spread_cameras(goal.cameras, kEvaluationCameras), goal.render,
-                         threads);
-  return CompactSearch(cloud, shown, error, std::move(start), on_trial).within_loss(goal.decibels);
+                         threads, control.stop);
+  return CompactSearch(cloud, shown, error, std::move(start), parts.part(1))
+      .within_loss(goal.decibels);
 }
 
 }  // namespace fluxgs

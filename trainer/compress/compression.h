@@ -1,7 +1,6 @@
 // Compression: how near a compact file is to the scene, and the search for the smallest such file.
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "fluxgs/camera.h"
@@ -11,6 +10,7 @@
 #include "trainer/compress/compact_search.h"
 #include "trainer/core/parallel.h"
 #include "trainer/model/options.h"
+#include "trainer/model/phase.h"
 
 namespace fluxgs {
 
@@ -34,13 +34,15 @@ struct CompactGoal {
   double decibels = 40;
 };
 
+/// Work of compact_within().
+PhaseWork compact_search_work(std::size_t views);
+
 /// The smallest compact file of `cloud` (finite, some splats) found whose renders are within the
 /// goal of those of `shown`: the same splats with the colours that they are shown with, which
 /// `cloud` need not have where networks make them. `start`: step sizes to begin with, and what is
-/// not searched for.
+/// not searched for. Fails after a stop.
 Expected<CompactTrial> compact_within(const SplatCloud& cloud, const SplatCloud& shown,
                                       const CompactGoal& goal, CompactOptions start,
-                                      const Threads& threads,
-                                      const std::function<void(const CompactTrial&)>& on_trial);
+                                      const Threads& threads, const WorkControl& control = {});
 
 }  // namespace fluxgs

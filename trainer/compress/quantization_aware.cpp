@@ -99,15 +99,17 @@ class QuantizationAware final : public Phase {
         "densification and the SH reduction",
         options_.from, asked_);
   }
-  bool reports(const TrainState& state) const override {
-    return state.iteration == options_.from && state.parameters.size() > 0;
+  bool reports(int iteration) const override { return iteration == options_.from; }
+  PhaseWork work(int iteration, std::size_t views) const override {
+    if (reports(iteration)) return compact_search_work(views);
+    return {.files = is_due(iteration) ? 1.0 : 0.0};
   }
 
+  bool can_be_stopped() const override { return true; }
   std::optional<PhaseReport> after_step(Training& t) override {
-    if (reports(t.state)) return start(t);
+    if (reports(t.state.iteration) && t.state.parameters.size() > 0) return start(t);
     if (!steps_) return {};
-    const int since = t.state.iteration - options_.from;
-    if (since % options_.interval != 0 && t.state.iteration < iterations_) return {};
+    if (!is_due(t.state.iteration)) return {};
     const auto file = quantize_parameters(t.state, *steps_, filter_);
     if (file) return {};
     return stop(t.state, file.error());
@@ -127,13 +129,18 @@ class QuantizationAware final : public Phase {
   Expected<void> load(const std::vector<double>& values, const TrainState& state) override;
 
  private:
+  /// True if values are quantized anew.
+  bool is_due(int iteration) const {
+    const int since = iteration - options_.from;
+    return since > 0 && (since % options_.interval == 0 || iteration >= iterations_);
+  }
   /// Searches for the step sizes and quantizes for the first time.
   PhaseReport start(Training& t) {
     const SplatCloud scene = t.cloud();
     const CompactGoal goal{cameras_of(t.data.train), t.options.render,
                            compressed_psnr(t.train_psnr, t.options.get<CompressionOptions>())};
     auto found = compact_within(scene, scene, goal, {.steps = default_quantization_steps(scene)},
-                                t.threads, {});
+                                t.threads, t.control);
     if (!found) return stop(t.state, found.error());
     steps_ = found->options.steps;
     attach_sensitivity(t.state, found->options.sensitivity);

@@ -23,8 +23,9 @@ double squares(const PlanarImage& a, const PlanarImage& b) {
 }  // namespace
 
 SceneError::SceneError(const SplatCloud& uncompressed, std::vector<Camera> cameras,
-                       const RenderOptions& options, const Threads& threads)
-    : cameras_(std::move(cameras)), options_(options), threads_(threads) {
+                       const RenderOptions& options, const Threads& threads,
+                       std::function<bool()> stop)
+    : cameras_(std::move(cameras)), options_(options), threads_(threads), stop_(std::move(stop)) {
   const ViewRenderer render = cpu_view_renderer(uncompressed, options_, threads_);
   // The trainer's own renderer has no way to fail
   for (const Camera& camera : cameras_) expected_.push_back(*render(camera));
@@ -34,6 +35,7 @@ Expected<double> SceneError::mse(const SplatCloud& other) const {
   const ViewRenderer render = cpu_view_renderer(other, options_, threads_);
   double sum = 0, values = 0;
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
+    if (stop_ && stop_()) return fail("", "", "stopped");
     const auto image = render(cameras_[i]);
     if (!image) return std::unexpected(image.error());
     sum += squares(*image, expected_[i]);

@@ -1,6 +1,7 @@
 // Mean square error between renders of a scene and of a compressed one.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "fluxgs/camera.h"
@@ -19,8 +20,9 @@ inline constexpr int kEvaluationCameras = 12;
 class SceneError {
  public:
   /// Renders `uncompressed` once for each of `cameras` (one or more). `threads` must outlive this.
+  /// `stop` is asked before each image of mse(), which then fails.
   SceneError(const SplatCloud& uncompressed, std::vector<Camera> cameras,
-             const RenderOptions& options, const Threads& threads);
+             const RenderOptions& options, const Threads& threads, std::function<bool()> stop = {});
 
   /// The mean square error over all channels of all pixels of all images.
   Expected<double> mse(const SplatCloud& other) const;
@@ -29,6 +31,7 @@ class SceneError {
   std::vector<Camera> cameras_;
   RenderOptions options_;
   const Threads& threads_;
+  std::function<bool()> stop_;
   std::vector<PlanarImage> expected_;
 };
 

@@ -57,13 +57,18 @@ class ShReductionPhase final : public Phase {
                                       way, options_.max_psnr_drop)
                         : fmt::format("reduces all splats to SH degree {} by {}", degree_, way)};
   }
-  bool reports(const TrainState& state) const override { return plan().due(state.iteration); }
+  bool reports(int iteration) const override { return plan().due(iteration); }
+  PhaseWork work(int iteration, std::size_t views) const override {
+    if (!reports(iteration)) return {};
+    return {.renders = 2.5 * static_cast<double>(views), .files = 2};
+  }
 
   std::optional<PhaseReport> after_step(Training& t) override {
     if (!plan().due(t.state.iteration)) return {};
     const std::size_t bytes_before = compact_bytes(t.cloud());
     const ViewWeights views =
-        view_weights(t.state.parameters, cameras_of(t.data.train), t.render_options(), t.threads);
+        view_weights(t.state.parameters, cameras_of(t.data.train), t.render_options(), t.threads,
+                     {.progress = t.control.progress});
     // At the resolution of this iteration: larger images have details that nothing has learned yet
     const double mse = mse_of_psnr(t.mean_psnr(*t.views));
     const ReductionReport done = reduce_sh(t.state, t.options, views, mse, t.threads);

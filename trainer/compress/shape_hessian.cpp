@@ -62,7 +62,7 @@ class Squares {
 
 ShapeHessian shape_hessian(const PlanarFloats& parameters, const std::vector<Camera>& cameras,
                            const RenderOptions& options, const Threads& threads,
-                           const ProgressReport& progress) {
+                           const WorkControl& control) {
   Squares scale(parameters.size()), rotation(parameters.size());
   Profiler profiler;
   const auto rasterizer = make_cpu_rasterizer(threads, profiler);
@@ -72,8 +72,9 @@ ShapeHessian shape_hessian(const PlanarFloats& parameters, const std::vector<Cam
   };
   Random random(1);
   const std::size_t probes = cameras.empty() ? 1 : (kProbes - 1) / cameras.size() + 1;
-  ProgressCounter counter(progress, cameras.size());
+  ProgressCounter counter(control.progress, cameras.size());
   for (const Camera& camera : cameras) {
+    if (control.stopped()) break;
     rasterizer->forward(parameters, camera, options);
     for (std::size_t probe = 0; probe < probes; ++probe) {
       rasterizer->backward(parameters, random_signs(camera.width, camera.height, random));

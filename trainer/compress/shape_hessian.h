@@ -20,8 +20,9 @@ struct ShapeHessian {
 /// rotation change by a little: diagonal blocks JᵀJ of the images' Jacobian J. Estimated as
 /// Hutchinson (1990) does traces: a backward pass from random signs s gives g = Jᵀ·s, and the
 /// mean of g·gᵀ is JᵀJ. Always the same signs: the result is the same for any number of threads.
+/// After a stop further views count nothing.
 ShapeHessian shape_hessian(const PlanarFloats& parameters, const std::vector<Camera>& cameras,
                            const RenderOptions& options, const Threads& threads,
-                           const ProgressReport& progress = {});
+                           const WorkControl& control = {});
 
 }  // namespace fluxgs

@@ -8,6 +8,7 @@
 
 #include "trainer/compress/sh_fit.h"
 #include "trainer/compress/shape_hessian.h"
+#include "trainer/data/dataset.h"
 
 namespace fluxgs {
 namespace {
@@ -49,16 +50,20 @@ std::vector<float> sh_factors(const PlanarFloats& parameters, const ViewWeights&
   return result;
 }
 
-SensitivityWeights view_sensitivity(const std::vector<Camera>& cameras, const SplatCloud& cloud,
+SensitivityWeights view_sensitivity(const std::vector<Camera>& all, const SplatCloud& cloud,
                                     bool has_networks, const RenderOptions& asked,
-                                    const Threads& threads, const ProgressReport& progress) {
+                                    const Threads& threads, const WorkControl& control) {
   const RenderOptions render = for_scene(asked, cloud.filter);
   const PlanarFloats parameters = to_parameters(cloud, cloud.sh_degree);
-  const ViewWeights views = view_weights(parameters, cameras, render, threads, progress);
+  const std::vector<Camera> cameras = spread_cameras(all, kSensitivityViews);
+  const ProgressParts parts(control.progress, {1, has_networks ? 0.0 : 4.0});
+  const ViewWeights views =
+      view_weights(parameters, cameras, render, threads, {parts.part(0), control.stop});
   SensitivityWeights sensitivity{.weights = total_weights(views)};
   if (has_networks) return sensitivity;
   sensitivity.sh_factors = sh_factors(parameters, views, threads);
-  ShapeHessian hessian = shape_hessian(parameters, cameras, render, threads, progress);
+  ShapeHessian hessian =
+      shape_hessian(parameters, cameras, render, threads, {parts.part(1), control.stop});
   sensitivity.scale = std::move(hessian.scale);
   sensitivity.rotation = std::move(hessian.rotation);
   return sensitivity;

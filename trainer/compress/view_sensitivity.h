@@ -28,9 +28,13 @@ inline constexpr double kSphereShare = 0.01;
 std::vector<float> sh_factors(const PlanarFloats& parameters, const ViewWeights& views,
                               const Threads& threads);
 
-/// Costs of errors in the images of the cameras; where networks make the colours, only weights.
+/// The most views that view_sensitivity() looks at, so that its time has a limit.
+inline constexpr std::size_t kSensitivityViews = 100;
+
+/// Costs of errors in the images of the cameras, or of kSensitivityViews of them, evenly spread;
+/// where networks make the colours, only weights. Of no use after a stop.
 SensitivityWeights view_sensitivity(const std::vector<Camera>& cameras, const SplatCloud& cloud,
                                     bool has_networks, const RenderOptions& render,
-                                    const Threads& threads, const ProgressReport& progress = {});
+                                    const Threads& threads, const WorkControl& control = {});
 
 }  // namespace fluxgs

@@ -21,9 +21,10 @@ struct ViewWeights {
   double pixels = 0;                     ///< of all views together
 };
 
-/// `parameters`: rows as in model/parameters.h. A forward pass and one of scores for each view.
+/// `parameters`: rows as in model/parameters.h. A forward pass and one of scores for each view;
+/// after a stop the weights of further views are 0.
 ViewWeights view_weights(const PlanarFloats& parameters, const std::vector<Camera>& cameras,
                          const RenderOptions& options, const Threads& threads,
-                         const ProgressReport& progress = {});
+                         const WorkControl& control = {});
 
 }  // namespace fluxgs

@@ -1,6 +1,7 @@
 #include "trainer/densify/densification.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -15,7 +16,8 @@ namespace {
 
 class Densification final : public Phase {
  public:
-  explicit Densification(const DensificationOptions& options) : options_(options) {}
+  Densification(const DensificationOptions& options, int score_views)
+      : options_(options), score_views_(score_views) {}
 
   const char* name() const override { return "densification"; }
   PlanRow plan() const override {
@@ -28,6 +30,12 @@ class Densification final : public Phase {
                 : options_.prune == Prune::opacity   ? ", prunes transparent ones"
                 : options_.prune == Prune::multiview ? ", prunes by multi-view score"
                                                      : "")};
+  }
+  PhaseWork work(int iteration, std::size_t) const override {
+    if (!plan().due(iteration)) return {};
+    const bool scores =
+        options_.strategy == Densify::multiview || options_.prune == Prune::multiview;
+    return {.renders = scores ? 2.0 * score_views_ : 0.1, .growth = expected_growth()};
   }
   void after_backward(Training& t) override {
     if (options_.strategy != Densify::mcmc && t.state.iteration <= options_.until)
@@ -49,7 +57,14 @@ class Densification final : public Phase {
   }
 
  private:
+  double expected_growth() const {
+    if (options_.strategy == Densify::mcmc) return std::log1p(options_.mcmc_growth);
+    // Most of what may be added is, and some splats are pruned
+    return options_.growth > 0 ? 0.9 * std::log1p(options_.growth) : 0.4;
+  }
+
   DensificationOptions options_;
+  int score_views_;
 };
 
 class PositionNoise final : public Phase {
@@ -139,7 +154,7 @@ std::unique_ptr<Phase> make_densification(TrainOptions& options) {
   auto& scores = options.get<ScoreOptions>();
   scores.uses_plus |= own.strategy == Densify::multiview;
   scores.uses_minus |= own.strategy != Densify::mcmc && own.prune == Prune::multiview;
-  return std::make_unique<Densification>(own);
+  return std::make_unique<Densification>(own, scores.views);
 }
 
 std::unique_ptr<Phase> make_position_noise(TrainOptions& options) {

@@ -37,9 +37,11 @@ SplatScores contributions(const Training& t) {
     std::ranges::transform(sums, more, sums.begin(), std::plus<>());
   };
   BlendWeights weights(t.state.parameters, t.render_options(), t.threads);
+  ProgressCounter counter(t.control.progress, t.data.train.size());
   for (const View& view : t.data.train) {
     add(scores.contribution, weights.of(view.camera, view.used));
     add(scores.pixels, weights.pixels());
+    counter.add_one();
   }
   return scores;
 }
@@ -58,7 +60,13 @@ class LatePruning final : public Phase {
                                       100 * options_.share)
                         : fmt::format("removes splats of opacity below {:g}", options_.opacity)};
   }
-  bool reports(const TrainState& state) const override { return plan().due(state.iteration); }
+  bool reports(int iteration) const override { return plan().due(iteration); }
+  PhaseWork work(int iteration, std::size_t views) const override {
+    if (!reports(iteration)) return {};
+    return {
+        .renders = 1.5 * static_cast<double>(options_.mode == LatePrune::contribution ? views : 6),
+        .growth = -0.05};
+  }
   std::optional<PhaseReport> after_step(Training& t) override {
     if (!plan().due(t.state.iteration)) return {};
     prune_late(t.state, t.options,

@@ -22,7 +22,10 @@ class MaskPruning final : public Phase {
             .interval = fifth,
             .what = "removes splats that are seen in masked parts of photos only"};
   }
-  bool reports(const TrainState& state) const override { return plan().due(state.iteration); }
+  bool reports(int iteration) const override { return plan().due(iteration); }
+  PhaseWork work(int iteration, std::size_t views) const override {
+    return {.renders = reports(iteration) ? 1.5 * static_cast<double>(views) : 0};
+  }
   std::optional<PhaseReport> after_step(Training& t) override {
     if (!plan().due(t.state.iteration)) return {};
     t.complete_colors();

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -60,6 +61,21 @@ bool parse(std::string_view text, Number& value) {
   return status == std::errc() && rest == text.data() + text.size();
 }
 
+/// A whole number as people write it: 30000, 3e4, 30k, 1.5M. Nothing for other text and beyond 2⁵³,
+/// up to which doubles hold all whole numbers.
+std::optional<double> whole_number(std::string_view text) {
+  double factor = 1;
+  if (text.ends_with('k') || text.ends_with('K')) factor = 1e3;
+  if (text.ends_with('M')) factor = 1e6;
+  if (factor > 1) text.remove_suffix(1);
+  double number = 0;
+  if (!parse(text, number)) return {};
+  const double value = std::round(number * factor);
+  constexpr double kRounding = 1e-6;
+  if (!(std::abs(value - number * factor) < kRounding && std::abs(value) <= 0x1p53)) return {};
+  return value;
+}
+
 /// `value` in the place of the name among `names`; false if it is not there.
 bool find_name(std::span<const std::string_view> names, std::string_view text, int& value) {
   const auto at = std::ranges::find(names, text);
@@ -69,14 +85,19 @@ bool find_name(std::span<const std::string_view> names, std::string_view text, i
 
 bool assign(OptionField& f, std::string_view text) {
   if (auto** p = std::get_if<int*>(&f.value)) {
-    double number = 0;
-    if (!parse(text, number) || number != std::floor(number) || std::abs(number) > kUnlimited)
-      return false;
-    **p = static_cast<int>(number);
+    const auto number = whole_number(text);
+    if (!number || std::abs(*number) > kUnlimited) return false;
+    **p = static_cast<int>(*number);
     return true;
   }
   if (auto** p = std::get_if<double*>(&f.value)) return parse(text, **p);
-  if (auto** p = std::get_if<std::uint64_t*>(&f.value)) return parse(text, **p);
+  if (auto** p = std::get_if<std::uint64_t*>(&f.value)) {
+    if (parse(text, **p)) return true;
+    const auto number = whole_number(text);
+    if (!number || *number < 0) return false;
+    **p = static_cast<std::uint64_t>(*number);
+    return true;
+  }
   int index = 0;
   if (auto** p = std::get_if<bool*>(&f.value)) {
     if (!find_name(kOffOn, text, index)) return false;

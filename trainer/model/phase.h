@@ -16,6 +16,7 @@
 #include "fluxgs/error.h"
 #include "fluxgs/splat_cloud.h"
 #include "trainer/core/parallel.h"
+#include "trainer/core/progress.h"
 #include "trainer/model/options.h"
 #include "trainer/model/train_state.h"
 
@@ -57,6 +58,16 @@ struct PlanRow {
   bool due(int iteration) const;
 };
 
+/// Work that takes time, in units that scale with images and splats.
+struct PhaseWork {
+  double renders = 0;  ///< of full-size training views that take about as long
+  double files = 0;    ///< compact files of the scene, written and read
+  double growth = 0;   ///< change of the logarithm of the number of splats, as one expects
+
+  /// One number for a progress bar.
+  double share() const { return renders + 3 * files; }
+};
+
 /// The running training, as phases see it.
 class Training {
  public:
@@ -84,6 +95,8 @@ class Training {
 
   /// dB over the training views, measured just before after_step() where the phase reports().
   double train_psnr = 0;
+  /// Long work of phases and of the trainer is shown here, and stopped from here.
+  WorkControl control = {};
 
   /// Exchanges true and changed opacities, if there are any.
   void exchange_opacities();
@@ -96,7 +109,8 @@ class Training {
   /// Lets the parameters hold the colours of all splats, also those that were not visible lately.
   virtual void complete_colors() = 0;
   virtual SplatCloud cloud() const = 0;  ///< the scene as it is shown
-  /// dB, the mean over views, each kMaxPsnr at most; 0 without any.
+  /// dB, the mean over views (of many a hundred, evenly spread), each kMaxPsnr at most; 0 without
+  /// any.
   virtual double mean_psnr(const std::vector<View>& views) const = 0;
 
  protected:
@@ -130,8 +144,16 @@ class Phase {
   virtual void before_render(Training&) {}
   /// Uses or changes gradients; parameters have not moved yet.
   virtual void after_backward(Training&) {}
-  /// True if after_step() is an event of this iteration, whose effect is measured.
-  virtual bool reports(const TrainState&) const { return false; }
+  /// True if after_step() of this iteration is an event, whose effect is measured.
+  virtual bool reports(int /*iteration*/) const { return false; }
+  /// What the phase does at this iteration beside what it does at all of them. `views`: of the
+  /// training.
+  virtual PhaseWork work(int /*iteration*/, std::size_t /*views*/) const { return {}; }
+  /// Pixels of the training images at this iteration, as a share of all.
+  virtual double pixel_share(int /*iteration*/) const { return 1; }
+  /// True if a stop (Training::control) ends after_step() before it is done: the training can then
+  /// only go on from a checkpoint of the iteration before.
+  virtual bool can_be_stopped() const { return false; }
   /// Changes the scene, after the optimiser has moved the parameters. Returns a report of what
   /// happened, if anything did that a user wants to know.
   virtual std::optional<PhaseReport> after_step(Training&) { return {}; }

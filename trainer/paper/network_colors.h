@@ -48,7 +48,10 @@ class NetworkColors final : public Phase {
   PlanRow plan() const override;
   void before_render(Training& t) override;
   void after_backward(Training& t) override;
-  bool reports(const TrainState& state) const override { return state.iteration == iteration_; }
+  bool reports(int iteration) const override { return iteration == iteration_; }
+  PhaseWork work(int iteration, std::size_t views) const override {
+    return {.renders = reports(iteration) ? static_cast<double>(views) : 0};
+  }
   std::optional<PhaseReport> after_step(Training& t) override;
   bool has_colors() const override { return model_.has_value(); }
   void bake_colors(const TrainState& state, PlanarFloats& parameters) const override;

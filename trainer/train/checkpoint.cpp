@@ -1,8 +1,10 @@
 #include "trainer/train/checkpoint.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <limits>
 #include <optional>
 #include <sstream>
@@ -41,6 +43,33 @@ int whole_int(const json& value) {
                                                    std::numeric_limits<int>::max()));
 }
 
+json start_json(const std::optional<InitialView>& start) {
+  if (!start) return nullptr;
+  const glm::dvec3 &at = start->position, &up = start->up;
+  const glm::dquat& q = start->orientation;
+  return {{"position", {at.x, at.y, at.z}},
+          {"orientation", {q.w, q.x, q.y, q.z}},
+          {"fov_y", start->fov_y},
+          {"up", {up.x, up.y, up.z}},
+          {"image_size", {start->image_width, start->image_height}}};
+}
+
+/// Nothing of numbers that no view has.
+std::optional<InitialView> read_start(const json& start) {
+  if (start.is_null()) return {};
+  const auto p = start.at("position").get<std::array<double, 3>>();
+  const auto q = start.at("orientation").get<std::array<double, 4>>();
+  const auto up = start.at("up").get<std::array<double, 3>>();
+  const auto size = start.at("image_size").get<std::array<int, 2>>();
+  const InitialView view{.position = {p[0], p[1], p[2]},
+                         .orientation = {q[0], q[1], q[2], q[3]},
+                         .fov_y = start.at("fov_y").get<double>(),
+                         .up = {up[0], up[1], up[2]},
+                         .image_width = size[0],
+                         .image_height = size[1]};
+  return is_sound(view) ? std::optional(view) : std::nullopt;
+}
+
 json header_of(const Checkpoint& c) {
   std::ostringstream random;
   random << c.state.random;
@@ -66,7 +95,8 @@ json header_of(const Checkpoint& c) {
           {"random", random.str()},
           {"view_order", c.state.view_order},
           {"next_view", c.state.next_view},
-          {"history", c.history}};
+          {"history", c.history},
+          {"start", start_json(c.start)}};
 }
 
 /// The value of an option from its text or number; what is out of range is refused later.
@@ -102,6 +132,7 @@ void read_header(const json& header, Checkpoint& c) {
   c.state.next_view = static_cast<std::uint32_t>(whole_int(header.at("next_view")));
   c.state.max_pairs = header.at("max_pairs").get<double>();
   c.history = header.at("history").get<std::string>();
+  if (const auto start = header.find("start"); start != header.end()) c.start = read_start(*start);
 }
 
 StateLayout read_layout(const json& header) {
@@ -240,6 +271,30 @@ Expected<Checkpoint> read_checkpoint(const std::filesystem::path& path) {
   if (auto ok = check_phases(c.state, c.options); !ok)
     return bad(ok.error().field.c_str(), ok.error().what);
   return c;
+}
+
+bool is_checkpoint(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;
+  char begin[kMagicSize] = {};
+  std::ifstream(path, std::ios::binary).read(begin, sizeof begin);
+  return std::memcmp(begin, kMagic, kMagicSize) == 0;
+}
+
+SplatCloud scene_of(const Checkpoint& checkpoint) {
+  const TrainState& state = checkpoint.state;
+  PlanarFloats parameters = state.parameters;
+  const Schedule schedule = plan_schedule(checkpoint.options);
+  for (const auto& phase : schedule.phases) {
+    // What a checkpoint holds was checked when it was read
+    if (const auto values = state.phase_values.find(phase->name());
+        values != state.phase_values.end())
+      (void)phase->load(values->second, state);
+    if (phase->has_colors()) phase->bake_colors(state, parameters);
+  }
+  SplatCloud cloud = to_cloud(parameters, sh_degree_of(parameters));
+  cloud.filter = schedule.options.render.filter.value_or(ScreenFilter{});
+  return cloud;
 }
 
 }  // namespace fluxgs

@@ -3,11 +3,14 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include <nlohmann/json_fwd.hpp>
 
 #include "fluxgs/error.h"
+#include "fluxgs/io/initial_view.h"
+#include "fluxgs/splat_cloud.h"
 #include "trainer/data/dataset.h"
 #include "trainer/model/options.h"
 #include "trainer/model/train_state.h"
@@ -22,6 +25,7 @@ struct Checkpoint {
   std::uint64_t views_hash = 0;  ///< hash_views() of them; checked when the run goes on
   TrainState state;
   std::string history = {};  ///< the caller's, of what was before; nothing here looks at it
+  std::optional<InitialView> start = {};  ///< of the scene
 };
 
 /// Every option by its name on the command line, for checkpoints and reports.
@@ -39,5 +43,11 @@ Expected<void> write_checkpoint(const std::filesystem::path& path, const Checkpo
 /// Errors: not a checkpoint, another version, damaged content, values that no training with its
 /// options has, sizes that disagree with the file's.
 Expected<Checkpoint> read_checkpoint(const std::filesystem::path& path);
+
+/// True for a file that begins as a checkpoint does.
+bool is_checkpoint(const std::filesystem::path& path);
+
+/// The scene that a checkpoint has trained so far.
+SplatCloud scene_of(const Checkpoint& checkpoint);
 
 }  // namespace fluxgs

@@ -28,16 +28,18 @@ class ProgressiveResolution final : public Phase {
     return fmt::format("images stay halved to the end: --resolution-until {} of {} iterations",
                        options_.until, iterations_);
   }
-  void begin(Training& t) override {
-    const int left = options_.until - t.state.iteration;
-    // Each size for the same number of iterations
-    const int level = left <= 0 ? 0
-                                : static_cast<int>(std::ceil(static_cast<double>(options_.levels) *
-                                                             left / options_.until));
-    t.views = &pyramid_.at(level);
-  }
+  void begin(Training& t) override { t.views = &pyramid_.at(level(t.state.iteration)); }
+  double pixel_share(int iteration) const override { return std::pow(0.25, level(iteration - 1)); }
 
  private:
+  /// Each size for the same number of iterations. `done`: iterations.
+  int level(int done) const {
+    const int left = options_.until - done;
+    return left <= 0 ? 0
+                     : static_cast<int>(
+                           std::ceil(static_cast<double>(options_.levels) * left / options_.until));
+  }
+
   ProgressiveResolutionOptions options_;
   int iterations_;
   ViewPyramid pyramid_;

@@ -49,8 +49,7 @@ Expected<Candidate> with_networks(const AppearanceModel& model, const TrainState
 }  // namespace
 
 Expected<StoredScene> store_scene(const Trainer& trainer, const std::vector<View>& views,
-                                  const Threads& threads,
-                                  const std::function<void(const CompactTrial&)>& on_trial) {
+                                  const Threads& threads, const WorkControl& control) {
   const TrainState& state = trainer.state;
   if (state.parameters.size() == 0) {
     auto empty = encode_compact_glb(trainer.cloud(), {}, kCompactFileName);
@@ -62,18 +61,21 @@ Expected<StoredScene> store_scene(const Trainer& trainer, const std::vector<View
 
   const SplatCloud shown = trainer.cloud();
   const CompactGoal goal{cameras_of(views), trainer.options.render, trainer.compressed_psnr()};
-  const auto smallest = [&](const Candidate& c) {
-    return compact_within(c.cloud, shown, goal, c.options, threads, on_trial);
-  };
-  auto direct = smallest(plain(shown));
-  if (!direct) return std::unexpected(direct.error());
   const NetworkColors* networks = network_colors(trainer.schedule());
+  const ProgressParts parts(control.progress, {1, networks ? 1.0 : 0.0});
+  const auto smallest = [&](const Candidate& c, std::size_t part) {
+    return compact_within(c.cloud, shown, goal, c.options, threads,
+                          {parts.part(part), control.stop});
+  };
+  auto direct = smallest(plain(shown), 0);
+  if (!direct) return std::unexpected(direct.error());
   if (!networks) return opened(std::move(direct->file));
 
   auto candidate = with_networks(*networks->model(), state);
   if (candidate) candidate->cloud.filter = shown.filter;
-  auto made = candidate ? smallest(*candidate) : std::unexpected(candidate.error());
+  auto made = candidate ? smallest(*candidate, 1) : std::unexpected(candidate.error());
   const std::size_t direct_bytes = direct->file.size();
+  if (!made && control.stopped()) return std::unexpected(made.error());
   if (!made) {
     auto without = opened(std::move(direct->file));
     if (without) without->networks_error = made.error();

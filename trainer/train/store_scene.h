@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -25,10 +24,8 @@ struct StoredScene {
 
 /// The state as a compact file: the file of a phase that has decided how it is quantized, otherwise
 /// the smallest one that is found with Trainer::compressed_psnr(). Networks go into it only if it
-/// is then smaller than with the colours that they make. `on_trial` may be empty. Errors name the
-/// attribute.
+/// is then smaller than with the colours that they make. Errors name the attribute; a stop is one.
 Expected<StoredScene> store_scene(const Trainer& trainer, const std::vector<View>& views,
-                                  const Threads& threads,
-                                  const std::function<void(const CompactTrial&)>& on_trial);
+                                  const Threads& threads, const WorkControl& control = {});
 
 }  // namespace fluxgs

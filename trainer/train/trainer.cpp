@@ -138,13 +138,17 @@ std::vector<std::uint8_t> Trainer::visible_of_degree(int degree) const {
 double Trainer::mean_psnr(const std::vector<View>& of) const {
   if (of.empty()) return 0;
   const ViewRenderer renderer = cpu_view_renderer(cloud(), options.render, threads);
+  const std::size_t count = std::min(of.size(), kMeasuredViews);
+  ProgressCounter counter(control.progress, count);
   PlanarImage target;
   double sum = 0;
-  for (const View& one : of) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const View& one = of[(2 * i + 1) * of.size() / (2 * count)];  // evenly spread
     to_planar(one.rgb, threads, target);
     sum += std::min(psnr(*renderer(one.camera), target, one.used), kMaxPsnr);
+    counter.add_one();
   }
-  return sum / static_cast<double>(of.size());
+  return sum / static_cast<double>(count);
 }
 
 double Trainer::compressed_psnr() const {
@@ -159,23 +163,53 @@ std::uint64_t Trainer::rejected_gradients() const {
 
 void Trainer::run_after_step(Phase& phase, IterationReport& report) {
   ProfileScope scope(profiler, phase.name());
-  const bool measures = phase.reports(state);
-  double test_psnr = 0;
-  const std::size_t splats = state.parameters.size();
-  if (measures) {
-    train_psnr = mean_psnr(data.train);
-    test_psnr = mean_psnr(data.test);
-  }
+  if (phase.reports(state.iteration)) return run_event(phase, report);
   std::optional<PhaseReport> event = phase.after_step(*this);
-  if (!event) return;
-  event->name = phase.name();
-  event->iteration = state.iteration;
-  event->splats = {splats, state.parameters.size()};
-  if (measures && !event->error) {
-    event->train_psnr = {train_psnr, mean_psnr(data.train)};
-    if (!data.test.empty()) event->test_psnr = {test_psnr, mean_psnr(data.test)};
+  if (event) add_event(phase, std::move(*event), state.parameters.size(), report);
+}
+
+/// Measures before and after. One progress is of all of it.
+void Trainer::run_event(Phase& phase, IterationReport& report) {
+  const WorkControl outer = control;
+  const auto renders = [](const std::vector<View>& of) {
+    return static_cast<double>(std::min(of.size(), kMeasuredViews));
+  };
+  const double train = renders(data.train), test = renders(data.test);
+  const ProgressParts parts(
+      outer.progress,
+      {train, test, phase.work(state.iteration, data.train.size()).share(), train, test});
+  const auto measured = [&](const std::vector<View>& of, std::size_t part) {
+    control.progress = parts.part(part);
+    return mean_psnr(of);
+  };
+  train_psnr = measured(data.train, 0);
+  const double test_psnr = measured(data.test, 1);
+  const std::size_t splats = state.parameters.size();
+  control.progress = parts.part(2);
+  std::optional<PhaseReport> event = phase.after_step(*this);
+  const bool stopped = event && event->error && control.stopped();
+  report.stopped = report.stopped || stopped;
+  if (event && !event->error) {
+    event->train_psnr = {train_psnr, measured(data.train, 3)};
+    const double test_after = measured(data.test, 4);
+    if (!data.test.empty()) event->test_psnr = {test_psnr, test_after};
   }
-  report.phases.push_back(std::move(*event));
+  control = outer;
+  if (event && !stopped) add_event(phase, std::move(*event), splats, report);
+}
+
+void Trainer::add_event(const Phase& phase, PhaseReport event, std::size_t splats_before,
+                        IterationReport& report) const {
+  event.name = phase.name();
+  event.iteration = state.iteration;
+  event.splats = {splats_before, state.parameters.size()};
+  report.phases.push_back(std::move(event));
+}
+
+const Phase* Trainer::event_at(int iteration) const {
+  for (const auto& phase : schedule_.phases)
+    if (phase->reports(iteration)) return phase.get();
+  return nullptr;
 }
 
 IterationReport Trainer::step() {

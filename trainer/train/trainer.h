@@ -16,12 +16,16 @@
 
 namespace fluxgs {
 
+/// The most views whose mean PSNR is measured, evenly spread.
+inline constexpr std::size_t kMeasuredViews = 100;
+
 /// Result of one iteration.
 struct IterationReport {
   double loss = 0;  ///< without penalties, of the image at its size in this iteration
   PhotometricSums sums;
   RasterCounts raster;
   std::vector<PhaseReport> phases;  ///< of the events that took place
+  bool stopped = false;             ///< an event was not done: the state is that of no iteration
 };
 
 /// The scene's size: 1.1 × the largest distance of a camera from their mean (3DGS).
@@ -39,6 +43,9 @@ class Trainer final : public Training {
           const Threads& pool, Profiler& times);
 
   bool done() const { return state.iteration >= options.iterations; }
+  /// The phase with an event at this iteration, which then takes longer than others; null where
+  /// there is none.
+  const Phase* event_at(int iteration) const;
   IterationReport step();
 
   const Schedule& schedule() const { return schedule_; }
@@ -61,6 +68,9 @@ class Trainer final : public Training {
   void optimize();
   std::vector<std::uint8_t> visible_of_degree(int degree) const;
   void run_after_step(Phase& phase, IterationReport& report);
+  void run_event(Phase& phase, IterationReport& report);
+  void add_event(const Phase& phase, PhaseReport event, std::size_t splats_before,
+                 IterationReport& report) const;
 
   // Training refers to these
   struct Owned {

@@ -17,19 +17,21 @@
 #include "fluxgs/io/initial_view.h"
 #include "fluxgs/io/scene.h"
 #include "run_command.h"
+#include "small_capture.h"
 #include "support/scenes.h"
 #include "support/temp_folder.h"
-#include "tools/capture/capture.h"
 
 namespace fluxgs {
 namespace {
 
 using nlohmann::json;
+using test::capture_folder;
 using test::expect_error;
 using test::fluxgs;
 using test::Outcome;
 using test::quoted;
 using test::text_of;
+using test::train;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -40,24 +42,6 @@ std::size_t files_in(const std::filesystem::path& folder) {
 
 void write_text(const std::filesystem::path& path, const std::string& text) {
   std::ofstream(path) << text;
-}
-
-/// A small capture in a folder of its own, kept for the whole program.
-const std::filesystem::path& capture_folder() {
-  static const test::TempFolder folder;
-  static const bool made = [] {
-    capture::CaptureOptions options;
-    options.width = 64, options.height = 48, options.train = 12, options.test = 2,
-    options.samples = 1;
-    return capture::write_capture(folder.path(), options).has_value();
-  }();
-  if (!made) throw std::runtime_error("cannot make a capture");
-  return folder.path();
-}
-
-std::string train(const std::filesystem::path& out, const std::string& more) {
-  return fmt::format("train {} -o {} --max-splats 2000 {}", quoted(capture_folder()), quoted(out),
-                     more);
 }
 
 TEST(Command, TrainsEvaluatesRendersConvertsAndInforms) {
@@ -127,8 +111,8 @@ TEST(Command, MasksAreIgnoredCarvedOrLeftAside) {
   small.occluder = true;
   ASSERT_TRUE(capture::write_capture(data, small));
   const auto run = [&](const std::string& more) {
-    return fluxgs(fmt::format("train {} -o {} --max-splats 2000 --iterations 30 {}", quoted(data),
-                              quoted(scene), more));
+    return fluxgs(fmt::format("train {} -o {} --force --max-splats 2000 --iterations 30 {}",
+                              quoted(data), quoted(scene), more));
   };
   const Outcome trained = run("--json " + quoted(folder / "report.json"));
   ASSERT_EQ(trained.status, 0) << trained.err;
@@ -173,7 +157,9 @@ TEST(Command, ATrainingWhoseSceneCannotBeWrittenIsSaved) {
   const int status = std::system(fmt::format("sh {}", quoted(folder / "run.sh")).c_str());
   const std::string said = text_of(folder / "said");
   ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 1) << said;
-  EXPECT_NE(said.find("Checkpoint saved. Resume with: fluxgs train "), std::string::npos) << said;
+  EXPECT_NE(said.find("Checkpoint of iteration 300 saved. Resume with: fluxgs train "),
+            std::string::npos)
+      << said;
   std::filesystem::remove(scene);
   const Outcome stored =
       fluxgs(fmt::format("train {} -o {} --resume {} --json -", quoted(capture_folder()),
@@ -195,6 +181,7 @@ TEST(Command, UnknownNamesSuggestTheNearest) {
       {"train x -o y.glb --iteratoins 3",
        "unknown option --iteratoins; did you mean --iterations?"},
       {"train x -o y.glb --late-prun-share=3", "did you mean --late-prune-share?"},
+      {"train x -o y.glb 10 --iteration", "unknown option --iteration; did you mean --iterations?"},
       {"eval --dta x y.glb", "did you mean --data?"},
       {"info x.glb y.glb", "unknown argument y.glb (see --help)"},
       {"frobnicate", "unknown sub-command frobnicate (see --help)"},
@@ -216,9 +203,9 @@ TEST(Command, WrongUsageIsStatusTwoAndHelpHasExamples) {
   EXPECT_EQ(fluxgs("train x -o y.glb --iterations 5.5").status, 2);
   EXPECT_EQ(fluxgs("train x -o y.glb --position-lr nan").status, 2);
   EXPECT_EQ(fluxgs("train x -o y.glb --background nan,0,0").status, 2);
-  for (const char* seed : {"-1", "18446744073709551616", "0x2", "1e3", "''"})
+  for (const char* seed : {"-1", "18446744073709551616", "0x2", "1.5", "''"})
     EXPECT_EQ(fluxgs(fmt::format("train x -o y.glb --seed {}", seed)).status, 2) << seed;
-  EXPECT_EQ(fluxgs("train x -o y.glb --resume z.ckpt --iterations 9").status, 2);
+  EXPECT_EQ(fluxgs("train x -o y.glb --resume z.ckpt --seed 9").status, 2);
   EXPECT_EQ(fluxgs("train x -o y.glb --float-output ./y.glb").status, 2);
   EXPECT_EQ(fluxgs("convert x.ply y.glb --threads 2").status, 2);
   EXPECT_EQ(fluxgs("convert x.ply y.glb --min-psnr 40 --downscale 2").status, 2);
@@ -508,6 +495,8 @@ TEST(Command, InputIsNeverOverwritten) {
   const std::string before = text_of(poses);
   expect_error(fluxgs(train(folder / "x.glb", "--iterations 1 --json " + quoted(poses))),
                {"transforms_train.json"});
+  expect_error(fluxgs(train(folder / "x.glb", "--iterations 1 --force --json " + quoted(poses))),
+               {"transforms_train.json", "outside of the data set"});
   EXPECT_EQ(text_of(poses), before);
   const test::TempFolder own;  // a data set with points in a .ply
   std::filesystem::copy(capture_folder(), own.path(), std::filesystem::copy_options::recursive);
@@ -517,7 +506,7 @@ TEST(Command, InputIsNeverOverwritten) {
   write_text(own / "transforms_train.json", with_points.dump());
   const std::string points = text_of(own / "points.ply");
   for (const char* option : {"-o", "-o x.glb --float-output"})
-    expect_error(fluxgs(fmt::format("train {} {} {}", quoted(own.path()), option,
+    expect_error(fluxgs(fmt::format("train {} --force {} {}", quoted(own.path()), option,
                                     quoted(own / "points.ply"))),
                  {"points.ply", "points of the data set"});
   EXPECT_EQ(text_of(own / "points.ply"), points);
@@ -607,11 +596,11 @@ TEST(Command, TrainingStaysWithinItsMemory) {
 #endif
   const test::TempFolder folder;
   const auto peak_of = [&](const std::string& limit) {
-    const Outcome run = fluxgs(
-        fmt::format("train {} -o {} --json {} --preset 3dgs --iterations 110 --densify-from 20 "
-                    "--densify-interval 15 --densify-until 100 --densify-gradient 1e-7 {}",
-                    quoted(capture_folder()), quoted(folder / "scene.glb"),
-                    quoted(folder / "run.json"), limit));
+    const Outcome run = fluxgs(fmt::format(
+        "train {} -o {} --json {} --force --preset 3dgs --iterations 110 --densify-from 20 "
+        "--densify-interval 15 --densify-until 100 --densify-gradient 1e-7 {}",
+        quoted(capture_folder()), quoted(folder / "scene.glb"), quoted(folder / "run.json"),
+        limit));
     EXPECT_EQ(run.status, 0) << run.err;
     constexpr double kMebibyte = 1 << 20;
     return json::parse(text_of(folder / "run.json"))["peak_memory_bytes"].get<double>() / kMebibyte;
@@ -644,7 +633,7 @@ TEST(Command, OutOfMemoryIsALine) {
 TEST(Command, SaysWhenQuantizationIsNotAsAskedFor) {
   const test::TempFolder folder;
   const auto said = [&](const std::string& options) {
-    return fluxgs(train(folder / "scene.glb", "--iterations 60 " + options)).err;
+    return fluxgs(train(folder / "scene.glb", "--force --iterations 60 " + options)).err;
   };
   EXPECT_THAT(
       said("--densify-until 60 --quantize-from 20"),
@@ -659,7 +648,7 @@ TEST(Command, SaysWhenQuantizationIsNotAsAskedFor) {
 TEST(Command, SaysWhichOptionsDoNothing) {
   const test::TempFolder folder;
   const auto said = [&](const std::string& options) {
-    return fluxgs(train(folder / "scene.glb", "--iterations 20 " + options)).err;
+    return fluxgs(train(folder / "scene.glb", "--force --iterations 20 " + options)).err;
   };
   EXPECT_THAT(said("--psi off --samples 64"), HasSubstr("--psi has no effect, expected"));
   EXPECT_THAT(said("--target-splats 1500"), HasSubstr("densification never takes place"));

@@ -24,8 +24,8 @@ class DataOptions : public testing::Test {
   }
   std::filesystem::path data() const { return folder_ / "capture"; }
   Outcome train(const std::string& more) const {
-    return fluxgs(fmt::format("train {} -o {} --iterations 5 --max-splats 500 {}", quoted(data()),
-                              quoted(folder_ / "a.ply"), more));
+    return fluxgs(fmt::format("train {} -o {} --force --iterations 5 --max-splats 500 {}",
+                              quoted(data()), quoted(folder_ / "a.ply"), more));
   }
   const TempFolder folder_;
 };

@@ -94,6 +94,30 @@ TEST_F(Window, ShowsWhatRenderDraws) {
   expect_window_shows(play(json::array({kPrint}), 2), 320, 240);
 }
 
+// --follow: what is drawn last is what was written last
+TEST_F(Window, FollowsAFileThatIsWrittenAgain) {
+  ASSERT_TRUE(write_scene(folder_ / "other.ply", test::random_cloud(300, 1, 9)));
+  std::ofstream(folder_ / "camera.json")
+      << R"([{"name":"a","position":[0,0,-4],"target":[0,0,0],"up":[0,-1,0],"fovY":50}])";
+  const std::string options = "--size 64x48 --camera " + quoted(folder_ / "camera.json");
+  const auto shot = [&](const char* name) { return " --screenshot " + quoted(folder_ / name); };
+  std::ofstream(folder_ / "follow.sh") << fmt::format(
+      "'{}' view {} {} --follow --frames 3000 {} 2>{} &\n"
+      "while ! grep -q 'GL renderer' {} && kill -0 $!; do sleep 0.01; done\n"
+      "mv {} {}\nwait $!\n",
+      FLUXGS_BINARY, quoted(folder_ / "scene.ply"), options, shot("followed.png"),
+      quoted(folder_ / "err"), quoted(folder_ / "err"), quoted(folder_ / "other.ply"),
+      quoted(folder_ / "scene.ply"));
+  const std::string before = fmt::format("DISPLAY={} ", display_.name());
+  ASSERT_EQ(std::system((before + "sh " + quoted(folder_ / "follow.sh")).c_str()), 0)
+      << test::text_of(folder_ / "err");
+  ASSERT_EQ(view(options + " --frames 3" + shot("other.png")).status, 0);
+  const auto followed = read_image(folder_ / "followed.png");
+  const auto other = read_image(folder_ / "other.png");
+  ASSERT_TRUE(followed && other);
+  EXPECT_GT(psnr(*followed, *other), 45);
+}
+
 TEST_F(Window, FollowsTheMouseTheKeysAndItsSize) {
   const json script = {
       {{"step", 1}, {"button", "left"}, {"down", true}, {"at", {100, 100}}},

@@ -13,10 +13,7 @@
 #include "trainer/data/scene_focus.h"
 
 namespace fluxgs::cli {
-namespace {
-
-/// The view that the others lie around: from the edge of a capture, half of the ways to
-/// turn lead to where nothing was seen.
+// From the edge of a capture, half of the ways to turn lead to where nothing was seen.
 const View& middle_of(const std::vector<View>& views) {
   const auto distances = [&](const View& view) {
     double sum = 0;
@@ -32,6 +29,8 @@ const View& middle_of(const std::vector<View>& views) {
   }
   return *best;
 }
+
+namespace {
 
 struct NamedUp {
   glm::dvec3 direction;
@@ -61,11 +60,14 @@ camera::ViewState view_into(const camera::SceneBounds& bounds, const Camera& cam
 }  // namespace
 
 InitialView initial_view_of(const std::vector<View>& views) {
-  const camera::ViewState view = camera::view_of(middle_of(views).camera, 1);
+  const Camera& middle = middle_of(views).camera;
+  const camera::ViewState view = camera::view_of(middle, 1);
   return {.position = camera::eye(view),
           .orientation = view.orientation,
           .fov_y = view.fov,
-          .up = camera::up_of_cameras(cameras_of(views)).direction};
+          .up = camera::up_of_cameras(cameras_of(views)).direction,
+          .image_width = middle.width,
+          .image_height = middle.height};
 }
 
 Expected<std::optional<glm::dvec3>> parse_up(const std::string& text) {

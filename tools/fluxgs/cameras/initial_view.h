@@ -15,6 +15,9 @@
 
 namespace fluxgs::cli {
 
+/// The view that the others lie around. `views` has at least one.
+const View& middle_of(const std::vector<View>& views);
+
 /// The view in the middle of the others, with the up axis of all. `views` has at least one.
 InitialView initial_view_of(const std::vector<View>& views);
 

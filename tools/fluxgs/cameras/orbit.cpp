@@ -93,6 +93,20 @@ Circle circle_around(const SplatCloud& cloud, const ImageSize& size) {
   return c;
 }
 
+Circle circle_through(const camera::Navigation& start) {
+  // From right above there is no way around
+  constexpr double kLevel = 0.2;  // of the distance
+  Circle c;
+  c.set_up(start.up);
+  c.center = start.view.target;
+  c.fov_y = start.view.fov;
+  const glm::dvec3 arm = camera::eye(start.view) - c.center;
+  c.height = glm::dot(arm, c.up);
+  c.radius = std::max(glm::length(arm - c.up * c.height), kLevel * glm::length(arm));
+  c.begin = c.angle_of(camera::eye(start.view));
+  return c;
+}
+
 std::vector<Camera> cameras_on(const Circle& c, int count, const ImageSize& size) {
   const bool closed = c.span >= 2 * kPi;
   std::vector<Camera> cameras;
@@ -116,6 +130,11 @@ std::vector<Camera> orbit_along(const std::vector<View>& views, int count, const
 
 std::vector<Camera> orbit_around(const SplatCloud& cloud, int count, const ImageSize& size) {
   return cameras_on(circle_around(cloud, size), count, size);
+}
+
+std::vector<Camera> orbit_through(const camera::Navigation& start, int count,
+                                  const ImageSize& size) {
+  return cameras_on(circle_through(start), count, size);
 }
 
 std::vector<Camera> evaluation_cameras(const SplatCloud& cloud, const Dataset* data) {

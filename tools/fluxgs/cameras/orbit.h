@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "camera/navigation.h"
 #include "fluxgs/camera.h"
 #include "fluxgs/splat_cloud.h"
 #include "tools/fluxgs/cameras/cameras.h"
@@ -19,6 +20,11 @@ std::vector<Camera> orbit_along(const std::vector<View>& views, int count, const
 /// `count` cameras on a circle around the middle of the splats, slightly above; y is down, as in
 /// most scenes.
 std::vector<Camera> orbit_around(const SplatCloud& cloud, int count, const ImageSize& size);
+
+/// `count` cameras on a circle about a scene's up axis: through the eye of the view, around what it
+/// looks at, with its field of view.
+std::vector<Camera> orbit_through(const camera::Navigation& start, int count,
+                                  const ImageSize& size);
 
 /// Cameras over which a compact scene is compared with the uncompressed one: at most
 /// kEvaluationCameras, evenly spread over the training views; without `data`, on an orbit around

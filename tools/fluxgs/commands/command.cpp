@@ -1,13 +1,34 @@
 #include "tools/fluxgs/commands/command.h"
 
+#include <filesystem>
+
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "fluxgs/io/file.h"
+#include "trainer/train/checkpoint.h"
 
 namespace fluxgs::cli {
 
+Expected<SceneFile> read_scene_or_checkpoint(const std::string& path) {
+  if (!is_checkpoint(path)) return read_scene(path);
+  const auto checkpoint = read_checkpoint(path);
+  if (!checkpoint) return std::unexpected(checkpoint.error());
+  std::error_code ignored;
+  SceneFile scene;
+  scene.cloud = scene_of(*checkpoint);
+  scene.format = "checkpoint";
+  scene.warnings.push_back(fmt::format("a training, at iteration {} of {}",
+                                       checkpoint->state.iteration,
+                                       checkpoint->options.iterations));
+  scene.attribute_bits = float_attribute_bits(scene.cloud.sh_degree);
+  scene.bytes = std::filesystem::file_size(path, ignored);
+  scene.start = checkpoint->start;
+  return scene;
+}
+
 Expected<SceneFile> load_scene(const std::string& path) {
-  auto scene = read_scene(path);
+  auto scene = read_scene_or_checkpoint(path);
   if (!scene) return scene;
   for (const std::string& warning : scene->warnings) spdlog::warn("warning: {}: {}", path, warning);
   if (scene->dropped > 0)

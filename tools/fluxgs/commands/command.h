@@ -32,7 +32,10 @@ void add_report(CLI::App& app, Action& action);
 void add_view(CLI::App& app, Action& action);
 void add_doctor(CLI::App& app, Action& action);
 
-/// Reads a scene; prints the reader's warnings, and warns of splats that were left out and of a
+/// Reads a scene file, or the scene of a checkpoint of fluxgs train.
+Expected<SceneFile> read_scene_or_checkpoint(const std::string& path);
+
+/// The same; prints the reader's warnings, and warns of splats that were left out and of a
 /// scene without any.
 Expected<SceneFile> load_scene(const std::string& path);
 

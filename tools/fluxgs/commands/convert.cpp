@@ -119,18 +119,13 @@ Expected<CompactTrial> search(const ConvertSettings& s, const SceneFile& scene) 
   options.background = s.data.background_color();
   const std::vector<Camera> cameras = evaluation_cameras(cloud, data);
   const SceneError error(cloud, cameras, options, threads);
-  Progress progress("trials", CompactSearch::kDefaultTrials, 0);
-  int trials = 0;
   CompactOptions start{default_quantization_steps(cloud), s.plain_attributes};
   if (data != nullptr)
     start.sensitivity = view_sensitivity(cameras_of(data->train), cloud, false, options, threads,
-                                         show_progress("views"));
-  const CompactSearch search(cloud, error, start, [&](const CompactTrial& t) {
-    progress.update(++trials, fmt::format("{} bytes  {}", t.file.size(), decibels(t.psnr())));
-  });
+                                         {.progress = show_work("views")});
+  const CompactSearch search(cloud, error, start, show_work("search"));
   auto found =
       s.max_bytes ? search.within_bytes(max_bytes(s, scene)) : search.within_loss(*s.min_psnr);
-  progress.clear();
   if (!found) return fail(s.out, found.error().field, found.error().what);
   return found;
 }

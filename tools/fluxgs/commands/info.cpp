@@ -28,7 +28,10 @@ json bounds_of(const SplatCloud& cloud) {
 json initial_view_json(const std::optional<InitialView>& start) {
   if (!start) return nullptr;
   const glm::dvec3 &at = start->position, &up = start->up;
-  return {{"position", {at.x, at.y, at.z}}, {"up", {up.x, up.y, up.z}}, {"fov_y", start->fov_y}};
+  json view = {
+      {"position", {at.x, at.y, at.z}}, {"up", {up.x, up.y, up.z}}, {"fov_y", start->fov_y}};
+  if (start->image_width > 0) view["image_size"] = {start->image_width, start->image_height};
+  return view;
 }
 
 json describe(const SceneFile& scene) {
@@ -72,6 +75,9 @@ void print_info(const std::string& path, const json& d) {
   if (!d["start"].is_null())
     fmt::print("  start       at {}, up {}\n", d["start"]["position"].dump(),
                d["start"]["up"].dump());
+  if (!d["start"].is_null() && d["start"].contains("image_size"))
+    fmt::print("  images      {}x{} pixels, of the training\n",
+               d["start"]["image_size"][0].get<int>(), d["start"]["image_size"][1].get<int>());
   if (d.contains("self_test")) fmt::print("  self-test   {}\n", d["self_test"].dump());
   for (const json& w : d["warnings"]) fmt::print("  warning     {}\n", w.get<std::string>());
   for (const json& e : d["extensions"]) fmt::print("  extension   {}\n", e.get<std::string>());
@@ -83,7 +89,7 @@ struct InfoSettings {
 };
 
 Expected<void> info(const InfoSettings& s) {
-  const auto scene = read_scene(s.scene);
+  const auto scene = read_scene_or_checkpoint(s.scene);
   if (!scene) return std::unexpected(scene.error());
   json facts = describe(*scene);
   if (s.self_test) facts["self_test"] = json::parse(to_json(bench::self_test(scene->cloud)));

@@ -9,8 +9,8 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "camera/initial_view.h"
 #include "tools/fluxgs/cameras/cameras.h"
+#include "tools/fluxgs/cameras/initial_view.h"
 #include "tools/fluxgs/cameras/orbit.h"
 #include "tools/fluxgs/commands/command.h"
 #include "tools/fluxgs/options/data_options.h"
@@ -61,12 +61,12 @@ Expected<std::vector<Shot>> shots_of_data(const RenderSettings& s, const Dataset
   return shots;
 }
 
-/// The initial view of the scene, or the first one of an orbit.
-Expected<std::vector<Camera>> default_cameras(const SceneFile& scene, const ImageSize& size) {
-  if (!scene.start) return orbit_around(scene.cloud, 1, size);
-  const glm::dvec2 sides(size.width, size.height);
-  const camera::Navigation first = camera::initial_navigation(scene.cloud, scene.start, sides);
-  return std::vector{camera::camera_of(first.view, size.width, size.height)};
+/// The view that fluxgs view begins with, or an orbit from there.
+std::vector<Camera> default_cameras(const SceneFile& scene, int orbit, const ImageSize& size) {
+  const camera::Navigation first =
+      initial_navigation(scene, std::nullopt, std::nullopt, std::nullopt, size).navigation;
+  if (orbit > 0) return orbit_through(first, orbit, size);
+  return {camera::camera_of(first.view, size.width, size.height)};
 }
 
 /// Cameras from the file, an orbit, or one view.
@@ -75,8 +75,7 @@ Expected<std::vector<Camera>> free_cameras(const RenderSettings& s, const SceneF
                                            const ImageSize& size) {
   if (!s.camera_file.empty()) return cameras_from_file(s.camera_file, size);
   if (data) return orbit_along(data->train, std::max(s.orbit, 1), size);
-  if (s.orbit > 0) return orbit_around(scene.cloud, s.orbit, size);
-  return default_cameras(scene, size);
+  return default_cameras(scene, s.orbit, size);
 }
 
 Expected<std::vector<Shot>> free_shots(const RenderSettings& s, const SceneFile& scene,

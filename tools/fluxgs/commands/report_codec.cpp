@@ -273,7 +273,7 @@ Expected<void> report(const CodecReport& s) {
   CompactOptions options{.steps = default_quantization_steps(cloud)};
   if (views != nullptr)
     options.sensitivity = view_sensitivity(cameras_of(views->train), cloud, false, render, threads,
-                                           show_progress("views"));
+                                           {.progress = show_work("views")});
   const auto rows = all_rows(s, bench, cloud, options);
   if (!rows) return std::unexpected(rows.error());
   auto given = give_report(s.report, to_json(s, cloud, *rows), [&] { print_table(*rows); });

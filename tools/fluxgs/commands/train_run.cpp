@@ -9,6 +9,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "fluxgs/io/scene.h"
+#include "tools/fluxgs/cameras/initial_view.h"
 #include "tools/fluxgs/options/ineffective_options.h"
 #include "tools/fluxgs/terminal/console.h"
 #include "tools/fluxgs/terminal/progress.h"
@@ -47,12 +48,26 @@ void thin_out(PointCloud& points, std::size_t most) {
   points.colors.resize(most);
 }
 
-/// A path as one would type it: one that begins with a dash would be an option.
-std::string typed(const std::string& path) {
-  return shell_quoted(path.starts_with('-') ? "./" + path : path);
+/// Lets a training go on beyond its end: what its length decided stays as it was.
+Expected<void> extend(TrainOptions& options, const MethodOptions& given) {
+  TrainOptions asked = options;
+  apply(given, asked);  // of all options, --iterations alone is left
+  if (asked.iterations == options.iterations) return {};
+  if (asked.iterations < options.iterations)
+    return fail("", "--iterations",
+                fmt::format("{} are fewer than the {} of the checkpoint's training",
+                            asked.iterations, options.iterations));
+  options = plan_schedule(std::move(options)).options;
+  options.iterations = asked.iterations;
+  return options.validate();
 }
 
 }  // namespace
+
+// One that begins with a dash would be an option
+std::string typed(const std::string& path) {
+  return shell_quoted(path.starts_with('-') ? "./" + path : path);
+}
 
 Expected<TrainOptions> options_from(const TrainSettings& settings) {
   auto options = preset(settings.preset);
@@ -104,6 +119,10 @@ Expected<Run> resume_run(TrainSettings& settings) {
     return fail(settings.data.folder, "",
                 fmt::format("{} training images, but not the {} that {} was made with",
                             data->train.size(), checkpoint->train_views, settings.resume));
+  if (auto ok = extend(checkpoint->options, settings.method); !ok)
+    return std::unexpected(ok.error());
+  if (checkpoint->state.iteration == checkpoint->options.iterations)
+    spdlog::info("the training is finished; with more --iterations it would go on");
   spdlog::info("resuming at iteration {} with {} splats", checkpoint->state.iteration,
                checkpoint->state.parameters.size());
   return Run{checkpoint->options, std::move(*data), std::move(checkpoint->state),
@@ -117,13 +136,13 @@ Expected<void> save_checkpoint(const TrainSettings& settings, const Run& run,
   return write_checkpoint(
       checkpoint_of(settings),
       {run.options, settings.preset, settings.data.downscale, run.data.train.size(), run.views_hash,
-       trainer.saved_state(), text_of(history)});
+       trainer.saved_state(), text_of(history), initial_view_of(run.data.train)});
 }
 
-std::string how_to_resume(const TrainSettings& settings) {
-  std::string line =
-      fmt::format("Checkpoint saved. Resume with: fluxgs train {} -o {} --resume {}",
-                  typed(settings.data.folder), typed(settings.out), typed(checkpoint_of(settings)));
+std::string how_to_resume(const TrainSettings& settings, int iteration) {
+  std::string line = fmt::format(
+      "Checkpoint of iteration {} saved. Resume with: fluxgs train {} -o {} --resume {}", iteration,
+      typed(settings.data.folder), typed(settings.out), typed(checkpoint_of(settings)));
   // What a checkpoint does not hold
   if (!settings.float_output.empty()) line += " --float-output " + typed(settings.float_output);
   if (settings.report == "-")
@@ -132,8 +151,8 @@ std::string how_to_resume(const TrainSettings& settings) {
     line += " --json " + typed(settings.report);
   if (!settings.data.holdout.empty()) line += " --holdout " + typed(settings.data.holdout);
   if (settings.data.threads > 0) line += fmt::format(" --threads {}", settings.data.threads);
-  if (settings.checkpoint_every > 0)
-    line += fmt::format(" --checkpoint-every {}", settings.checkpoint_every);
+  if (settings.checkpoint_every_text != TrainSettings().checkpoint_every_text)
+    line += fmt::format(" --checkpoint-every {}", settings.checkpoint_every_text);
   return line;
 }
 

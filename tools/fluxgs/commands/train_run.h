@@ -7,6 +7,7 @@
 
 #include "fluxgs/error.h"
 #include "tools/fluxgs/commands/train_log.h"
+#include "tools/fluxgs/options/checkpoint_interval.h"
 #include "tools/fluxgs/options/data_options.h"
 #include "tools/fluxgs/options/method_options.h"
 #include "trainer/data/dataset.h"
@@ -18,8 +19,10 @@ namespace fluxgs::cli {
 struct TrainSettings {
   std::string out, float_output, preset = preset_names().front(), backend = "auto", resume, report;
   DataOptions data;
-  int checkpoint_every = 0;
-  bool plan = false;
+  std::string checkpoint_every_text = "10m";
+  CheckpointInterval checkpoint_every = {};
+  int preview_every = 0;  ///< iterations; 0: no pictures
+  bool plan = false, force = false, preview = false;
   MethodOptions method;
   std::set<std::string> given;  ///< names of all options on the command line, without dashes
 };
@@ -40,7 +43,8 @@ Expected<TrainOptions> options_from(const TrainSettings& settings);
 Expected<Run> new_run(TrainSettings& settings, const Threads& threads);
 
 /// The run in settings.resume; its options replace those of the settings. Errors: not a checkpoint,
-/// or one of other images.
+/// or one of other images, fewer iterations than it has. More iterations come after those of its
+/// schedule, in which nothing moves.
 Expected<Run> resume_run(TrainSettings& settings);
 
 std::string checkpoint_of(const TrainSettings& settings);  ///< OUT.ckpt
@@ -48,7 +52,10 @@ std::string checkpoint_of(const TrainSettings& settings);  ///< OUT.ckpt
 Expected<void> save_checkpoint(const TrainSettings& settings, const Run& run,
                                const TrainHistory& history, const Trainer& trainer);
 
-/// "Checkpoint saved. Resume with: fluxgs train …", as one would type it.
-std::string how_to_resume(const TrainSettings& settings);
+/// "Checkpoint of iteration 300 saved. Resume with: fluxgs train …", as one would type it.
+std::string how_to_resume(const TrainSettings& settings, int iteration);
+
+/// A path as one would type it.
+std::string typed(const std::string& path);
 
 }  // namespace fluxgs::cli

@@ -33,7 +33,7 @@ using nlohmann::json;
 using viewer::WindowEvent;
 using Clock = std::chrono::steady_clock;
 
-constexpr double kIdleWait = 5, kFrame = 1.0 / 60;  // seconds
+constexpr double kIdleWait = 5, kFollowWait = 0.5, kFrame = 1.0 / 60;  // seconds
 constexpr double kTitleEvery = 0.25;
 
 /// For --help and the start.
@@ -46,6 +46,7 @@ struct ViewSettings {
   DataOptions data;
   ImageSize size{1280, 720};
   int sh_degree = 3, frames = 0;
+  bool follow = false;
   double memory = 0;  // MB; 0: what there is
 };
 
@@ -66,6 +67,29 @@ struct Desktop {
   int steps = 0, drawn = 0, contexts = 0;
   bool quit = false;
   Clock::time_point titled = {};
+};
+
+/// Notices when a file is replaced by another, or written again.
+class FollowedFile {
+ public:
+  explicit FollowedFile(std::string path) : path_(std::move(path)), last_(time()) {}
+
+  const std::string& path() const { return path_; }
+  /// True once for each new content.
+  bool changed() {
+    const auto now = time();
+    return now && std::exchange(last_, now) != now;
+  }
+
+ private:
+  std::optional<std::filesystem::file_time_type> time() const {
+    std::error_code error;
+    const auto when = std::filesystem::last_write_time(path_, error);
+    return error ? std::nullopt : std::optional(when);
+  }
+
+  std::string path_;
+  std::optional<std::filesystem::file_time_type> last_;
 };
 
 /// The scene, and where it is looked at from.
@@ -175,17 +199,29 @@ void tell_news(Desktop& d) {
   tell_memory(d.told, scene, d.presenter.viewer().stats().splats, d.window.size());
 }
 
+/// --follow: shows the file's new content from where the old one was looked at.
+void follow(Desktop& d, FollowedFile& file) {
+  if (!file.changed()) return;
+  auto scene = read_scene_or_checkpoint(file.path());
+  if (!scene) return spdlog::warn("warning: {}", scene.error().message());
+  const camera::Navigation navigation = d.presenter.viewer().navigation();
+  d.presenter.show(std::make_shared<const SplatCloud>(std::move(scene->cloud)), navigation);
+}
+
 /// Until it is closed. Draws only what has changed, and sleeps otherwise.
 Expected<void> run(Desktop& d, const ViewSettings& s) {
   const Clock::time_point start = Clock::now();
+  FollowedFile file(s.scene);
   double before = 0;
   bool drew = false;
   for (; !d.quit && !d.window.close_requested(); ++d.steps) {
     // Time goes by steps, not by the clock, where what is drawn shall be the same every time
     const bool stepping = s.frames > 0 || d.next_event < d.script.size();
     const bool idle = d.presenter.at_rest();
-    const double wait = stepping || drew ? 0 : idle ? kIdleWait : kFrame;
+    const double longest = s.follow ? kFollowWait : kIdleWait;
+    const double wait = stepping || drew ? 0 : idle ? longest : kFrame;
     take_events(d, d.steps == 0 ? 0 : wait, start);
+    if (s.follow) follow(d, file);
     const double now = seconds_since(start);
     const double passed = stepping ? kScriptStep : idle ? 0 : now - before;
     before = now;
@@ -257,7 +293,7 @@ Expected<void> view(const ViewSettings& s) {
             .told = {.splats = scene->cloud->size()}};
   d.presenter.viewer().set(viewer_settings(s));
   d.presenter.show(scene->cloud, scene->navigation);
-  if (s.frames == 0) say(kKeys);
+  if (s.frames == 0 && !s.follow) say(kKeys);
   if (auto done = run(d, s); !done) return done;
   spdlog::info("{} frames drawn in {} steps", d.drawn, d.steps);
   const auto last = window.take_captured();
@@ -300,6 +336,7 @@ void add_view(CLI::App& app, Action& action) {
           ->check(CLI::Range(1, 1'000'000));
   command->add_option("--screenshot", s->screenshot, "write the last frame as a PNG")
       ->needs(frames);
+  command->add_flag("--follow", s->follow, "show the file anew whenever it is written again");
   command->add_option("--input", s->input,
                       "play mouse and keys from a JSON list (for tests and bug reports)");
   command->callback([s, &action] { action = [s] { return view(*s); }; });

@@ -2,25 +2,37 @@
 #pragma once
 
 #include <array>
+#include <string>
 
 namespace fluxgs::cli {
 
-/// Effect of a second signal.
-enum class SecondInterrupt { counts, ends_the_program };
-
-/// While it lives these signals are counted and do nothing else. Those that are ignored (nohup)
-/// stay so. One at a time in a process.
-class InterruptCounter {
+/// While it lives, the first of these signals says a line and is counted; a second one says another
+/// and ends the program. Signals within half a second are one: people press twice. Signals that are
+/// ignored (nohup) stay so. After a signal, that goes on when this is gone. One at a time in a
+/// process.
+class Interrupts {
  public:
-  explicit InterruptCounter(SecondInterrupt second = SecondInterrupt::counts);
-  ~InterruptCounter();
-  InterruptCounter(const InterruptCounter&) = delete;
-  InterruptCounter& operator=(const InterruptCounter&) = delete;
+  Interrupts();
+  ~Interrupts();
+  Interrupts(const Interrupts&) = delete;
+  Interrupts& operator=(const Interrupts&) = delete;
 
-  int count() const;
+  bool any() const;
+  /// The lines of the next signals, without line ends; at most 1,000 bytes each are said.
+  void set_lines(const std::string& first, const std::string& second);
 
  private:
   std::array<void (*)(int), 3> before_{};
+};
+
+/// Lets what goes on end first, such as the writing of a file: a second signal ends the program
+/// only when this goes.
+class HoldInterrupts {
+ public:
+  HoldInterrupts();
+  ~HoldInterrupts();
+  HoldInterrupts(const HoldInterrupts&) = delete;
+  HoldInterrupts& operator=(const HoldInterrupts&) = delete;
 };
 
 }  // namespace fluxgs::cli

@@ -26,60 +26,82 @@ std::string duration(double seconds) {
 Progress::Progress(std::string unit, int total, int done)
     : unit_(std::move(unit)),
       total_(total),
-      first_(done),
       terminal_(isatty(STDERR_FILENO)),
-      start_(Clock::now()),
+      start_{Clock::now(), done},
       last_(start_),
-      last_done_(done) {}
+      middle_(start_),
+      early_(start_) {}
 
 bool Progress::due() const {
-  const double since = std::chrono::duration<double>(Clock::now() - last_).count();
+  const double since = std::chrono::duration<double>(Clock::now() - last_.time).count();
   return since >= (terminal_ ? kTerminalInterval : kPlainInterval);
 }
 
-std::string Progress::line(int done, const std::string& detail) const {
+std::string Progress::line(int done, const std::string& detail, double left) const {
   const int filled =
       static_cast<int>(static_cast<long long>(kBarWidth) * done / std::max(total_, 1));
-  const double left = rate_ > 0 ? (total_ - done) / rate_ : 0;
-  std::string bar(static_cast<std::size_t>(filled), '#');
+  std::string bar(static_cast<std::size_t>(std::clamp(filled, 0, kBarWidth)), '#');
   bar.resize(kBarWidth, '.');
-  return fmt::format("[{}] {}/{}  {:.1f} {}/s  {}{}{} left", bar, done, total_, rate_, unit_,
-                     detail, detail.empty() ? "" : "  ", duration(left));
+  const std::string count = unit_.empty()
+                                ? fmt::format("{:.0f}%", 100.0 * done / std::max(total_, 1))
+                                : fmt::format("{}/{}  {:.1f} {}/s", done, total_, rate_, unit_);
+  return fmt::format("[{}] {}  {}{}{} left", bar, count, detail, detail.empty() ? "" : "  ",
+                     duration(left));
 }
 
-void Progress::update(int done, const std::string& detail) {
+/// By the rate since a mark that lies between half and three quarters of the time back.
+double Progress::seconds_left(const Mark& now) {
+  if (now.time - middle_.time > middle_.time - start_.time) early_ = middle_, middle_ = now;
+  const double seconds = std::chrono::duration<double>(now.time - early_.time).count();
+  const int done = now.done - early_.done;
+  return done > 0 ? seconds * (total_ - now.done) / done : 0;
+}
+
+void Progress::update(int done, const std::string& detail, std::optional<double> seconds_left) {
   if (!due()) return;
-  const Clock::time_point now = Clock::now();
-  const double recent = (done - last_done_) / std::chrono::duration<double>(now - last_).count();
+  const Mark now{Clock::now(), std::max(done, last_.done)};
+  const double recent =
+      (now.done - last_.done) / std::chrono::duration<double>(now.time - last_.time).count();
   rate_ = rate_ > 0 && terminal_ ? 0.8 * rate_ + 0.2 * recent : recent;
+  const double by_rate = this->seconds_left(now);
   last_ = now;
-  last_done_ = done;
+  shown_ = true;
+  const std::string text = line(now.done, detail, seconds_left.value_or(by_rate));
   if (terminal_)
-    say("\r\x1b[K" + line(done, detail));
+    say("\r\x1b[K" + text);
   else
-    say(line(done, detail) + "\n");
+    say(text + "\n");
 }
 
-void Progress::clear() const {
-  if (terminal_) say("\r\x1b[K");
+void Progress::clear(const std::string& detail) const {
+  if (terminal_)
+    say("\r\x1b[K");
+  else if (shown_)
+    say(line(total_, detail, 0) + "\n");
 }
 
 void Progress::finish(int done) const {
-  clear();
-  const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-  say(fmt::format("{} iterations in {} ({:.1f} {}/s)\n", done - first_, duration(seconds),
-                  seconds > 0 ? (done - first_) / seconds : 0.0, unit_));
+  if (terminal_) say("\r\x1b[K");
+  const double seconds = std::chrono::duration<double>(Clock::now() - start_.time).count();
+  say(fmt::format("{} iterations in {} ({:.1f} {}/s)\n", done - start_.done, duration(seconds),
+                  seconds > 0 ? (done - start_.done) / seconds : 0.0, unit_));
 }
 
-ProgressReport show_progress(const std::string& unit) {
-  return [unit, bar = std::shared_ptr<Progress>()](std::size_t done, std::size_t total) mutable {
+namespace {
+
+ProgressReport shown_as(const std::string& unit, const std::string& detail) {
+  return [=, bar = std::shared_ptr<Progress>()](std::size_t done, std::size_t total) mutable {
     if (!bar) bar = std::make_shared<Progress>(unit, static_cast<int>(total), 0);
     if (done < total)
-      bar->update(static_cast<int>(done), "");
+      bar->update(static_cast<int>(done), detail);
     else
-      bar->clear();
+      bar->clear(detail);
   };
 }
+
+ProgressReport show_progress(const std::string& unit) { return shown_as(unit, ""); }
+
+ProgressReport show_work(const std::string& name) { return shown_as("", name); }
 
 namespace {
 

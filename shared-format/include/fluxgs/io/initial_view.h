@@ -21,17 +21,22 @@ struct InitialView {
   /// as much across.
   double fov_y = 0.87;
   glm::dvec3 up{0, -1, 0};  ///< what is up in the scene, of unit length
+  /// Of the images that the scene was trained with, pixels; 0: not known.
+  int image_width = 0, image_height = 0;
 };
+
+/// True for finite numbers within their ranges, and vectors of unit length.
+bool is_sound(const InitialView& view);
 
 /// The same .glb with a perspective camera at the top level of its default scene, before other
 /// nodes' cameras (glTF 2.0, section 3.10); `extras.up` of its node is the scene's up in glTF's
-/// frame. Fails on what is no .glb, on one without a scene and on numbers that are not finite or
-/// out of their range.
+/// frame, `extras.image_size` the size of the images. Fails on what is no .glb, on one without a
+/// scene and on numbers that are not finite or out of their range.
 Expected<std::vector<std::byte>> with_initial_view(std::span<const std::byte> glb,
                                                    const InitialView& view,
                                                    const std::string& name);
 
 /// The most bytes that with_initial_view() adds.
-inline constexpr std::size_t kMaxInitialViewBytes = 640;
+inline constexpr std::size_t kMaxInitialViewBytes = 680;
 
 }  // namespace fluxgs

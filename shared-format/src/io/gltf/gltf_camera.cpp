@@ -101,6 +101,16 @@ glm::dvec3 up_of(const json& node) {
   return length > kNearestAxis ? direction / length : glm::dvec3(0, 1, 0);
 }
 
+/// Width and height; zeros where there are none.
+std::array<int, 2> image_size_of(const json& node) {
+  constexpr double kLargestSide = 1e6;
+  const auto size = numbers<2>(member(member(node, "extras"), "image_size"));
+  if (!size || !((*size)[0] >= 1 && (*size)[1] >= 1) ||
+      !((*size)[0] <= kLargestSide && (*size)[1] <= kLargestSide))
+    return {};
+  return {static_cast<int>((*size)[0]), static_cast<int>((*size)[1])};
+}
+
 std::optional<InitialView> view_of(const json& document, const json& node) {
   const json* camera = entry(document, "cameras", member(node, "camera"));
   if (camera == nullptr) return std::nullopt;
@@ -109,10 +119,13 @@ std::optional<InitialView> view_of(const json& document, const json& node) {
   if (!place || !fov.is_number()) return std::nullopt;
   const double fov_y = fov.get<double>();
   if (!(fov_y > 0 && fov_y < std::numbers::pi)) return std::nullopt;
+  const auto [width, height] = image_size_of(node);
   return InitialView{.position = turn_position(place->position),
                      .orientation = glm::normalize(kFrame * place->rotation * kAxes),
                      .fov_y = fov_y,
-                     .up = turn_position(up_of(node))};
+                     .up = turn_position(up_of(node)),
+                     .image_width = width,
+                     .image_height = height};
 }
 
 const json* default_scene(const json& document) {
@@ -151,10 +164,12 @@ void add_initial_view(const InitialView& view, json& document) {
   const glm::dquat q = glm::normalize(kFrame * view.orientation * kAxes);
   json& nodes = document["nodes"];
   const std::size_t node = nodes.size();
+  json extras = {{"up", list_of(turn_position(view.up))}};
+  if (view.image_width > 0) extras["image_size"] = {view.image_width, view.image_height};
   nodes.push_back({{"camera", camera},
                    {"translation", list_of(turn_position(view.position))},
                    {"rotation", {q.x, q.y, q.z, q.w}},
-                   {"extras", {{"up", list_of(turn_position(view.up))}}}});
+                   {"extras", extras}});
   const std::size_t scene = document.value("scene", std::size_t{0});
   json& shown = document["scenes"][scene]["nodes"];
   if (shown.is_null()) shown = json::array();
@@ -165,14 +180,18 @@ void add_initial_view(const InitialView& view, json& document) {
 
 namespace fluxgs {
 
+bool is_sound(const InitialView& view) {
+  using namespace io;
+  return is_finite(view.position) && is_finite(view.up) && is_unit(glm::length(view.up)) &&
+         is_unit(glm::length(view.orientation)) && view.fov_y > 0 &&
+         view.fov_y < std::numbers::pi && view.image_width >= 0 && view.image_height >= 0;
+}
+
 Expected<std::vector<std::byte>> with_initial_view(std::span<const std::byte> glb,
                                                    const InitialView& view,
                                                    const std::string& name) {
   using namespace io;
-  const bool good = is_finite(view.position) && is_finite(view.up) &&
-                    is_unit(glm::length(view.up)) && is_unit(glm::length(view.orientation)) &&
-                    view.fov_y > 0 && view.fov_y < std::numbers::pi;
-  if (!good)
+  if (!is_sound(view))
     return fail(name, "start view",
                 "expected finite numbers, directions of unit length and an angle from 0 to pi");
   const auto chunks = parse_glb_container(glb, name);

@@ -10,6 +10,7 @@
 #include "fluxgs/io/gltf.h"
 #include "support/scenes.h"
 #include "trainer/compress/compact_search.h"
+#include "trainer/compress/compression.h"
 #include "trainer/compress/fit_splats.h"
 #include "trainer/compress/sh_fit.h"
 #include "trainer/compress/shape_hessian.h"
@@ -223,6 +224,30 @@ TEST(CompactSearch, ImagesThatShowNothingAreNoReasonForCoarseSteps) {
   const auto found = CompactSearch(f.cloud, error, f.options).within_loss(40);
   ASSERT_TRUE(found) << found.error().message();
   EXPECT_EQ(found->options.steps.position, f.options.steps.position);
+}
+
+TEST(CompactWithin, ProgressEndsAtItsEndAndAStopIsAnError) {
+  Fixture f;
+  std::vector<std::size_t> done;
+  const CompactGoal goal{some_cameras(), {}, 40};
+  const auto found = compact_within(f.cloud, f.cloud, goal, f.options, f.threads,
+                                    {.progress = [&](std::size_t now, std::size_t total) {
+                                      EXPECT_LE(now, total);
+                                      done.push_back(now);
+                                    }});
+  ASSERT_TRUE(found) << found.error().message();
+  EXPECT_TRUE(std::ranges::is_sorted(done));
+  EXPECT_EQ(done.back(), 1000u);
+  EXPECT_GT(done.size(), 20u);
+
+  for (const std::size_t most : {std::size_t{0}, std::size_t{3}, done.size() / 2}) {
+    std::size_t reports = 0;
+    const auto stopped = compact_within(
+        f.cloud, f.cloud, goal, f.options, f.threads,
+        {[&](std::size_t, std::size_t) { ++reports; }, [&] { return reports >= most; }});
+    EXPECT_FALSE(stopped);
+    EXPECT_LE(reports, most + 1);
+  }
 }
 
 TEST(CompactSearch, StaysWithinTheBytesAndUsesThem) {

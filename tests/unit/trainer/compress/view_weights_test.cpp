@@ -56,6 +56,42 @@ TEST(ViewWeights, AddUpToTheContributions) {
     EXPECT_FLOAT_EQ(views.weights.row(0)[i] + views.weights.row(1)[i], contributions[i]);
 }
 
+/// Cameras beside each other that look the same way.
+std::vector<Camera> many_cameras(std::size_t count) {
+  std::vector<Camera> cameras(count, test::camera_in_front(24, 18));
+  for (std::size_t i = 0; i < count; ++i)
+    cameras[i].translation.x = 0.5 - static_cast<double>(i) / static_cast<double>(count);
+  return cameras;
+}
+
+TEST(ViewSensitivity, LooksAtAHundredOfManyViews) {
+  const Threads threads(2);
+  const SplatCloud cloud = test::random_cloud(100, 1, 3);
+  const auto cameras = many_cameras(250);
+  std::size_t images = 0;
+  const auto some = view_sensitivity(cameras, cloud, false, {}, threads,
+                                     {.progress = [&](std::size_t, std::size_t) { ++images; }});
+  EXPECT_EQ(images, 2 * kSensitivityViews);
+  const auto spread =
+      view_sensitivity(spread_cameras(cameras, kSensitivityViews), cloud, false, {}, threads);
+  EXPECT_EQ(some.weights, spread.weights);
+  EXPECT_EQ(some.scale, spread.scale);
+  // As all of them say, for each view
+  const auto all = total_weights(view_weights(to_parameters(cloud, 1), cameras, {}, threads));
+  for (std::size_t i = 0; i < all.size(); ++i)
+    EXPECT_NEAR(2.5f * some.weights[i], all[i], 0.1f * all[i] + 0.5f) << i;
+}
+
+TEST(ViewSensitivity, StopsAtTheNextView) {
+  const Threads threads(2);
+  const SplatCloud cloud = test::random_cloud(100, 1, 3);
+  std::size_t images = 0;
+  (void)view_sensitivity(
+      many_cameras(50), cloud, false, {}, threads,
+      {[&](std::size_t, std::size_t) { ++images; }, [&] { return images == 3; }});
+  EXPECT_EQ(images, 3u);
+}
+
 TEST(ViewWeights, SplatsThatAreNotDrawnHaveNoneAndHideNothing) {
   const Threads threads(1);
   const SplatCloud cloud = test::random_cloud(100, 3, 4, 0.3f, 0.3f);

@@ -50,6 +50,34 @@ Told run(const TrainOptions& options) {
   return told;
 }
 
+/// Events are shown from beginning to end; a stop leaves one undone, of which nothing is told.
+TEST(Events, AreShownAndStopped) {
+  const Dataset& data = small_capture();
+  const Threads threads(2);
+  TrainOptions options = short_run(40);
+  options.get<QuantizationAwareOptions>().mode = QuantizeAware::on;
+  options.get<QuantizationAwareOptions>().from = 30;
+  options.get<DensificationOptions>().until = 20;
+  for (const bool stops : {false, true}) {
+    Profiler times;
+    Trainer trainer(data, options, fresh(data, options), threads, times);
+    while (trainer.event_at(trainer.state.iteration + 1) == nullptr) trainer.step();
+    EXPECT_EQ(trainer.state.iteration, 29);
+    EXPECT_TRUE(trainer.event_at(30)->can_be_stopped());
+    std::size_t last = 0;
+    trainer.control = {[&](std::size_t done, std::size_t total) {
+                         EXPECT_GE(done, last);
+                         EXPECT_EQ(total, 1000u);
+                         last = done;
+                       },
+                       [&] { return stops && last > 300; }};
+    const IterationReport report = trainer.step();
+    EXPECT_EQ(report.stopped, stops);
+    EXPECT_EQ(report.phases.size(), stops ? 0u : 1u);
+    EXPECT_EQ(last == 1000, !stops);
+  }
+}
+
 /// The degree 3 is learnt for long before it is reduced, so that there is something to lose.
 TrainOptions curriculum(ShTarget target, ShReduction reduce) {
   TrainOptions options = short_run(420);

@@ -1,0 +1,199 @@
+#include "trainer/train/run_estimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "fluxgs/io/compact_glb.h"
+#include "fluxgs/io/gltf.h"
+#include "trainer/compress/compact_search.h"
+#include "trainer/core/clock.h"
+#include "trainer/train/memory_budget.h"
+
+namespace fluxgs {
+namespace {
+
+/// Seconds for which a rate remembers: so long, and a share of what has passed.
+constexpr double kMemory = 20, kMemoryShare = 0.2;
+constexpr double kSettled = 3;           // seconds before files are measured
+constexpr double kFilesMeasured = 2000;  // splats from which a file says what larger ones take
+constexpr double kFileSeconds = 15e-6;   // of a splat, before it was measured
+/// How the time of blending grows with pixels and with splats.
+constexpr double kBlendPixels = 0.8, kBlendSplats = 0.25;
+constexpr int kSegments = 200;               // of the iterations between two items
+constexpr std::ptrdiff_t kGrowthEvents = 3;  // events whose growth is remembered
+/// Of the bound that training_memory() is: not all of it is needed at once.
+constexpr double kMemoryUsed = 0.8;
+
+/// Units of work of a stage of the profiler. All but the loss and the blending are for splats.
+double units_of(const std::string& stage, double pixels, double splats) {
+  if (stage == "loss") return pixels;
+  if (stage == "forward" || stage == "backward")
+    return std::pow(pixels, kBlendPixels) * std::pow(std::max(splats, 1.0), kBlendSplats);
+  return splats;
+}
+
+bool is_render_stage(const std::string& stage) {
+  return stage == "project" || stage == "sort" || stage == "forward";
+}
+
+double mean_pixels(const std::vector<View>& views) {
+  double sum = 0;
+  for (const View& view : views) sum += static_cast<double>(view.camera.width) * view.camera.height;
+  return sum / static_cast<double>(std::max<std::size_t>(views.size(), 1));
+}
+
+double pixel_share(const Schedule& schedule, int iteration) {
+  double share = 1;
+  for (const auto& phase : schedule.phases) share *= phase->pixel_share(iteration);
+  return share;
+}
+
+/// Time of writing and reading a compact file, for each splat; nothing of a scene too small.
+std::optional<double> measured_file_seconds(const SplatCloud& cloud) {
+  if (static_cast<double>(cloud.size()) < kFilesMeasured) return {};
+  const double start = wall_seconds();
+  const auto file =
+      encode_compact_glb(cloud, {.steps = default_quantization_steps(cloud)}, kCompactFileName);
+  if (!file || !read_glb(*file, kCompactFileName)) return {};
+  return (wall_seconds() - start) / static_cast<double>(cloud.size());
+}
+
+}  // namespace
+
+double RunEstimate::Learned::factor() const {
+  return predicted > 0 ? std::clamp(actual / predicted, 0.1, 10.0) : 1;
+}
+
+/// The mean of the last ones and, as if it were one of them, of what is expected.
+double RunEstimate::Learned::growth_or(double expected) const {
+  const auto count = std::min(kGrowthEvents, static_cast<std::ptrdiff_t>(growth.size()));
+  return std::accumulate(growth.end() - count, growth.end(), expected) /
+         static_cast<double>(count + 1);
+}
+
+RunEstimate::RunEstimate(const Trainer& trainer, const LaterWork& later)
+    : trainer_(trainer),
+      later_(later),
+      pixels_(mean_pixels(trainer.data.train)),
+      splats_before_(static_cast<double>(trainer.state.parameters.size())) {
+  const std::size_t views = trainer.data.train.size();
+  const double measured =
+      2.0 * static_cast<double>(std::min(views, kMeasuredViews) +
+                                std::min(trainer.data.test.size(), kMeasuredViews));
+  for (int i = trainer.state.iteration + 1; i <= trainer.options.iterations; ++i)
+    for (const auto& phase : trainer.schedule().phases) {
+      PhaseWork work = phase->work(i, views);
+      if (phase->reports(i)) work.renders += measured;
+      if (work.renders > 0 || work.files > 0) items_.push_back({i, phase.get(), work});
+    }
+}
+
+void RunEstimate::add(double seconds) {
+  const double splats = static_cast<double>(trainer_.state.parameters.size());
+  const int iteration = trainer_.state.iteration;
+  double predicted = 0;
+  int phases = 0;
+  const Phase* phase = nullptr;
+  for (; next_ < items_.size() && items_[next_].iteration <= iteration; ++next_) {
+    phase = items_[next_].phase;
+    ++phases;
+    predicted += work_seconds(items_[next_], splats_before_) / learned_[phase].factor();
+  }
+  if (phase == nullptr) {
+    learn_stages(seconds, static_cast<double>(trainer_.camera->width) * trainer_.camera->height,
+                 splats_before_);
+  } else {
+    Learned& learned = learned_[phase];
+    learned.actual += std::max(seconds - plain_seconds(iteration, splats_before_), 0.0);
+    learned.predicted += predicted;
+    if (phases == 1 && splats > 0 && splats_before_ > 0)
+      learned.growth.push_back(std::log(splats / splats_before_));
+    for (const auto& [name, total] : trainer_.profiler.entries()) stages_before_[name] = total;
+  }
+  elapsed_ += seconds;
+  splats_before_ = splats;
+  if (file_seconds_ == 0 && elapsed_ > kSettled)
+    file_seconds_ = measured_file_seconds(trainer_.cloud()).value_or(0);
+}
+
+void RunEstimate::learn_stages(double seconds, double pixels, double splats) {
+  const double keep = std::exp(-seconds / (kMemory + kMemoryShare * elapsed_));
+  double known = 0;
+  const auto learn = [&](const std::string& stage, double spent) {
+    Rate& rate = rates_[stage];
+    rate.seconds = keep * rate.seconds + spent;
+    rate.units = keep * rate.units + units_of(stage, pixels, splats);
+  };
+  for (const auto& [name, total] : trainer_.profiler.entries()) {
+    double& before = stages_before_[name];
+    const double spent = total - before;
+    before = total;
+    learn(name, spent);
+    known += spent;
+  }
+  learn("", std::max(seconds - known, 0.0));
+}
+
+double RunEstimate::plain_seconds(int iteration, double splats) const {
+  const double pixels = pixels_ * pixel_share(trainer_.schedule(), iteration);
+  double sum = 0;
+  for (const auto& [stage, rate] : rates_) sum += rate.value() * units_of(stage, pixels, splats);
+  return sum;
+}
+
+double RunEstimate::render_seconds(double splats) const {
+  double sum = 0;
+  for (const auto& [stage, rate] : rates_)
+    if (is_render_stage(stage)) sum += rate.value() * units_of(stage, pixels_, splats);
+  return sum;
+}
+
+double RunEstimate::work_seconds(const Item& item, double splats) const {
+  const auto learned = learned_.find(item.phase);
+  const double file = file_seconds_ > 0 ? file_seconds_ : kFileSeconds;
+  const double seconds =
+      item.work.renders * render_seconds(splats) + item.work.files * file * splats;
+  return seconds * (learned == learned_.end() ? 1 : learned->second.factor());
+}
+
+RunEstimate::Forecast RunEstimate::forecast() const {
+  const int end = trainer_.options.iterations;
+  int at = trainer_.state.iteration;
+  double splats = static_cast<double>(trainer_.state.parameters.size());
+  Forecast result{.splats = splats};
+  const double measuring = later_.measuring_renders / std::max(end, 1);
+  const auto iterate = [&](int until) {
+    const int step = std::max(1, (until - at) / kSegments);
+    while (at < until) {
+      const int count = std::min(step, until - at);
+      result.seconds +=
+          count * (plain_seconds(at + count / 2 + 1, splats) + measuring * render_seconds(splats));
+      at += count;
+    }
+  };
+  for (std::size_t i = next_; i < items_.size(); ++i) {
+    const Item& item = items_[i];
+    iterate(item.iteration);
+    result.seconds += work_seconds(item, splats);
+    const auto learned = learned_.find(item.phase);
+    splats *= std::exp(learned == learned_.end() ? item.work.growth
+                                                 : learned->second.growth_or(item.work.growth));
+    if (trainer_.options.max_splats > 0)
+      splats = std::min(splats, static_cast<double>(trainer_.options.max_splats));
+    result.splats = std::max(result.splats, splats);
+  }
+  iterate(end);
+  result.seconds += work_seconds({end, nullptr, later_.storing}, splats);
+  return result;
+}
+
+std::size_t RunEstimate::peak_memory() const {
+  const std::size_t bound =
+      training_memory(trainer_.data, trainer_.options, static_cast<std::size_t>(forecast().splats),
+                      std::max(trainer_.state.max_pairs, kDefaultPairs));
+  return static_cast<std::size_t>(kMemoryUsed * static_cast<double>(bound));
+}
+
+}  // namespace fluxgs

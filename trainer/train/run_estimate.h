@@ -1,0 +1,76 @@
+// Estimate of the time that a running training still takes, and of the splats and memory that it
+// comes to. It is learned from the run: how long each stage of an iteration takes for its pixels
+// and splats, and each phase for its work. The schedule says when there will be how much of both.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "trainer/train/trainer.h"
+
+namespace fluxgs {
+
+/// Work after the last iteration, and of measuring the test views meanwhile.
+struct LaterWork {
+  PhaseWork storing = {};
+  double measuring_renders = 0;  ///< spread over all iterations
+};
+
+class RunEstimate {
+ public:
+  /// `trainer` must outlive it.
+  RunEstimate(const Trainer& trainer, const LaterWork& later);
+
+  /// After each iteration, in which so much wall time passed.
+  void add(double seconds);
+
+  /// Of everything to come, storing included. 0 before the first iteration.
+  double seconds_left() const { return forecast().seconds; }
+  /// The most splats, from now on.
+  double peak_splats() const { return forecast().splats; }
+  /// Bytes that the program will have held at its largest.
+  std::size_t peak_memory() const;
+
+ private:
+  /// Seconds and the units of work that they were for, both forgotten bit by bit.
+  struct Rate {
+    double seconds = 0, units = 0;
+    double value() const { return units > 0 ? seconds / units : 0; }
+  };
+  struct Item {
+    int iteration;
+    const Phase* phase;
+    PhaseWork work;
+  };
+  struct Learned {
+    double actual = 0, predicted = 0;  ///< seconds of the work
+    std::vector<double> growth;        ///< changes of the logarithm of the number of splats
+    double factor() const;
+    double growth_or(double expected) const;
+  };
+  struct Forecast {
+    double seconds = 0, splats = 0;
+  };
+
+  void learn_stages(double seconds, double pixels, double splats);
+  double plain_seconds(int iteration, double splats) const;
+  double render_seconds(double splats) const;
+  double work_seconds(const Item& item, double splats) const;
+  Forecast forecast() const;
+
+  const Trainer& trainer_;
+  LaterWork later_;
+  std::vector<Item> items_;  ///< by iteration
+  std::size_t next_ = 0;     ///< the first that is to come
+  double pixels_ = 0;        ///< of a training image, the mean
+  double elapsed_ = 0;
+  double splats_before_ = 0;
+  std::map<std::string, double> stages_before_;
+  std::map<std::string, Rate> rates_;
+  std::map<const Phase*, Learned> learned_;
+  double file_seconds_ = 0;  ///< for a splat; 0 before it was measured
+};
+
+}  // namespace fluxgs
