@@ -1,5 +1,6 @@
 #include "trainer/data/photos/prepare_photos.h"
 
+#include <algorithm>
 #include <cctype>
 #include <new>
 #include <span>
@@ -93,8 +94,10 @@ Expected<std::vector<PreparedPhoto>> prepare_photos(const std::vector<Photo>& ph
   fs::create_directories(folder, error);
   if (error) return fail(folder.string(), "", "cannot be created: " + error.message());
   std::vector<Expected<PreparedPhoto>> made(photos.size(), fail("", "", ""));
+  const bool any_missing = !std::ranges::all_of(
+      photos, [&](const Photo& photo) { return is_file(folder / copy_name(photo.name)); });
   const ProgressReport progress = [&](std::size_t done, std::size_t total) {
-    if (report) report("reduced copies", "photos", done, total);
+    if (report && any_missing) report("reduced copies", "photos", done, total);
   };
   ProgressCounter counter(progress, photos.size());
   tbb::parallel_for(std::size_t{0}, photos.size(), [&](std::size_t i) {
