@@ -29,7 +29,7 @@ using Bytes = std::vector<std::byte>;
 #endif
 
 // A writer without options.
-template <auto encode>
+template <Expected<Bytes> (*encode)(const SplatCloud&, const std::string&)>
 Expected<Bytes> plain(const SplatCloud& cloud, const std::string& name, const WriteOptions&) {
   return encode(cloud, name);
 }
