@@ -99,12 +99,6 @@ ProgressReport shown_as(const std::string& unit, const std::string& detail) {
   };
 }
 
-ProgressReport show_progress(const std::string& unit) { return shown_as(unit, ""); }
-
-ProgressReport show_work(const std::string& name) { return shown_as("", name); }
-
-namespace {
-
 /// The step that is under way.
 struct ShownStep {
   using Clock = std::chrono::steady_clock;
@@ -120,6 +114,10 @@ struct ShownStep {
 };
 
 }  // namespace
+
+ProgressReport show_progress(const std::string& unit) { return shown_as(unit, ""); }
+
+ProgressReport show_work(const std::string& name) { return shown_as("", name); }
 
 StepReport show_steps() {
   return [shown = std::shared_ptr<ShownStep>()](const std::string& step, const std::string& unit,
