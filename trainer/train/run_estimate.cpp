@@ -23,6 +23,8 @@ constexpr double kFileSeconds = 15e-6;   // of a splat, before it was measured
 constexpr double kBlendPixels = 0.8, kBlendSplats = 0.25;
 constexpr int kSegments = 200;               // of the iterations between two items
 constexpr std::ptrdiff_t kGrowthEvents = 3;  // events whose growth is remembered
+/// Scenes seldom have more splats for each pixel of an image: no growth is expected beyond.
+constexpr double kSplatsPerPixel = 0.6;
 /// Of the bound that training_memory() is: not all of it is needed at once.
 constexpr double kMemoryUsed = 0.8;
 
@@ -66,11 +68,12 @@ double RunEstimate::Learned::factor() const {
   return predicted > 0 ? std::clamp(actual / predicted, 0.1, 10.0) : 1;
 }
 
-/// The mean of the last ones and, as if it were one of them, of what is expected.
+/// The mean of the last ones; what is expected counts until there are two.
 double RunEstimate::Learned::growth_or(double expected) const {
   const auto count = std::min(kGrowthEvents, static_cast<std::ptrdiff_t>(growth.size()));
-  return std::accumulate(growth.end() - count, growth.end(), expected) /
-         static_cast<double>(count + 1);
+  const double sum = std::accumulate(growth.end() - count, growth.end(), 0.0);
+  return count >= 2 ? sum / static_cast<double>(count)
+                    : (sum + expected) / static_cast<double>(count + 1);
 }
 
 RunEstimate::RunEstimate(const Trainer& trainer, const LaterWork& later)
@@ -178,8 +181,9 @@ RunEstimate::Forecast RunEstimate::forecast() const {
     iterate(item.iteration);
     result.seconds += work_seconds(item, splats);
     const auto learned = learned_.find(item.phase);
-    splats *= std::exp(learned == learned_.end() ? item.work.growth
-                                                 : learned->second.growth_or(item.work.growth));
+    const bool room = splats < kSplatsPerPixel * pixels_;
+    const double expected = room ? item.work.growth : std::min(item.work.growth, 0.0);
+    splats *= std::exp(learned == learned_.end() ? expected : learned->second.growth_or(expected));
     if (trainer_.options.max_splats > 0)
       splats = std::min(splats, static_cast<double>(trainer_.options.max_splats));
     result.splats = std::max(result.splats, splats);
