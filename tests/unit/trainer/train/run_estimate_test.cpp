@@ -20,8 +20,8 @@ TrainOptions quiet_run(int iterations) {
   return options;
 }
 
-struct Run {
-  explicit Run(const TrainOptions& options)
+struct Running {
+  explicit Running(const TrainOptions& options)
       : trainer(small_capture(), options, fresh(small_capture(), options), threads, times) {}
 
   Threads threads{2};
@@ -30,7 +30,7 @@ struct Run {
 };
 
 TEST(RunEstimate, IterationsLikeThoseBeforeTakeAsLong) {
-  Run run(quiet_run(200));
+  Running run(quiet_run(200));
   RunEstimate estimate(run.trainer, {});
   EXPECT_EQ(estimate.seconds_left(), 0);
   constexpr double kEach = 0.5;  // far more than they really take
@@ -46,7 +46,7 @@ TEST(RunEstimate, SmallerImagesAreCountedAsSuch) {
   TrainOptions options = quiet_run(40);
   options.get<ProgressiveResolutionOptions>().levels = 2;
   options.get<ProgressiveResolutionOptions>().until = 20;
-  Run run(options);
+  Running run(options);
   const Camera& whole = small_capture().train[0].camera;
   while (!run.trainer.done()) {
     run.trainer.step();
@@ -63,7 +63,7 @@ TEST(RunEstimate, SmallerImagesAreCountedAsSuch) {
 
 TEST(RunEstimate, PausesAndStoringComeOnTop) {
   TrainOptions options = quiet_run(100);
-  Run run(options);
+  Running run(options);
   const LaterWork storing{.storing = {.renders = 1000}};
   RunEstimate with(run.trainer, storing), without(run.trainer, {});
   for (int i = 0; i < 20; ++i) {
@@ -76,13 +76,15 @@ TEST(RunEstimate, PausesAndStoringComeOnTop) {
   options.get<LatePruningOptions>().mode = LatePrune::contribution;
   options.get<LatePruningOptions>().from = 50;
   options.get<LatePruningOptions>().until = 50;
-  Run pruned(options);
+  Running pruned(options);
   RunEstimate pausing(pruned.trainer, {});
   for (int i = 0; i < 60; ++i) {
     pruned.trainer.step();
     pausing.add(i == 49 ? 5 : 0.01);
     // The pause is over: it is not taken for the rate of what is left
-    if (i == 55) EXPECT_LT(pausing.seconds_left(), 1);
+    if (i == 55) {
+      EXPECT_LT(pausing.seconds_left(), 1);
+    }
   }
 }
 
@@ -91,7 +93,7 @@ TEST(RunEstimate, GrowthIsThatOfTheStrategyThenThatOfTheRun) {
   auto& densification = options.get<DensificationOptions>();
   densification.from = 20, densification.until = 60, densification.interval = 20;
   densification.growth = 0.15;
-  Run run(options);
+  Running run(options);
   const auto first = static_cast<double>(run.trainer.state.parameters.size());
   RunEstimate estimate(run.trainer, {});
   EXPECT_NEAR(std::log(estimate.peak_splats() / first), 3 * 0.9 * std::log(1.15), 1e-9);
@@ -103,14 +105,14 @@ TEST(RunEstimate, GrowthIsThatOfTheStrategyThenThatOfTheRun) {
   }
   EXPECT_LE(estimate.peak_splats(), most);
   options.max_splats = static_cast<std::uint64_t>(first);
-  Run limited(options);
+  Running limited(options);
   EXPECT_LE(RunEstimate(limited.trainer, {}).peak_splats(), first);
 }
 
 TEST(RunEstimate, MemoryGrowsWithTheSplatsToCome) {
   TrainOptions options = short_run(100);
   options.get<DensificationOptions>().growth = 0.15;
-  Run growing(options), quiet(quiet_run(100));
+  Running growing(options), quiet(quiet_run(100));
   EXPECT_GT(RunEstimate(growing.trainer, {}).peak_memory(),
             RunEstimate(quiet.trainer, {}).peak_memory());
 }
