@@ -58,8 +58,11 @@ std::vector<std::string> masked(const Dataset& data) {
 }
 
 /// A COLMAP data set of these images, without masks.
-void write_colmap(const fs::path& folder, const std::vector<std::string>& names) {
+void write_colmap(const fs::path& folder, const std::vector<std::string>& names, int width = kWidth,
+                  int height = kHeight) {
   TinyModel model;
+  model.cameras[0].width = static_cast<std::uint64_t>(width);
+  model.cameras[0].height = static_cast<std::uint64_t>(height);
   for (const std::string& name : names)
     model.images.push_back({.name = name, .pose = {1, 0, 0, 0, 0.1, 0.2, 3}});
   write_binary(folder / "sparse" / "0", model);
@@ -174,10 +177,10 @@ TEST(Masks, AnotherSizeIsResized) {
 
 TEST(Masks, AReducedPixelCountsOnlyWhereNearlyAllOfItIsWhite) {
   const TempFolder folder;
-  write_colmap(folder.path(), {"a.png"});
-  write_image(folder.path() / "masks" / "a.png", mask(3, 4, 5, 9));
+  write_colmap(folder.path(), {"a.png"}, 128, 96);
+  write_image(folder.path() / "masks" / "a.png", mask(25, 31, 41, 71, 128, 96));
   const Dataset half = loaded(folder.path(), {.downscale = 2});
-  EXPECT_EQ(picture(half.train[0].used), picture(mask(1, 2, 2, 5, 8, 6, 1)));
+  EXPECT_EQ(picture(half.train[0].used), picture(mask(12, 16, 20, 36, 64, 48, 1)));
   EXPECT_EQ(picture(halved(loaded(folder.path()).train[0]).used), picture(half.train[0].used));
 }
 
@@ -369,10 +372,10 @@ TEST(Transparency, ColoursBelowItDoNotLeak) {
       Json top;
       if (distorted) top["k1"] = 0.05;
       write_transforms(folder.path(), {Json::object()}, top);
-      Image<std::uint8_t> image(kWidth, kHeight, 4);
-      for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x) {
-          const bool inside = x >= 5 && x < 11 && y >= 3 && y < 9;
+      Image<std::uint8_t> image(120, 96, 4);
+      for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+          const bool inside = x >= 37 && x < 82 && y >= 23 && y < 70;
           for (int c = 0; c < 3; ++c) image.at(x, y)[c] = inside ? 80 : garbage;
           image.at(x, y)[3] = inside ? 255 : 0;
         }
