@@ -39,13 +39,13 @@ void add_written(Seeds& seeds) {
     if (format.encode == nullptr) continue;
     for (const int degree : kDegrees) {
       if (degree > format.max_sh_degree) continue;
-      const auto bytes = format.encode(random_cloud(kSplats, degree), "x");
+      const auto bytes = format.encode(random_cloud(kSplats, degree), "x", {});
       require(bytes.has_value(), "the scenes of the seeds can be written");
       const std::string name = fmt::format("{}_degree{}", format.name, degree);
       seeds[std::string(format.name)][name] = seeds["stability"][name] = *bytes;
     }
     // A scene without splats, where the format has such
-    if (const auto empty = format.encode(SplatCloud(), "x")) {
+    if (const auto empty = format.encode(SplatCloud(), "x", {})) {
       seeds[std::string(format.name)][std::string(format.name) + "_empty"] = *empty;
     }
   }
