@@ -316,12 +316,24 @@ class Convert : public testing::Test {
 
 TEST_F(Convert, ReplacesNothingUnlessForced) {
   ASSERT_EQ(convert("s.glb", "t.ply").status, 0);
-  const std::string before = bytes("t.ply");
-  expect_error(convert("s.ply", "t.ply", "--sh-degree 0"), {"t.ply", "exists already", "--force"});
-  EXPECT_EQ(bytes("t.ply"), before);
-  expect_error(convert("s.ply", "s.ply"), {"s.ply", "exists already"});
-  EXPECT_EQ(convert("s.ply", "t.ply", "--sh-degree 0 --force").status, 0);
+  const std::string first = bytes("t.ply");
+  const Outcome second = convert("s.ply", "t.ply", "--sh-degree 0");
+  EXPECT_EQ(second.status, 0);
+  EXPECT_THAT(second.err, HasSubstr("t.ply: existed, and is kept as t.ply.~1~ (--force"));
+  EXPECT_EQ(bytes("t.ply.~1~"), first);
   EXPECT_EQ(scene("t.ply").cloud.sh_degree, 0);
+  const std::string before = bytes("t.ply");
+  ASSERT_EQ(convert("s.ply", "t.ply").status, 0);
+  EXPECT_EQ(bytes("t.ply.~2~"), before);
+  EXPECT_EQ(bytes("t.ply.~1~"), first);
+  ASSERT_EQ(convert("s.ply", "t.ply", "--force").status, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "t.ply.~3~"));
+  // A conversion that fails leaves everything as it was
+  const std::size_t files = files_in(folder_.path());
+  expect_error(convert("missing.ply", "t.ply"), {"missing.ply"});
+  EXPECT_EQ(files_in(folder_.path()), files);
+  std::filesystem::create_directory(folder_ / "folder.ply");
+  expect_error(convert("s.ply", "folder.ply"), {"folder.ply", "exists already", "--force"});
 }
 
 TEST_F(Convert, CompactScenesStayCompact) {

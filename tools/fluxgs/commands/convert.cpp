@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -159,7 +161,7 @@ Expected<void> copy_compact(const ConvertSettings& s, std::size_t splats) {
   return {};
 }
 
-Expected<void> convert(const ConvertSettings& s) {
+Expected<void> write_out(const ConvertSettings& s) {
   const auto format = scene_format_for(s.out);
   if (!format) return std::unexpected(format.error());
   const bool glb = (*format)->name == "glb";
@@ -167,7 +169,6 @@ Expected<void> convert(const ConvertSettings& s) {
     return fail(s.out, "extension", "expected .glb, which a compact scene is written as");
   if ((s.no_compact || s.glb.attribute_bits != 32) && !glb)
     return fail(s.out, "extension", "expected .glb, whose attributes the options are about");
-  if (auto free = check_overwrite(s.out, s.force); !free) return free;
   auto scene = load_scene(s.in);
   if (!scene) return std::unexpected(scene.error());
   const int full_degree = scene->cloud.sh_degree;
@@ -187,6 +188,21 @@ Expected<void> convert(const ConvertSettings& s) {
   fmt::print("{}: {} splats\n", shown(s.out), scene->cloud.size());
   return tell_losses(s, *scene,
                      glb ? glb_order(scene->cloud, s.glb) : std::vector<std::uint32_t>());
+}
+
+/// What lay under the name of the result is kept beside it.
+Expected<void> convert(const ConvertSettings& s) {
+  const auto kept = s.force ? Expected<std::filesystem::path>() : keep_old(s.out);
+  if (!kept) return std::unexpected(kept.error());
+  auto done = write_out(s);
+  if (kept->empty()) return done;
+  std::error_code ignored;
+  if (!done)
+    std::filesystem::remove(*kept, ignored);
+  else
+    spdlog::warn("warning: {}: existed, and is kept as {} (--force replaces it)", shown(s.out),
+                 kept->filename().string());
+  return done;
 }
 
 /// Refuses options that would do nothing.
@@ -258,7 +274,8 @@ void add_convert(CLI::App& app, Action& action) {
                    "version of a .spz: 3, read everywhere, or 4, smaller")
       ->check(CLI::Range(3, 4))
       ->capture_default_str();
-  command->add_flag("--force", settings->force, "replace OUT if it exists");
+  command->add_flag("--force", settings->force,
+                    "replace OUT if it exists, instead of keeping it as OUT.~1~");
   add_map_options(*command, settings->map);
   add_compact_options(*command, *settings);
   add_data_options(*command, settings->data);

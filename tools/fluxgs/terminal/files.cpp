@@ -33,6 +33,20 @@ Expected<void> check_overwrite(const fs::path& path, bool force) {
   return fail(path.string(), "", "exists already; --force replaces it, or choose another name");
 }
 
+Expected<fs::path> keep_old(const fs::path& path) {
+  std::error_code failed;
+  if (!fs::exists(path, failed)) return fs::path();
+  const fs::path old = resolved(path);  // a link's file, not the link
+  constexpr int kMaxKept = 1000;
+  for (int i = 1; i <= kMaxKept; ++i) {
+    const fs::path kept = old.string() + ".~" + std::to_string(i) + "~";
+    fs::create_hard_link(old, kept, failed);
+    if (!failed) return kept;
+    if (failed != std::errc::file_exists) break;
+  }
+  return std::unexpected(check_overwrite(path, false).error());
+}
+
 TempFolder::TempFolder() {
   std::error_code ignored;
   std::string pattern = (fs::temp_directory_path(ignored) / "fluxgs-XXXXXX").string();

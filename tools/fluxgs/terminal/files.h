@@ -17,6 +17,11 @@ bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 /// asked before long work, so that nobody loses a scene to a habit.
 Expected<void> check_overwrite(const std::filesystem::path& path, bool force);
 
+/// A second name of the file that lies under `path`, "NAME.~1~" or the next number that is free, so
+/// that it stays when a result takes its name; empty if nothing lies there. What cannot have two
+/// names (folders, files on some disks) is an error that names --force.
+Expected<std::filesystem::path> keep_old(const std::filesystem::path& path);
+
 /// A folder with an unguessable name that is deleted with this object.
 class TempFolder {
  public:
