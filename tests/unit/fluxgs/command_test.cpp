@@ -282,7 +282,7 @@ TEST(Command, ConvertSaysWhatAFormatCannotHold) {
             std::string::npos)
       << o.err;
   EXPECT_EQ(convert("s.splat", "t.splat").err.find("SH coefficients"), std::string::npos);
-  expect_error(convert("s.ply", "s.compressed.ply"), {"s.compressed.ply", "not written"});
+  expect_error(convert("s.ply", "s.gltf"), {"s.gltf", "not written"});
   const json facts =
       json::parse(fluxgs(fmt::format("info {} --json", quoted(folder / "s.splat"))).out);
   EXPECT_EQ(facts["format"], "splat");

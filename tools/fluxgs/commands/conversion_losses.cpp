@@ -96,7 +96,7 @@ std::string rounding_errors(const SceneFile& scene, const SceneFile& written,
   const SplatCloud &a = scene.cloud, &b = written.cloud;
   if (a.size() == 0 || a.size() != b.size()) return "";
   if (!order.empty() && order.size() != b.size()) return "";
-  if (!same_order(a, b, order)) return "not compared, for the splats are in another order";
+  if (!same_order(a, b, order)) return "in another order, errors not compared";
   Errors worst;
   for (std::size_t k = 0; k < b.size(); ++k) raise(worst, a, order.empty() ? k : order[k], b, k);
   std::vector<std::string> parts;
@@ -107,7 +107,7 @@ std::string rounding_errors(const SceneFile& scene, const SceneFile& written,
   if (worst.opacity > kFloat) parts.push_back(fmt::format("opacities {:.2g}", worst.opacity));
   if (worst.colour > kFloat) parts.push_back(fmt::format("colours {:.2g}", worst.colour));
   if (worst.sh > kFloat) parts.push_back(fmt::format("SH coefficients {:.2g}", worst.sh));
-  return fmt::format("{}", fmt::join(parts, ", "));
+  return parts.empty() ? "" : fmt::format("rounded, at most: {}", fmt::join(parts, ", "));
 }
 
 }  // namespace fluxgs::cli

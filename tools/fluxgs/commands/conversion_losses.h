@@ -13,9 +13,10 @@ namespace fluxgs::cli {
 /// What `written` lacks of `scene`, one sentence each: screen filter, start view, splats.
 std::vector<std::string> lost_parts(const SceneFile& scene, const SceneFile& written);
 
-/// The largest errors of each attribute, "positions 0.0001, shapes 3 %, ..."; empty if they are
-/// those of floats. `order[k]` is the splat of `scene` that is splat k of `written`; empty: the
-/// same. Splats that turn out to be in another order are not compared: the text says so.
+/// The largest errors of each attribute, "rounded, at most: positions 0.0001, shapes 3 %, ...";
+/// empty if they are those of floats. `order[k]` is the splat of `scene` that is splat k of
+/// `written`; empty: the same. Splats that turn out to be in another order are not compared: the
+/// text says so.
 std::string rounding_errors(const SceneFile& scene, const SceneFile& written,
                             std::span<const std::uint32_t> order);
 

@@ -66,7 +66,7 @@ Expected<void> tell_losses(const ConvertSettings& s, const SceneFile& scene,
   for (const std::string& lost : lost_parts(scene, *written))
     spdlog::warn("warning: {}: {}", shown(s.out), lost);
   const std::string errors = rounding_errors(scene, *written, order);
-  if (!errors.empty()) spdlog::info("{}: rounded, at most: {}", shown(s.out), errors);
+  if (!errors.empty()) spdlog::info("{}: {}", shown(s.out), errors);
   return {};
 }
 
