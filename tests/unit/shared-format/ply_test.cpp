@@ -407,7 +407,7 @@ TEST(Ply, CommentsNameTheFilter) {
     EXPECT_TRUE(scene) << lines;
     return scene ? scene->cloud.filter : ScreenFilter{};
   };
-  const ScreenFilter classic, mip{.compensated = true}, narrow{0.1F, true};
+  const ScreenFilter classic, mip{.compensated = true}, narrow{0.1, true};
   EXPECT_EQ(filter_of(""), classic);
   for (const char* line : {"comment SplatRenderMode: mip\n", "comment   splatrendermode:MIP  \r\n",
                            "COMMENT SplatRenderMode = Mip\n", "comment\tSPLATRENDERMODE:\tmip\n",
@@ -446,7 +446,7 @@ TEST(Ply, CommentsAnywhereInTheHeader) {
 TEST(Ply, TheFilterComesBack) {
   SplatCloud cloud = random_cloud(3, 1);
   for (const ScreenFilter filter :
-       {ScreenFilter{}, ScreenFilter{0.3F, true}, ScreenFilter{0.1F, true}, ScreenFilter{0.15F}}) {
+       {ScreenFilter{}, ScreenFilter{0.3, true}, ScreenFilter{0.1, true}, ScreenFilter{0.15}}) {
     cloud.filter = filter;
     FLUXGS_UNWRAP(bytes, encode_ply(cloud, "x"));
     FLUXGS_UNWRAP(scene, read_ply(bytes, "x.ply"));

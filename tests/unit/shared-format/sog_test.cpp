@@ -347,7 +347,7 @@ TEST(Sog, TheFilterIsRead) {
   EXPECT_FALSE(filter_with("antialias", "yes").compensated);
   EXPECT_TRUE(filter_with("model", "antialiased").compensated);
   EXPECT_FALSE(filter_with("model", "2dgs").compensated);
-  EXPECT_EQ(filter_with("dilation", 0.1).dilation, 0.1F);
+  EXPECT_EQ(filter_with("dilation", 0.1).dilation, 0.1);
   EXPECT_EQ(filter_with("dilation", -1), ScreenFilter{});
 }
 

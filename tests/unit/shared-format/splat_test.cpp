@@ -313,7 +313,7 @@ TEST(Splat, DamagedFilesNeverCrash) {
     if (random() % 4 == 0) damaged.resize(random() % damaged.size());
     is_splat(damaged);
     const auto scene = read_splat(damaged, "x");
-    ASSERT_EQ(scene.has_value(), !damaged.empty() && damaged.size() % 32 == 0);
+    ASSERT_EQ(scene.has_value(), damaged.size() >= 32);
     if (scene) {
       EXPECT_EQ(count_non_finite(scene->cloud), 0u);
       EXPECT_EQ(scene->cloud.size() + scene->dropped, damaged.size() / 32);

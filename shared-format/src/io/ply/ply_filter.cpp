@@ -12,14 +12,14 @@
 namespace fluxgs::io {
 namespace {
 
-constexpr float kMipDilation = 0.1f;  // of Brush, as in Mip-Splatting (Yu et al. 2024)
+constexpr double kMipDilation = 0.1;  // of Brush, as in Mip-Splatting (Yu et al. 2024)
 
-// Lower-case words of letters and digits; what is between them does not count.
+// Lower-case words of letters and numbers; what is between them does not count.
 std::vector<std::string> plain_words(std::string_view text) {
   std::vector<std::string> words(1);
   for (const char raw : text) {
     const auto c = static_cast<unsigned char>(raw);
-    if (std::isalnum(c) != 0 || c == '_' || c == '.')
+    if (std::isalnum(c) != 0 || c == '_' || c == '.' || c == '-' || c == '+')
       words.back() += static_cast<char>(std::tolower(c));
     else if (!words.back().empty())
       words.emplace_back();
@@ -38,9 +38,9 @@ std::optional<bool> compensation_of(const std::vector<std::string>& words) {
   return std::nullopt;
 }
 
-std::optional<float> dilation_of(const std::vector<std::string>& words) {
+std::optional<double> dilation_of(const std::vector<std::string>& words) {
   if (words[0] != "screenfilterdilation") return std::nullopt;
-  float value = 0;
+  double value = 0;
   const auto end = words[1].data() + words[1].size();
   const auto read = std::from_chars(words[1].data(), end, value);
   const bool plausible = read.ec == std::errc() && read.ptr == end && value > 0 && value <= 100;
@@ -52,7 +52,7 @@ std::optional<float> dilation_of(const std::vector<std::string>& words) {
 ScreenFilter filter_of_comments(std::span<const std::string> comments) {
   ScreenFilter filter;
   bool brush = false;
-  std::optional<float> dilation;
+  std::optional<double> dilation;
   for (const std::string& comment : comments) {
     const auto words = plain_words(comment);
     brush |= words[0] == "exported" && words[1] == "from" && words[2] == "brush";

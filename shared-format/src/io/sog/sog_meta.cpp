@@ -132,7 +132,7 @@ ScreenFilter filter_of(const json& root) {
   filter.compensated = member(root, "antialias") == true || member(root, "model") == "antialiased";
   const json& dilation = member(root, "dilation");
   const double value = dilation.is_number() ? dilation.get<double>() : 0;
-  if (value > 0 && value <= 100) filter.dilation = static_cast<float>(value);
+  if (value > 0 && value <= 100) filter.dilation = value;
   return filter;
 }
 

@@ -34,8 +34,8 @@ constexpr std::size_t kPaletteRow = 64, kMostPalette = 65536;
 constexpr double kMostPosition = 1e38;
 constexpr float kMostSh = 1000;
 
-// Parts of the time, measured on scenes of degree 3: the palette, then the images.
-constexpr double kPaletteTime = 0.5;
+// Parts of the time, measured on scenes of degree 3: the first images, up to the palette's end.
+constexpr double kFirstTime = 0.25, kPaletteEnd = 0.75;
 
 // As many entries as other writers have: a power of two that is at most half of the splats.
 std::size_t palette_size(std::size_t splats) {
@@ -100,9 +100,11 @@ class SogEncoder {
     auto bytes = encode_webp(image, name_, file);
     if (!bytes) return std::unexpected(bytes.error());
     files_.emplace_back(file, std::move(*bytes));
-    const double begin = cloud_.sh_degree > 0 ? kPaletteTime : 0;
-    const double images = cloud_.sh_degree > 0 ? 7 : 5;
-    progress(begin + (1 - begin) * static_cast<double>(files_.size() - 1) / images);
+    const auto images = static_cast<double>(files_.size() - 1);  // five before the palette
+    if (cloud_.sh_degree == 0)
+      progress(images / 5);
+    else
+      progress(images <= 5 ? kFirstTime * images / 5 : 1 - (1 - kPaletteEnd) * (7 - images) / 2);
     return {};
   }
 
@@ -207,8 +209,9 @@ class SogEncoder {
     vectors.reserve(3 * cloud_.sh_rest.size());
     for (const glm::vec3& v : cloud_.sh_rest)
       for (int c = 0; c < 3; ++c) vectors.push_back(std::clamp(v[c], -kMostSh, kMostSh));
-    const ShPalette palette = make_sh_palette(vectors, 3 * rest, palette_size(cloud_.size()),
-                                              [&](double part) { progress(kPaletteTime * part); });
+    const ShPalette palette = make_sh_palette(
+        vectors, 3 * rest, palette_size(cloud_.size()),
+        [&](double part) { progress(kFirstTime + (kPaletteEnd - kFirstTime) * part); });
     std::vector<glm::vec3> entries(palette.entries.size() / 3);
     for (std::size_t k = 0; k < entries.size(); ++k)
       for (int c = 0; c < 3; ++c)

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
-#include <glm/geometric.hpp>
 
 #include "cloud/cloud_memory.h"
 #include "fluxgs/io/spz.h"
@@ -51,36 +50,17 @@ std::vector<std::size_t> beyond(const SplatCloud& cloud, double limit) {
   return far;
 }
 
-// Sum of the squared angles, seen from somewhere in the scene, by which positions err: those within
-// the range by rounding, those of `far` that are beyond it by the parallax that they gain.
-double squared_error(const SplatCloud& cloud, const std::vector<std::size_t>& far,
-                     const SceneCore& core, int fractional_bits) {
-  const double step = std::ldexp(1.0, -fractional_bits), limit = farthest(fractional_bits);
-  const double radius = std::max(core.radius, step);
-  double error = static_cast<double>(cloud.size()) * step * step / (6 * radius * radius);
-  for (const std::size_t i : far) {
-    const double factor = factor_within(cloud.positions[i], core, limit);
-    const double distance = glm::distance(glm::dvec3(cloud.positions[i]), core.center);
-    const double parallax = radius / distance * (1 / factor - 1);
-    if (factor < 1) error += parallax * parallax;
-  }
-  return error;
-}
-
-// As many fractional bits as asked for; fewer where the scene reaches further, if that errs less
-// than pulling in what is beyond.
-std::optional<int> choose_fractional_bits(const SplatCloud& cloud,
-                                          const std::vector<std::size_t>& far,
-                                          const SceneCore& core, int wanted) {
-  std::optional<int> best;
-  double least = std::numeric_limits<double>::infinity();
+// The most fractional bits, up to those asked for, with which few splats are beyond.
+std::optional<int> choose_fractional_bits(const SplatCloud& cloud, const SceneCore& core,
+                                          int wanted) {
+  constexpr std::size_t kFew = 100;  // one of so many
   const glm::dvec3 center = glm::abs(core.center);
   for (int bits = wanted; bits >= 0; --bits) {
-    if (std::max({center.x, center.y, center.z}) > farthest(bits)) continue;
-    const double error = squared_error(cloud, far, core, bits);
-    if (error < least) least = error, best = bits;
+    const double limit = farthest(bits);
+    if (std::max({center.x, center.y, center.z}) > limit) continue;
+    if (kFew * beyond(cloud, limit).size() <= cloud.size()) return bits;
   }
-  return best;
+  return std::nullopt;
 }
 
 // The bits of positions; pulls in the splats of `cloud`, copied to `storage`, that are beyond.
@@ -89,10 +69,10 @@ Expected<int> fit_positions(const SplatCloud*& cloud, SplatCloud& storage,
   const auto far = beyond(*cloud, farthest(options.fractional_bits));
   if (far.empty()) return options.fractional_bits;
   const SceneCore core = scene_core(cloud->positions);
-  const auto bits = choose_fractional_bits(*cloud, far, core, options.fractional_bits);
+  const auto bits = choose_fractional_bits(*cloud, core, options.fractional_bits);
   if (!bits)
     return fail(name, "positions",
-                fmt::format("most are farther than {} from the origin; expected SPZ's range",
+                fmt::format("many are farther than {} from the origin; expected SPZ's range",
                             kMaxPosition));
   const double limit = farthest(*bits);
   if (cloud != &storage) storage = *cloud;
