@@ -29,11 +29,6 @@ SplatCloud trained(const Dataset& data, const PointCloud& points, const TrainOpt
   return trainer.cloud();
 }
 
-double psnr_of(const SplatCloud& cloud, const std::vector<View>& views) {
-  const Threads threads(2);
-  return evaluate(views, cpu_view_renderer(cloud, {}, threads), threads)->psnr;
-}
-
 /// The small capture with somebody in a loud shirt in each photo, at another place each time, and
 /// masks that cover them with a margin.
 Dataset with_occluder(Dataset data) {
@@ -52,22 +47,6 @@ Dataset with_occluder(Dataset data) {
       }
   }
   return data;
-}
-
-TEST(Masks, AMovingOccluderLeavesNoTrace) {
-  const PointCloud points = *initial_points(small_capture(), 1, Threads(2));
-  const TrainOptions options = picture_run();
-  const Dataset masked = with_occluder(small_capture());
-  Dataset bare = masked;
-  for (View& view : bare.train) view.used = {};
-  const double clean = psnr_of(trained(small_capture(), points, options), masked.test),
-               with = psnr_of(trained(masked, points, options), masked.test),
-               without = psnr_of(trained(bare, points, options), masked.test);
-  RecordProperty("clean", std::to_string(clean));
-  RecordProperty("with", std::to_string(with));
-  RecordProperty("without", std::to_string(without));
-  EXPECT_GT(with, without + 1);
-  EXPECT_GT(with, clean - 1.5);
 }
 
 TEST(Masks, WhatTheyCoverDoesNotMatter) {
