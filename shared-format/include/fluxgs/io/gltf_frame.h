@@ -30,12 +30,19 @@ inline float turn_sign(std::size_t basis) {
   return kSigns[basis];
 }
 
-/// The whole cloud, from either frame into the other (a quaternion may change its sign).
-inline void turn_cloud(SplatCloud& cloud) {
-  for (glm::vec3& p : cloud.positions) p = turn_position(p);
-  for (glm::quat& q : cloud.rotations) q = turn_from_gltf(q);
-  const auto rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
-  for (std::size_t i = 0; i < cloud.sh_rest.size(); ++i) cloud.sh_rest[i] *= turn_sign(i % rest);
+/// The splats [begin, end) of a cloud, which are of a degree up to its own, from either frame into
+/// the other (a quaternion may change its sign). Coefficients beyond the degree stay as they are.
+inline void turn_splats(SplatCloud& cloud, std::size_t begin, std::size_t end, int degree) {
+  const auto stored = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
+  const auto rest = static_cast<std::size_t>(sh_rest_count(degree));
+  for (std::size_t i = begin; i < end; ++i) {
+    cloud.positions[i] = turn_position(cloud.positions[i]);
+    cloud.rotations[i] = turn_from_gltf(cloud.rotations[i]);
+    for (std::size_t k = 0; k < rest; ++k) cloud.sh_rest[stored * i + k] *= turn_sign(k);
+  }
 }
+
+/// The whole cloud, likewise.
+inline void turn_cloud(SplatCloud& cloud) { turn_splats(cloud, 0, cloud.size(), cloud.sh_degree); }
 
 }  // namespace fluxgs::io

@@ -220,8 +220,8 @@ Expected<SplatCloud> read_instances(const std::vector<GltfInstance>& instances, 
       return std::unexpected(ok.error());
     if (splats.linear_colours) encode_linear_colours(*cloud, begin, next);
     transform_splats(transform, *cloud, begin, next);
+    turn_splats(*cloud, begin, next, splats.sh_degree);
   }
-  turn_cloud(*cloud);
   return cloud;
 }
 
