@@ -54,7 +54,11 @@ class TrainWork {
   const TrainSettings& settings_;
   Run run_;
   const Threads& threads_;
-  Interrupts interrupts_;
+  Interrupts interrupts_{
+      "fluxgs: stopping after this iteration with a checkpoint; again to quit at once (no "
+      "checkpoint "
+      "has been saved yet)",
+      "fluxgs: quit without a checkpoint"};
   int first_;  ///< the iterations that were done before
   Profiler profiler_;
   Trainer trainer_;

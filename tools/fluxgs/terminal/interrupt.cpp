@@ -71,10 +71,10 @@ void handle(int signal) {
 
 }  // namespace
 
-Interrupts::Interrupts() {
+Interrupts::Interrupts(const std::string& first, const std::string& second) {
   interrupts = 0;
   waiting = 0;
-  set_lines("interrupted", "interrupted");
+  set_lines(first, second);
   for (std::size_t i = 0; i < kSignals.size(); ++i) {
     before_[i] = std::signal(kSignals[i], handle);
     if (before_[i] == SIG_IGN) std::signal(kSignals[i], SIG_IGN);

@@ -12,7 +12,9 @@ namespace fluxgs::cli {
 /// process.
 class Interrupts {
  public:
-  Interrupts();
+  /// The lines of set_lines(), said from the start.
+  explicit Interrupts(const std::string& first = "interrupted",
+                      const std::string& second = "interrupted");
   ~Interrupts();
   Interrupts(const Interrupts&) = delete;
   Interrupts& operator=(const Interrupts&) = delete;
