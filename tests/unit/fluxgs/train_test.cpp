@@ -242,13 +242,20 @@ TEST(Train, CheckpointsAreScenes) {
 
 TEST(Train, EvaluatesAtTheSizeOfTheTraining) {
   const test::TempFolder folder;
-  const auto out = folder / "scene.glb";
-  const Outcome run = fluxgs(train(out, "--iterations 60 --downscale 2 --json -"));
+  const auto out = folder / "scene.glb", data = folder / "data";
+  capture::CaptureOptions options;
+  options.width = 160, options.height = 120, options.train = 8, options.test = 2,
+  options.samples = 1;
+  ASSERT_TRUE(capture::write_capture(data, options));
+  const Outcome run =
+      fluxgs(fmt::format("train {} -o {} --max-splats 2000 --iterations 60 "
+                         "--downscale 2 --json -",
+                         quoted(data), quoted(out)));
   ASSERT_EQ(run.status, 0) << run.err;
   const double trained = json::parse(run.out)["psnr"].get<double>();
   const auto score = [&](const std::string& more) {
-    const Outcome scored = fluxgs(
-        fmt::format("eval {} --data {} --json {}", quoted(out), quoted(capture_folder()), more));
+    const Outcome scored =
+        fluxgs(fmt::format("eval {} --data {} --json {}", quoted(out), quoted(data), more));
     return json::parse(scored.out)["psnr"].get<double>();
   };
   EXPECT_NEAR(score(""), trained, 1e-3);
