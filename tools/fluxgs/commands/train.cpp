@@ -141,6 +141,8 @@ void add_train(CLI::App& app, Action& action) {
   grouped(command->add_option("--float-output", settings->float_output,
                               "also write the uncompressed scene, for example as .ply"),
           kFiles);
+  // Its name in version 0.1.0
+  grouped(command->add_option("--exact", settings->float_output)->excludes("--float-output"), "");
   grouped(command->add_option("--json", settings->report,
                               "write a report of the run as JSON (-: standard output)"),
           kFiles);
