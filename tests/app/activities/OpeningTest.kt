@@ -284,7 +284,7 @@ class OpeningTest : ViewerScreen() {
     fun aFileThatIsNoScene() {
         val file = File(context.cacheDir, "letter.pdf").apply { writeText("%PDF-1.7 hello") }
         val said = openAndFail(Documents.offer(file))
-        assertTrue(said, said.contains("no known scene format"))
+        assertTrue(said, said.contains("is a PDF document"))
     }
 
     @Test

@@ -72,11 +72,11 @@ uint project(uint splat) {
   vec4 rotation = uintBitsToFloat(geometry[4u * splat + 2u]);
   screen_axes(p, rotation, scale_red.xyz, axes_x, axes_y);
   Footprint shape = footprint(axes_x, axes_y);
-  // log2 of 0 is not defined (GLSL ES 3.1, 8.2)
-  if (frame.compensated != 0u) level += 0.5 * log2(max(shape.share, 1e-30));
+  // Of every scene: cheaper than a branch. log2 of 0 is not defined (GLSL ES 3.1, 8.2)
+  level += frame.compensation * log2(shape.share + 1e-30);
   vec2 centre = frame.focal_centre.xy * (p.xy / p.z) + frame.focal_centre.zw;
   // Where α falls below the cut-off, not at a fixed number of deviations.
-  float radius = min(sqrt(max(level - frame.level_min, 0.0)), frame.radius_max) / TO_LEVELS;
+  float radius = min(sqrt(abs(level - frame.level_min)), frame.radius_max) / TO_LEVELS;
   vec2 half_extent = radius * shape.deviation;
   bool large = level >= frame.level_min && is_flat(p.z, rotation, scale_red.xyz) &&
                2.0 * max(half_extent.x, half_extent.y) >= frame.size_min;
