@@ -209,9 +209,8 @@ void follow(Desktop& d, FollowedFile& file) {
 }
 
 /// Until it is closed. Draws only what has changed, and sleeps otherwise.
-Expected<void> run(Desktop& d, const ViewSettings& s) {
+Expected<void> run(Desktop& d, const ViewSettings& s, FollowedFile& file) {
   const Clock::time_point start = Clock::now();
-  FollowedFile file(s.scene);
   double before = 0;
   bool drew = false;
   for (; !d.quit && !d.window.close_requested(); ++d.steps) {
@@ -278,6 +277,7 @@ Expected<void> view(const ViewSettings& s) {
     if (!read) return std::unexpected(read.error());
     script = std::move(*read);
   }
+  FollowedFile file(s.scene);  // before it is read: what is written later is a change
   const auto scene = load(s);
   if (!scene) return std::unexpected(scene.error());
   const std::string name = std::filesystem::path(s.scene).filename().string();
@@ -294,7 +294,7 @@ Expected<void> view(const ViewSettings& s) {
   d.presenter.viewer().set(viewer_settings(s));
   d.presenter.show(scene->cloud, scene->navigation);
   if (s.frames == 0 && !s.follow) say(kKeys);
-  if (auto done = run(d, s); !done) return done;
+  if (auto done = run(d, s, file); !done) return done;
   spdlog::info("{} frames drawn in {} steps", d.drawn, d.steps);
   const auto last = window.take_captured();
   return last && !s.screenshot.empty() ? write_png(s.screenshot, *last) : Expected<void>();
