@@ -8,6 +8,7 @@
 
 #include "fluxgs/io/file.h"
 #include "gl_fixture.h"
+#include "scenes.h"
 
 namespace fluxgs::test {
 namespace {
@@ -55,7 +56,13 @@ TEST_P(ProgramsTest, AreThoseOfTheList) {
   hand_to_driver = api().ShaderSource;
   api().ShaderSource = record;
   for (const render::RendererSettings& settings : all_settings())
-    EXPECT_TRUE(render::Renderer::create(api(), settings));
+    for (const bool compensated : {false, true}) {
+      const auto renderer = must(render::Renderer::create(api(), settings));
+      const auto target =
+          must(render::RenderTarget::create(api(), 4, 4, render::TargetFormat::rgba8));
+      must(renderer->draw(front_camera(4, 4, 1),
+                          {.filter = ScreenFilter{.compensated = compensated}}, target));
+    }
   api().ShaderSource = hand_to_driver;
 
   const std::set<std::string> list = listed();

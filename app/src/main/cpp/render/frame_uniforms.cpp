@@ -60,7 +60,6 @@ FrameUniforms make_frame_uniforms(const Camera& camera, const RenderOptions& opt
   u.key_low = keys.low;
   u.key_shift = keys.shift;
   u.key_max = keys.largest;
-  u.compensation = view.compensated ? 0.5F : 0.0F;
   return u;
 }
 

@@ -24,7 +24,7 @@ struct FrameUniforms {
   std::uint32_t splat_count, sh_degree;
   float radius_max, size_min, sort_margin;
   std::uint32_t key_low, key_shift, key_max;
-  float compensation;
+  std::uint32_t unused;
 };
 static_assert(sizeof(FrameUniforms) == 160, "std140 wants multiples of 16 bytes");
 

@@ -12,18 +12,27 @@ namespace {
 
 constexpr std::uint32_t kThreads = 128;  // shaders/project.comp
 
+Expected<gl::Program> compile(gl::Api& api, SplatPrecision precision, bool compensated) {
+  const gl::ShaderSource source{GL_COMPUTE_SHADER, "project.comp", shaders::project_comp};
+  std::vector<std::string> defines;
+  if (precision == SplatPrecision::half) defines.emplace_back("PROJECTED_SPLAT_HALF");
+  if (compensated) defines.emplace_back("COMPENSATED");
+  return gl::Program::create(api, {&source, 1}, defines);
+}
+
 }  // namespace
 
 Expected<ProjectionPass> ProjectionPass::create(gl::Api& api, SplatPrecision precision) {
-  const gl::ShaderSource source{GL_COMPUTE_SHADER, "project.comp", shaders::project_comp};
   ProjectionPass pass;
   pass.precision_ = precision;
-  std::vector<std::string> defines;
-  if (precision == SplatPrecision::half) defines.emplace_back("PROJECTED_SPLAT_HALF");
-  auto compiled =
-      gl::assign_or_error(gl::Program::create(api, {&source, 1}, defines), pass.program_);
+  auto compiled = gl::assign_or_error(compile(api, precision, false), pass.program_);
   if (!compiled) return std::unexpected(compiled.error());
   return pass;
+}
+
+Expected<void> ProjectionPass::prepare(gl::Api& api, bool compensated) {
+  if (!compensated || compensated_) return {};
+  return gl::assign_or_error(compile(api, precision_, true), compensated_);
 }
 
 Expected<void> ProjectionPass::reserve(gl::Api& api, std::uint32_t count) {
@@ -33,12 +42,12 @@ Expected<void> ProjectionPass::reserve(gl::Api& api, std::uint32_t count) {
                    [&] { return keys_.remake(api, sizeof(std::uint32_t) * count); });
 }
 
-void ProjectionPass::run(gl::Api& api, const SceneBuffers& scene) const {
+void ProjectionPass::run(gl::Api& api, const SceneBuffers& scene, bool compensated) const {
   scene.geometry.bind_base(GL_SHADER_STORAGE_BUFFER, 0);
   scene.sh.bind_base(GL_SHADER_STORAGE_BUFFER, 1);
   projected_splats_.bind_base(GL_SHADER_STORAGE_BUFFER, 2);
   keys_.bind_base(GL_SHADER_STORAGE_BUFFER, 3);
-  program_.use();
+  (compensated ? *compensated_ : program_).use();
   api.DispatchCompute(scene.constants.count / kThreads + 1, 1, 1);
   api.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }

@@ -20,5 +20,4 @@ layout(std140, binding = 0) uniform Frame {
   highp uint key_low;       // sort/depth_keys.h
   highp uint key_shift;
   highp uint key_max;
-  highp float compensation;  // ½: opacities are multiplied by √(det Σ / det Σ′); 0: they are not
 } frame;

@@ -4,6 +4,8 @@
 # here or does not make one that is listed. For the size of a batch the default stands for all.
 fluxgs_program(project project.comp)
 fluxgs_program(project_half project.comp DEFINES PROJECTED_SPLAT_HALF)
+fluxgs_program(project_compensated project.comp DEFINES COMPENSATED)
+fluxgs_program(project_half_compensated project.comp DEFINES PROJECTED_SPLAT_HALF COMPENSATED)
 fluxgs_program(draw_arguments draw_arguments.comp DEFINES "BATCH 128")
 fluxgs_program(splat splat.vert splat.frag DEFINES "BATCH 128")
 fluxgs_program(splat_half splat.vert splat.frag DEFINES "BATCH 128" PROJECTED_SPLAT_HALF)

@@ -1,6 +1,7 @@
 #version 310 es
 // Culls and projects: one thread reads one splat, writes its sort key and, where it can touch the
-// image, what the draw reads.
+// image, what the draw reads. Variants: PROJECTED_SPLAT_HALF, and COMPENSATED for a screen filter that
+// compensates opacities.
 precision highp float;
 precision highp int;
 
@@ -72,14 +73,20 @@ uint project(uint splat) {
   vec4 rotation = uintBitsToFloat(geometry[4u * splat + 2u]);
   screen_axes(p, rotation, scale_red.xyz, axes_x, axes_y);
   Footprint shape = footprint(axes_x, axes_y);
-  // Of every scene: cheaper than a branch. log2 of 0 is not defined (GLSL ES 3.1, 8.2)
-  level += frame.compensation * log2(shape.share + 1e-30);
+#ifdef COMPENSATED
+  level += 0.5 * log2(shape.share + 1e-30);  // log2 of 0 is not defined (GLSL ES 3.1, 8.2)
+  bool seen = level >= frame.level_min;
+  level = max(level, frame.level_min);
+#endif
   vec2 centre = frame.focal_centre.xy * (p.xy / p.z) + frame.focal_centre.zw;
   // Where α falls below the cut-off, not at a fixed number of deviations.
-  float radius = min(sqrt(abs(level - frame.level_min)), frame.radius_max) / TO_LEVELS;
+  float radius = min(sqrt(level - frame.level_min), frame.radius_max) / TO_LEVELS;
   vec2 half_extent = radius * shape.deviation;
-  bool large = level >= frame.level_min && is_flat(p.z, rotation, scale_red.xyz) &&
+  bool large = is_flat(p.z, rotation, scale_red.xyz) &&
                2.0 * max(half_extent.x, half_extent.y) >= frame.size_min;
+#ifdef COMPENSATED
+  large = large && seen;
+#endif
   if (!large || !touches_image(centre, half_extent)) {
     hide(splat);
     bool near_by = large && touches_image(centre, half_extent + frame.sort_margin);

@@ -4,7 +4,9 @@
 struct Footprint {
   vec3 factor;     // xx, xy, yy
   vec2 deviation;  // px
-  float share;     // det Σ / det Σ′ of the covariance without and with the dilation
+#ifdef COMPENSATED
+  float share;  // det Σ / det Σ′ of the covariance without and with the dilation
+#endif
 };
 
 vec3 rotate_by_transpose(vec4 q, vec3 v) {  // Rᵀ·v for the unit quaternion q = (x, y, z, w)
@@ -39,10 +41,15 @@ Footprint footprint(vec3 axes_x, vec3 axes_y) {
   float d = frame.dilation * inverse * inverse;
   float xx = dot(ax, ax), yy = dot(ay, ay), xy = dot(ax, ay);
   vec3 c = cross(ax, ay);
-  float own = dot(c, c), det = own + d * (xx + yy) + d * d;
+  float det = dot(c, c) + d * (xx + yy) + d * d;
   float var_x = xx + d, var_y = yy + d;
   float deviation_y = sqrt(var_y);
   float lambda_xx = sqrt(var_y / det);
   vec3 factor = vec3(lambda_xx, -lambda_xx * (xy / var_y), 1.0 / deviation_y) * inverse;
-  return Footprint(factor, vec2(sqrt(var_x), deviation_y) * size, own / det);
+  vec2 deviation = vec2(sqrt(var_x), deviation_y) * size;
+#ifdef COMPENSATED
+  return Footprint(factor, deviation, dot(c, c) / det);
+#else
+  return Footprint(factor, deviation);
+#endif
 }
