@@ -70,8 +70,9 @@ struct SpzOptions {
 /// Write a scene. Values beyond the ranges above are limited to them, except positions: what is
 /// further than 2^(23 - bits) from the origin is moved towards the middle of the scene and made as
 /// much smaller, with a warning, if that is at most one splat of 100; otherwise the bits are fewer.
-/// So few far splats do not coarsen the rest. A scene of which more lies beyond 2^23 is an error. Rotations come out as unit quaternions. The order stays. Splats with a NaN or
-/// infinity are left out. The same cloud always gives the same bytes.
+/// So few far splats do not coarsen the rest. A scene of which more lies beyond 2^23 is an error.
+/// Rotations come out as unit quaternions. The order stays. Splats with a NaN or infinity are left
+/// out. The same cloud always gives the same bytes.
 Expected<std::vector<std::byte>> encode_spz(const SplatCloud& cloud, const std::string& name,
                                             const SpzOptions& options);
 /// The same with the default options.
