@@ -19,12 +19,9 @@ constexpr std::size_t kPadding = 4096;
 
 // The position behind the string that begins at text[at] == '"', or the end of the text.
 std::size_t end_of_string(std::string_view text, std::size_t at) {
-  for (++at; at < text.size(); ++at) {
-    at = text.find_first_of("\"\\", at);
-    if (at == text.npos) break;
+  // A backslash and what it escapes are passed over together
+  for (++at; (at = text.find_first_of("\"\\", at)) < text.size(); at += 2)
     if (text[at] == '"') return at + 1;
-    ++at;  // what is escaped
-  }
   return text.size();
 }
 

@@ -86,7 +86,7 @@ AttributeBits bits_of(const SpzHeader& header) {
 // A quarter about x, from axes right, back, down to right, down, front.
 void stand_up(SplatCloud& cloud) {
   const glm::quat turn(glm::angleAxis(-glm::half_pi<float>(), glm::vec3(1, 0, 0)));
-  const math::ShRotation sh = math::make_sh_rotation({1, 0, 0, 0, 0, 1, 0, -1, 0});
+  const math::ShRotation sh = math::make_sh_rotation({{1, 0, 0}, {0, 0, 1}, {0, -1, 0}});
   const auto rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const glm::vec3 p = cloud.positions[i];
