@@ -1,4 +1,4 @@
-// What a file is that is no scene, for the message about it.
+// Kinds of files that are no scenes, for the message about them.
 #pragma once
 
 #include <cstddef>

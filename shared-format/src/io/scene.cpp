@@ -73,7 +73,7 @@ std::string descriptions() {
   return list;
 }
 
-// What is_splat() expects of a size, for files whose name promises one.
+// Reason why a file named .splat is not taken for one; empty where its size is not the reason.
 std::string tail_of_splat(std::span<const std::byte> bytes, const std::string& name) {
   const std::size_t record = sizeof(io::SplatRecord), tail = bytes.size() % record;
   if (tail == 0 || !lower_case(name).ends_with(".splat")) return "";

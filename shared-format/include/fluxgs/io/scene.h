@@ -15,7 +15,7 @@
 
 namespace fluxgs {
 
-/// What a format keeps of the screen filter of a scene.
+/// Part of a scene's screen filter that a format keeps.
 enum class StoredFilter {
   none,          ///< comes back as that of classic 3DGS
   compensation,  ///< on or off; the dilation comes back as 0.3 px²

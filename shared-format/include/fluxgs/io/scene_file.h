@@ -23,8 +23,8 @@ struct SceneFile {
   std::string format;                   ///< name of the format, see scene_formats()
   std::vector<std::string> extensions;  ///< glTF: extensionsUsed
   std::size_t dropped = 0;              ///< splats left out for a NaN or infinity
-  /// What a person should know of the file, a sentence each, without its name: "its last record is
-  /// cut off; the 119 whole ones are read"
+  /// Warnings of the reader for people, a sentence each, without the file's name: "its last record
+  /// is cut off; the 119 whole ones are read"
   std::vector<std::string> warnings;
   AttributeBits attribute_bits;      ///< see above
   std::size_t bytes = 0;             ///< size of the file

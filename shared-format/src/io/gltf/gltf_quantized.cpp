@@ -21,7 +21,7 @@ namespace {
 
 using nlohmann::json;
 
-// What describes a class in the JSON takes more bytes than so few splats save.
+// Smallest class worth its description in the JSON: fewer splats save less than that takes.
 constexpr std::size_t kMinClass = 64;
 
 struct Component {

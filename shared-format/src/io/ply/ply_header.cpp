@@ -46,7 +46,7 @@ std::vector<std::string_view> words_of(std::string_view line) {
   return words;
 }
 
-// Whether they are the same but for the case.
+// True if a word of any case is that word in lower case.
 bool is_word(std::string_view word, std::string_view lower_case) {
   return std::ranges::equal(word, lower_case, {}, [](char c) {
     return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));

@@ -1,5 +1,5 @@
-// Where most of a scene lies, whatever a few far splats do; for formats whose steps grow with the
-// extent of the scene.
+// The box around most of a scene, without the few splats far from it; for formats whose steps grow
+// with the extent of the scene.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ struct SceneCore {
   double radius = 0;     ///< median distance from it
 };
 
-/// Of at least one position.
+/// The core of one or more positions.
 SceneCore scene_core(const std::vector<glm::vec3>& positions);
 
 /// Factor, 0…1, by which a position must come nearer to the core's centre, which lies within ±limit
