@@ -3,18 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "trainer/data/stored_integer.h"
+
 namespace fluxgs {
 namespace {
 
 using Bytes = std::span<const std::uint8_t>;
-
-/// `count` bytes, at most 4, of which all must be there.
-std::uint32_t tiff_integer(Bytes bytes, std::size_t at, std::size_t count, bool little) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < count; ++i)
-    value = value << 8 | bytes[little ? at + count - 1 - i : at + i];
-  return value;
-}
 
 std::size_t tiff_size_of(std::uint32_t type) {
   switch (type) {
@@ -75,7 +69,7 @@ TiffDirectory::TiffDirectory(Bytes file, bool little, std::size_t begin)
 
 std::uint32_t TiffDirectory::read(std::size_t at, std::size_t size) const {
   if (at > bytes_.size() || bytes_.size() - at < size) return 0;
-  return tiff_integer(bytes_, at, size, little_);
+  return stored_integer(bytes_, at, size, little_);
 }
 
 TiffDirectory::Values TiffDirectory::find(std::uint32_t tag) const {

@@ -9,25 +9,19 @@
 
 #include <webp/decode.h>
 
+#include "trainer/data/stored_integer.h"
+
 namespace fluxgs {
 namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// `count` bytes, at most 4, of which all must be there.
-std::uint32_t integer(Bytes bytes, std::size_t at, std::size_t count, bool little) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < count; ++i)
-    value = value << 8 | bytes[little ? at + count - 1 - i : at + i];
-  return value;
-}
-
 std::uint32_t big_endian(Bytes bytes, std::size_t at, std::size_t count) {
-  return integer(bytes, at, count, false);
+  return stored_integer(bytes, at, count, false);
 }
 
 std::uint32_t little_endian(Bytes bytes, std::size_t at, std::size_t count) {
-  return integer(bytes, at, count, true);
+  return stored_integer(bytes, at, count, true);
 }
 
 /// Start of frame: every marker FFC0…FFCF but those for Huffman tables, arithmetic conditioning and

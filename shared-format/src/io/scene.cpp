@@ -73,7 +73,7 @@ std::string descriptions() {
   return list;
 }
 
-// Reason why a file named .splat is not taken for one; empty where its size is not the reason.
+// Remark on the size of a file named .splat; empty where that is right.
 std::string tail_of_splat(std::span<const std::byte> bytes, const std::string& name) {
   const std::size_t record = sizeof(io::SplatRecord), tail = bytes.size() % record;
   if (tail == 0 || !lower_case(name).ends_with(".splat")) return "";

@@ -15,6 +15,7 @@
 #include "fluxgs/io/compressed_ply.h"
 #include "io/ply/compressed_ply_layout.h"
 #include "io/ply/ply_filter.h"
+#include "io/splat/smallest_three.h"
 #include "io/splat/spatial_order.h"
 
 namespace fluxgs {
@@ -65,17 +66,11 @@ std::uint32_t pack_vector(const glm::vec3& v, const Bounds& range) {
 }
 
 std::uint32_t pack_rotation(const glm::quat& rotation) {
-  std::array<double, 4> q{rotation.w, rotation.x, rotation.y, rotation.z};
-  const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  if (length == 0) q[0] = 1;
-  const auto largest = static_cast<std::size_t>(
-      std::ranges::max_element(q, {}, [](double c) { return std::abs(c); }) - q.begin());
-  // q and -q are the same rotation; the largest component is the positive one.
-  const double unit = std::copysign(length == 0 ? 1 : 1 / length, q[largest]);
-  auto word = static_cast<std::uint32_t>(largest);
+  const io::SmallestThree parts =
+      io::to_smallest_three({rotation.w, rotation.x, rotation.y, rotation.z}, 0);
+  auto word = static_cast<std::uint32_t>(parts.largest);
   constexpr double kMost = std::numbers::sqrt2 / 2;
-  for (std::size_t i = 0; i < q.size(); ++i)
-    if (i != largest) word = word << 10 | level(q[i] * unit, -kMost, kMost, 10);
+  for (const double c : parts.others) word = word << 10 | level(c, -kMost, kMost, 10);
   return word;
 }
 

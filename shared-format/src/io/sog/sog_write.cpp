@@ -18,6 +18,7 @@
 #include "io/sog/sog_decode.h"
 #include "io/sog/webp_image.h"
 #include "io/sog/zip_writer.h"
+#include "io/splat/smallest_three.h"
 #include "io/splat/spatial_order.h"
 
 namespace fluxgs {
@@ -155,16 +156,11 @@ class SogEncoder {
     meta_["quats"] = {{"files", {"quats.webp"}}};
     return add_image("quats.webp", [&](std::uint32_t i) {
       const glm::quat& rotation = cloud_.rotations[i];
-      std::array<double, 4> q{rotation.w, rotation.x, rotation.y, rotation.z};
-      const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-      if (length == 0) q[0] = 1;
-      const auto largest = static_cast<std::size_t>(
-          std::ranges::max_element(q, {}, [](double c) { return std::abs(c); }) - q.begin());
-      const double unit = std::copysign(length == 0 ? 1 : 1 / length, q[largest]);
-      Pixel pixel{0, 0, 0, static_cast<std::uint8_t>(252 + largest)};
-      std::size_t to = 0;
-      for (std::size_t c = 0; c < q.size(); ++c)
-        if (c != largest) pixel[to++] = byte_of((q[c] * unit * std::numbers::sqrt2 + 1) / 2);
+      const io::SmallestThree parts =
+          io::to_smallest_three({rotation.w, rotation.x, rotation.y, rotation.z}, 0);
+      Pixel pixel{0, 0, 0, static_cast<std::uint8_t>(252 + parts.largest)};
+      for (std::size_t c = 0; c < parts.others.size(); ++c)
+        pixel[c] = byte_of((parts.others[c] * std::numbers::sqrt2 + 1) / 2);
       return pixel;
     });
   }

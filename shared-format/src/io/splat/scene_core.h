@@ -1,5 +1,5 @@
-// The box around most of a scene, without the few splats far from it; for formats whose steps grow
-// with the extent of the scene.
+// Centre and size of most of a scene, without the few splats far from it; for formats whose steps
+// grow with the extent of the scene.
 #pragma once
 
 #include <cstddef>

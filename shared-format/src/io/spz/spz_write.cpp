@@ -11,6 +11,7 @@
 #include "cloud/cloud_memory.h"
 #include "fluxgs/io/spz.h"
 #include "io/splat/scene_core.h"
+#include "io/splat/smallest_three.h"
 #include "io/spz/spz_compression.h"
 #include "io/spz/spz_layout.h"
 
@@ -104,19 +105,13 @@ void put_position(const glm::vec3& p, const AxisFlip& flip, int fractional_bits,
 
 // See smallest_three in spz_read.cpp. A zero quaternion counts as no rotation.
 void put_rotation(const glm::quat& rotation, const AxisFlip& flip, std::byte* out) {
-  double q[4] = {double{rotation.x} * double{flip.rotation.x},
-                 double{rotation.y} * double{flip.rotation.y},
-                 double{rotation.z} * double{flip.rotation.z}, rotation.w};
-  const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  if (length == 0) q[3] = 1;
-  const auto largest = static_cast<std::uint32_t>(
-      std::ranges::max_element(q, {}, [](double v) { return std::abs(v); }) - q);
-  // q and -q are the same rotation; the largest component is the positive one.
-  const double unit = std::copysign(length == 0 ? 1 : 1 / length, q[largest]);
-  std::uint32_t bits = largest;
-  for (std::uint32_t i = 0; i < 4; ++i) {
-    if (i == largest) continue;
-    const double scaled = q[i] * unit * std::sqrt(2.0) * kSpzRotationMost;
+  const io::SmallestThree parts = io::to_smallest_three(
+      {double{rotation.x} * double{flip.rotation.x}, double{rotation.y} * double{flip.rotation.y},
+       double{rotation.z} * double{flip.rotation.z}, rotation.w},
+      3);
+  auto bits = static_cast<std::uint32_t>(parts.largest);
+  for (const double c : parts.others) {
+    const double scaled = c * std::sqrt(2.0) * kSpzRotationMost;
     const auto magnitude = std::min(static_cast<std::uint32_t>(std::round(std::abs(scaled))),
                                     std::uint32_t{kSpzRotationMost});
     const std::uint32_t sign = scaled < 0 && magnitude > 0 ? 1 : 0;  // zero has one form
