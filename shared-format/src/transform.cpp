@@ -35,7 +35,7 @@ glm::dquat quat_of(const Matrix3d& rotation) {
   return glm::dquat(q.w(), q.x(), q.y(), q.z());
 }
 
-/// What a map does to every splat.
+/// The parts of a map that act on every splat.
 struct Parts {
   Matrix3d linear;
   Matrix3d turn;  ///< a rotation
@@ -61,7 +61,7 @@ Parts parts_of(const glm::dmat3& linear) {
   return parts;
 }
 
-/// Of a splat under a map that stretches.
+/// The shape of a splat under a map that stretches.
 void stretch_shape(const Matrix3d& linear, glm::quat& rotation, glm::vec3& log_scale) {
   const math::Quat<double> q =
       math::normalized(math::Quat<double>{rotation.w, rotation.x, rotation.y, rotation.z});

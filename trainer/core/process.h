@@ -20,7 +20,7 @@ struct Process {
   std::filesystem::path output = {};   ///< standard output replaces this; empty: goes to the log
 };
 
-/// How a program ended.
+/// End of a program.
 struct ProcessEnd {
   int status = -1;  ///< exit status; −1: it did not start, or a signal ended it
   int signal = 0;   ///< that ended it

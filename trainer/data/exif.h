@@ -1,4 +1,4 @@
-// What a camera writes into its photos.
+// Exif: the data that a camera writes into its photos.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Which images are kept for testing.
+// The images that are kept for testing.
 #pragma once
 
 #include <filesystem>

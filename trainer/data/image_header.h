@@ -19,7 +19,7 @@ struct ImageHeader {
   Exif exif = {};
 };
 
-/// Of HEIF and AVIF only the format (heif.h has the rest). Nothing if the bytes start like none of
+/// HEIF and AVIF: only the format (heif.h has the rest). Nothing if the bytes start like none of
 /// the formats.
 std::optional<ImageHeader> parse_image_header(std::span<const std::byte> bytes);
 

@@ -1,4 +1,4 @@
-// How far images are reduced before training.
+// The reduction of images before training.
 #pragma once
 
 #include "fluxgs/error.h"

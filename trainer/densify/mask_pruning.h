@@ -16,7 +16,7 @@ namespace fluxgs {
 /// A splat is kept if at least this share of its α·T in all views lies in pixels that count.
 inline constexpr double kLeastCounted = 1e-3;
 
-/// What is to be done with each splat: prune for those that add to ignored pixels of the views and
+/// An action for each splat: prune for those that add to ignored pixels of the views and
 /// less than kLeastCounted of it to others, otherwise keep, also where no view sees a splat.
 std::vector<RefineAction> masked_splats(const std::vector<View>& views,
                                         const PlanarFloats& parameters, const RenderOptions& render,

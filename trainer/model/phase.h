@@ -83,9 +83,8 @@ class Training {
 
   /// The training views at the resolution of this iteration.
   const std::vector<View>* views = nullptr;
-  const View* view = nullptr;      ///< of this iteration
-  const Camera* camera = nullptr;  ///< of that view
-  RenderOptions render = {};       ///< of this iteration
+  const View* view = nullptr;  ///< of this iteration
+  RenderOptions render = {};   ///< of this iteration
   /// Rows of the parameters that the trainer's own optimiser moves end here, if not with the SH
   /// degree in use.
   std::optional<int> optimized_rows;
@@ -146,7 +145,7 @@ class Phase {
   virtual void after_backward(Training&) {}
   /// True if after_step() of this iteration is an event, whose effect is measured.
   virtual bool reports(int /*iteration*/) const { return false; }
-  /// What the phase does at this iteration beside what it does at all of them. `views`: of the
+  /// Work of the phase at this iteration beside its work at all of them. `views`: of the
   /// training.
   virtual PhaseWork work(int /*iteration*/, std::size_t /*views*/) const { return {}; }
   /// Pixels of the training images at this iteration, as a share of all.

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "trainer/data/dataset.h"
 #include "trainer/paper/fit_psi.h"
 #include "trainer/paper/latent_adam.h"
 #include "trainer/raster/rasterizer.h"
@@ -113,7 +114,7 @@ void NetworkColors::before_render(Training& t) {
   PlanarFloats& parameters = t.state.parameters;
   std::vector<std::uint32_t> seen;
   const std::vector<std::uint8_t>& visible =
-      t.rasterizer.find_visible(parameters, *t.camera, t.render);
+      t.rasterizer.find_visible(parameters, t.view->camera, t.render);
   for (std::uint32_t i = 0; i < parameters.size(); ++i)
     if (visible[i]) seen.push_back(i);
   t.exchange_opacities();

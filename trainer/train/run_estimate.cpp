@@ -19,13 +19,13 @@ constexpr double kMemory = 20, kMemoryShare = 0.2;
 constexpr double kSettled = 3;           // seconds before files are measured
 constexpr double kFilesMeasured = 2000;  // splats from which a file says what larger ones take
 constexpr double kFileSeconds = 15e-6;   // of a splat, before it was measured
-/// How the time of blending grows with pixels and with splats.
+/// Growth of the time of blending with pixels and with splats.
 constexpr double kBlendPixels = 0.8, kBlendSplats = 0.25;
 constexpr int kSegments = 200;               // of the iterations between two items
 constexpr std::ptrdiff_t kGrowthEvents = 3;  // events whose growth is remembered
 /// Scenes seldom have more splats for each pixel of an image: no growth is expected beyond.
 constexpr double kSplatsPerPixel = 0.6;
-/// Of the bound that training_memory() is: not all of it is needed at once.
+/// Share of the bound that training_memory() is: not all of it is needed at once.
 constexpr double kMemoryUsed = 0.8;
 
 /// Units of work of a stage of the profiler. All but the loss and the blending are for splats.
@@ -105,7 +105,8 @@ void RunEstimate::add(double seconds) {
     predicted += work_seconds(items_[next_], splats_before_) / learned_[phase].factor();
   }
   if (phase == nullptr) {
-    learn_stages(seconds, static_cast<double>(trainer_.camera->width) * trainer_.camera->height,
+    learn_stages(seconds,
+                 static_cast<double>(trainer_.view->camera.width) * trainer_.view->camera.height,
                  splats_before_);
   } else {
     Learned& learned = learned_[phase];

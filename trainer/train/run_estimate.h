@@ -26,7 +26,7 @@ class RunEstimate {
   /// After each iteration, in which so much wall time passed.
   void add(double seconds);
 
-  /// Of everything to come, storing included. 0 before the first iteration.
+  /// Seconds of everything to come, storing included. 0 before the first iteration.
   double seconds_left() const { return forecast().seconds; }
   /// The most splats, from now on.
   double peak_splats() const { return forecast().splats; }

@@ -223,13 +223,12 @@ IterationReport Trainer::step() {
   optimized_rows.reset();
   for_phases(&Phase::begin);
   view = &next_view();
-  camera = &view->camera;
   render = render_options();
   ++state.iteration;
 
   IterationReport report;
   for_phases(&Phase::before_render);
-  rasterizer.forward(state.parameters, *camera, render);
+  rasterizer.forward(state.parameters, view->camera, render);
   report.raster = rasterizer.counts();
   state.max_pairs = std::max(state.max_pairs, pairs_per_splat(report.raster));
   {

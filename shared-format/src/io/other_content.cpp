@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <string_view>
 
 #include "io/json_text.h"
+#include "io/lower_case.h"
 
 namespace fluxgs::io {
 namespace {
@@ -32,15 +32,6 @@ constexpr auto kKinds = std::to_array<Kind>({
     {"\x1f\x8b", "is compressed by gzip; unpack it and open what is inside"},
     {"%pdf", "is a PDF document"},
 });
-
-// As bytes above 127 are no letters, it leaves them alone.
-std::string lower_case(std::string_view text) {
-  std::string result(text);
-  std::ranges::transform(result, result.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  });
-  return result;
-}
 
 bool is_text(std::string_view text) {
   return !text.empty() && std::ranges::all_of(text, [](char c) {

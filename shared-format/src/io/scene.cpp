@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 
 #include <fmt/format.h>
 
@@ -13,6 +12,7 @@
 #include "fluxgs/io/sog.h"
 #include "fluxgs/io/splat.h"
 #include "fluxgs/io/spz.h"
+#include "io/lower_case.h"
 #include "io/other_content.h"
 #include "io/splat/splat_record.h"
 
@@ -57,12 +57,6 @@ constexpr auto kFormats = std::to_array<SceneFormat>({
      is_splat, read_splat, FLUXGS_WRITER(plain<encode_splat>)},
 });
 
-std::string lower_case(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
 void append(std::string& list, std::string_view item) {
   list += fmt::format("{}{}", list.empty() ? "" : ", ", item);
 }
@@ -76,7 +70,7 @@ std::string descriptions() {
 // Remark on the size of a file named .splat; empty where that is right.
 std::string tail_of_splat(std::span<const std::byte> bytes, const std::string& name) {
   const std::size_t record = sizeof(io::SplatRecord), tail = bytes.size() % record;
-  if (tail == 0 || !lower_case(name).ends_with(".splat")) return "";
+  if (tail == 0 || !io::lower_case(name).ends_with(".splat")) return "";
   return fmt::format(" (as a .splat its {} bytes would be no multiple of {})", bytes.size(),
                      record);
 }
@@ -112,7 +106,7 @@ std::string writable_extensions() {
 }
 
 Expected<const SceneFormat*> scene_format_for(const std::filesystem::path& path) {
-  const std::string file = lower_case(path.filename().string());
+  const std::string file = io::lower_case(path.filename().string());
   for (const SceneFormat& format : kFormats) {
     if (!file.ends_with(format.extension) || file == format.extension) continue;
     if (format.encode != nullptr) return &format;
@@ -122,7 +116,7 @@ Expected<const SceneFormat*> scene_format_for(const std::filesystem::path& path)
   }
   return fail(path.string(), "extension",
               fmt::format("\"{}\" is not a scene format; expected one of {}",
-                          lower_case(path.extension().string()), writable_extensions()));
+                          io::lower_case(path.extension().string()), writable_extensions()));
 }
 
 Expected<const SceneFormat*> recognise_scene(std::span<const std::byte> bytes,

@@ -364,7 +364,7 @@ TEST_F(Convert, TurnsResizesAndMovesSplatsAndStart) {
                           glm::vec3(-2 * p.y + 1, 2 * p.x - 1, 2 * p.z + 0.5f)),
               1e-4);
     EXPECT_NEAR(turned.cloud.log_scales[i].x, cloud_.log_scales[i].x + std::log(2), 1e-5);
-    // Of degree 1: −y, z, −x; what was seen along x is seen along y
+    // Degree 1 is −y, z, −x; colours seen along x are then seen along y
     const glm::vec3 *was = &cloud_.sh_rest[3 * i], *is = &turned.cloud.sh_rest[3 * i];
     EXPECT_LT(glm::length(is[0] - was[2]), 1e-5);
     EXPECT_LT(glm::length(is[1] - was[1]), 1e-5);

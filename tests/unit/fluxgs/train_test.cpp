@@ -97,6 +97,12 @@ TEST(Train, TheSecondInterruptWaitsForAFile) {
   EXPECT_EXIT(press_while_held(), testing::KilledBySignal(SIGTERM), "^first\nlate\n$");
 }
 
+/// Goes on from the checkpoint of an output.
+Outcome resumed(const std::filesystem::path& out) {
+  return fluxgs(fmt::format("train {} -o {} --resume {}.ckpt", quoted(capture_folder()),
+                            quoted(out), out.string()));
+}
+
 // A search for quantization steps that is stopped begins anew from the iteration before it
 TEST(Train, AStoppedSearchResumesToTheSameBytes) {
   const test::TempFolder folder;
@@ -107,10 +113,8 @@ TEST(Train, AStoppedSearchResumesToTheSameBytes) {
       train(stopped, options), fmt::format("test -e {}.ckpt", stopped.string()), "kill -INT $pid");
   ASSERT_EQ(run.status, 1) << run.err;
   EXPECT_THAT(run.err, HasSubstr("interrupted at iteration "));
-  const Outcome resumed =
-      fluxgs(fmt::format("train {} -o {} --resume {}.ckpt", quoted(capture_folder()),
-                         quoted(stopped), stopped.string()));
-  ASSERT_EQ(resumed.status, 0) << resumed.err;
+  const Outcome whole = resumed(stopped);
+  ASSERT_EQ(whole.status, 0) << whole.err;
   EXPECT_EQ(*read_file(straight), *read_file(stopped));
 }
 
@@ -126,10 +130,8 @@ TEST(Train, StoppedStoringResumesToTheSameBytes) {
   EXPECT_THAT(run.err, HasSubstr("interrupted at the storing of the scene: Checkpoint of iteration "
                                  "60 saved. Resume with: "));
   EXPECT_FALSE(std::filesystem::exists(stopped));
-  const Outcome resumed =
-      fluxgs(fmt::format("train {} -o {} --resume {}.ckpt", quoted(capture_folder()),
-                         quoted(stopped), stopped.string()));
-  ASSERT_EQ(resumed.status, 0) << resumed.err;
+  const Outcome whole = resumed(stopped);
+  ASSERT_EQ(whole.status, 0) << whole.err;
   EXPECT_EQ(*read_file(straight), *read_file(stopped));
 }
 

@@ -620,7 +620,7 @@ TEST(Glb, QuantizedAttributesKeepWithinHalfALevel) {
       EXPECT_EQ(json_of(bytes).find("extensionsRequired"), std::string::npos);
     }
   }
-  // Of splats that differ less, the file is smaller
+  // Splats that differ less make a smaller file
   const SplatCloud ordinary = random_cloud(2000, 0, 13);
   const std::size_t floats = encode_glb(ordinary, "x")->size();
   EXPECT_LT(encode_glb(ordinary, GlbOptions{16}, "x")->size(), 0.9 * double(floats));

@@ -103,7 +103,7 @@ TEST(Scene, CutFilesAreErrorsOfTheirFile) {
   }
 }
 
-// What the table says of a format's filter is what comes back.
+// The filter that comes back is the one that the table of formats promises.
 TEST(Scene, FiltersComeBackFromFormatsThatStoreThem) {
   SplatCloud cloud = random_cloud(20, 0);
   for (const SceneFormat& format : scene_formats()) {

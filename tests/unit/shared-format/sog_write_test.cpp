@@ -33,7 +33,7 @@ TEST(ScalarCodebook, FewNumbersAreKept) {
   EXPECT_EQ(io::make_scalar_codebook({})[255], 0);
 }
 
-// Of numbers of a known density the error is that of theory: for a Gaussian √3·π/2·σ²/n².
+// Numbers of a known density have the error of theory: for a Gaussian √3·π/2·σ²/n².
 TEST(ScalarCodebook, ErrsAsTheorySays) {
   std::mt19937 random(1);
   std::normal_distribution<float> normal(5, 2);

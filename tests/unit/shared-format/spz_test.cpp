@@ -292,7 +292,7 @@ TEST(Spz, ExtensionsAreFollowedOrSkipped) {
 
 // All axes that a record can name, by the meaning of their letters.
 TEST(Spz, AllAxesOfTheRecordAreFollowed) {
-  // Of the unit vectors of the file's axes, in right, down, front.
+  // The unit vectors of the file's axes, in right, down, front.
   const std::map<char, glm::vec3> letters{{'R', {1, 0, 0}},  {'L', {-1, 0, 0}}, {'D', {0, 1, 0}},
                                           {'U', {0, -1, 0}}, {'F', {0, 0, 1}},  {'B', {0, 0, -1}}};
   const std::array<const char*, 16> names{"LDB", "RDB", "LUB", "RUB", "LDF", "RDF", "LUF", "RUF",

@@ -10,7 +10,7 @@
 
 namespace fluxgs::cli {
 
-/// What `written` lacks of `scene`, one sentence each: screen filter, start view, splats.
+/// Parts of `scene` that `written` lacks, one sentence each: screen filter, start view, splats.
 std::vector<std::string> lost_parts(const SceneFile& scene, const SceneFile& written);
 
 /// The largest errors of each attribute, "rounded, at most: positions 0.0001, shapes 3 %, ...";

@@ -43,9 +43,6 @@ struct ConvertSettings {
   bool searches() const { return max_bytes || min_psnr; }
 };
 
-// In SceneFile::extensions of a compact .glb.
-constexpr char kCompactExtension[] = "FLUXGS_gaussian_splatting_compact";
-
 std::string shown(const std::string& path) { return one_line(path, std::string::npos); }
 
 /// A splat far from all others, or splats much smaller than the scene, leave few steps for each.
@@ -190,7 +187,7 @@ Expected<void> write_out(const ConvertSettings& s) {
                      glb ? glb_order(scene->cloud, s.glb) : std::vector<std::uint32_t>());
 }
 
-/// What lay under the name of the result is kept beside it.
+/// Keeps a file that lay under the name of the result beside it.
 Expected<void> convert(const ConvertSettings& s) {
   const auto kept = s.force ? Expected<std::filesystem::path>() : keep_old(s.out);
   if (!kept) return std::unexpected(kept.error());

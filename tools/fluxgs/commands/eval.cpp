@@ -65,7 +65,7 @@ Expected<Dataset> as_trained(DataOptions options, Dataset data, const SceneFile&
   const Camera& camera = data.train[0].camera;
   const int loaded = std::max(camera.width, camera.height);
   const int trained = std::max(scene.start->image_width, scene.start->image_height);
-  // Of the files, whose size says how they were reduced; what they were cut by is little
+  // The size of the files says how they were reduced; they were cut by little
   const auto file = read_file(data.train[0].path);
   const auto header = file ? parse_image_header(*file) : std::nullopt;
   const double all = header && header->width > 0

@@ -30,7 +30,7 @@ std::optional<glm::dvec3> vector_of(const std::string& text) {
   return v;
 }
 
-/// Of unit length, from the name of an axis or a vector.
+/// A direction of unit length, from the name of an axis or a vector.
 std::optional<glm::dvec3> direction_of(const std::string& text) {
   const std::size_t sign = text.starts_with('-') || text.starts_with('+') ? 1 : 0;
   if (text.size() == sign + 1 && text[sign] >= 'x' && text[sign] <= 'z') {

@@ -42,7 +42,7 @@ json json_size_of(const std::string& path) {
   return bytes ? json(*bytes) : json();
 }
 
-/// What follows the last iteration, and the measuring of the test views meanwhile.
+/// Work after the last iteration, and the measuring of the test views meanwhile.
 LaterWork later_work(const TrainSettings& settings, const Trainer& trainer) {
   const auto tests = static_cast<double>(trainer.data.test.size());
   const std::size_t views = trainer.data.train.size();
@@ -128,7 +128,7 @@ void TrainWork::save_if_due(bool due) {
 Expected<void> TrainWork::step(Progress& progress) {
   const Phase* event = trainer_.event_at(trainer_.state.iteration + 1);
   if (event != nullptr) {
-    // What is lost where it takes long, and where it cannot be done in part
+    // An interruption loses an event that takes long, and one that cannot be done in part
     const bool old = wall_seconds() - saved_at_ > kEventCheckpointAge;
     save_if_due(!settings_.checkpoint_every.never() && (old || event->can_be_stopped()));
     trainer_.control.progress = show_work(event->name());
@@ -225,7 +225,7 @@ void TrainWork::tell(const std::string& line) const {
     fmt::print("{}", line);
 }
 
-/// Of what could not be written: the training itself is saved.
+/// The error of a result that could not be written; the training itself is saved.
 Expected<void> TrainWork::keep_training(const Error& error) {
   Expected<void> saved;
   if (saved_iteration_ != trainer_.state.iteration) saved = save();

@@ -1,4 +1,6 @@
 // fluxgs view: a scene in a window.
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -72,24 +74,32 @@ struct Desktop {
 /// Notices when a file is replaced by another, or written again.
 class FollowedFile {
  public:
-  explicit FollowedFile(std::string path) : path_(std::move(path)), last_(time()) {}
+  explicit FollowedFile(std::string path) : path_(std::move(path)), last_(stamp()) {}
 
   const std::string& path() const { return path_; }
   /// True once for each new content.
   bool changed() {
-    const auto now = time();
+    const auto now = stamp();
     return now && std::exchange(last_, now) != now;
   }
 
  private:
-  std::optional<std::filesystem::file_time_type> time() const {
-    std::error_code error;
-    const auto when = std::filesystem::last_write_time(path_, error);
-    return error ? std::nullopt : std::optional(when);
+  /// Not the time alone: files that are written within a tick of the clock have the same.
+  struct Stamp {
+    ino_t file = 0;
+    off_t bytes = 0;
+    time_t seconds = 0;
+    long nanoseconds = 0;
+    bool operator==(const Stamp&) const = default;
+  };
+  std::optional<Stamp> stamp() const {
+    struct stat status{};
+    if (::stat(path_.c_str(), &status) != 0) return std::nullopt;
+    return Stamp{status.st_ino, status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec};
   }
 
   std::string path_;
-  std::optional<std::filesystem::file_time_type> last_;
+  std::optional<Stamp> last_;
 };
 
 /// The scene, and where it is looked at from.

@@ -1,4 +1,4 @@
-// What COLMAP has done in a work folder, so that an interrupted or extended run goes on.
+// Record of COLMAP's work in a folder, so that an interrupted or extended run goes on.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Which photos are compared with which.
+// Pairs of photos that are compared.
 #pragma once
 
 #include <filesystem>

@@ -20,7 +20,7 @@ struct PhotoList {
   std::vector<std::filesystem::path> raw;  ///< raw files of cameras, which cannot be read
 };
 
-/// What a folder holds itself; if it has neither photos nor videos, what its sub-folders hold
+/// Photos and videos of a folder itself; if it has neither, those of its sub-folders
 /// (DCIM/100APPLE). Masks, reduced copies (images_2), and hidden folders are passed over.
 PhotoList list_photos(const std::filesystem::path& folder);
 

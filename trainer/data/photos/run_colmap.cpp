@@ -44,8 +44,8 @@ std::optional<int> number_after(std::string_view line, std::string_view text) {
   return error == std::errc() ? std::optional(value) : std::nullopt;
 }
 
-/// How many photos are registered once this line's is: "Registering image #12 (5)" of COLMAP 3,
-/// "Registering image #12 (num_reg_frames=5)" of COLMAP 4.
+/// Number of photos that are registered once this line's is: "Registering image #12 (5)" of COLMAP
+/// 3, "Registering image #12 (num_reg_frames=5)" of COLMAP 4.
 std::optional<int> registered_in(std::string_view line) {
   const std::size_t at = line.find("Registering image");
   if (at == std::string_view::npos) return std::nullopt;

@@ -48,7 +48,7 @@ struct Ffmpeg {
     return all;
   }
   std::string log_text() const { return read_text(log).value_or(std::string()); }
-  /// What ffmpeg said last, without the part of its code that said it.
+  /// The last message of ffmpeg, without the part of its code that said it.
   std::string last_line() const {
     const std::string text = log_text();
     std::string_view rest(text), last;

@@ -15,6 +15,9 @@
 
 namespace fluxgs {
 
+/// Name of the extension, in SceneFile::extensions of a compact .glb.
+inline constexpr char kCompactExtension[] = "FLUXGS_gaussian_splatting_compact";
+
 /// Quantization step of each attribute: smaller steps, more bytes, less error. All > 0. Those of
 /// positions are the same everywhere, the others hold for splats of ordinary size and opacity;
 /// large and opaque ones are quantized less (perceptual_weight.h).

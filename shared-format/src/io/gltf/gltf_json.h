@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "fluxgs/error.h"
+#include "fluxgs/io/compact_glb.h"
 #include "fluxgs/io/initial_view.h"
 #include "fluxgs/screen_filter.h"
 #include "io/gltf/gltf_buffers.h"
@@ -23,7 +24,7 @@ inline constexpr char kSpzExtension[] = "KHR_gaussian_splatting_compression_spz_
 inline constexpr std::array<std::string_view, 4> kSpzExtensionNames{
     kSpzExtension, "KHR_gaussian_splatting_compression_spz", "KHR_spz_gaussian_splats_compression",
     "KHR_spz_compression"};
-inline constexpr char kCompactExtension[] = "FLUXGS_gaussian_splatting_compact";
+using fluxgs::kCompactExtension;
 /// And where it keeps the compact extension's networks: "psi" and "phi" (bufferViews) and
 /// "normalisation".
 inline constexpr char kNetworks[] = "networks";

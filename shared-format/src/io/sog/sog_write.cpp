@@ -141,7 +141,7 @@ class SogEncoder {
     return check_size();
   }
 
-  // That read_sog() would not take it for a bomb: splats that all lie in few places.
+  // Limit of read_sog() against bombs, which splats that all lie in few places exceed.
   Expected<void> check_size() const {
     const std::size_t bytes = files_[1].second.size() + files_[2].second.size();
     if (cloud_.size() <= max_sog_splats(bytes)) return {};

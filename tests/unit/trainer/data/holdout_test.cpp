@@ -1,4 +1,4 @@
-// Which images are for testing: options, lists of names, and data sets that say it themselves.
+// The choice of test images: options, lists of names, and data sets with a choice of their own.
 #include <algorithm>
 
 #include "tiny_colmap.h"

@@ -1,4 +1,4 @@
-// Which photos are compared.
+// Choosing the pairs of photos that are compared.
 #include <algorithm>
 #include <set>
 

@@ -53,7 +53,7 @@ TEST(RunEstimate, SmallerImagesAreCountedAsSuch) {
     double share = 1;
     for (const auto& phase : run.trainer.schedule().phases)
       share *= phase->pixel_share(run.trainer.state.iteration);
-    const Camera& camera = *run.trainer.camera;
+    const Camera& camera = run.trainer.view->camera;
     EXPECT_NEAR(share,
                 static_cast<double>(camera.width * camera.height) / (whole.width * whole.height),
                 0.02)

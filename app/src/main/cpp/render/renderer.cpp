@@ -106,11 +106,11 @@ void Renderer::stamp(int stage) const {
   if (settings_.timestamps) stamps_[static_cast<std::size_t>(stage)].record();
 }
 
-Expected<void> Renderer::draw(const Camera& camera, const RenderOptions& options,
+Expected<void> Renderer::draw(const Camera& camera, const RenderOptions& asked,
                               const RenderTarget& target) {
+  const RenderOptions options = for_scene(asked, scene_.constants.filter);
   if (auto ok = check_view(camera, options); !ok) return ok;
-  const bool compensated = options.filter.value_or(scene_.constants.filter).compensated;
-  if (auto ok = projection_.prepare(api_, compensated); !ok) return ok;
+  if (auto ok = projection_.prepare(api_, options.filter->compensated); !ok) return ok;
   stamp(0);
   if (scene_.constants.count > 0) {
     draw_scene(camera, options, target);
@@ -140,7 +140,7 @@ void Renderer::draw_scene(const Camera& camera, const RenderOptions& options,
   // unasked (ES 3.1, 7.11.2), and a tiler reads projected_splats late
   api_.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
                      GL_PIXEL_BUFFER_BARRIER_BIT);
-  projection_.run(api_, scene_, options.filter.value_or(scene_.constants.filter).compensated);
+  projection_.run(api_, scene_, options.filter->compensated);
   stamp(1);
   sort(sorted_for);
   stamp(2);
