@@ -114,7 +114,7 @@ set(_opencv_modules core imgproc imgcodecs features2d calib3d)
 list(JOIN _opencv_modules "," BUILD_LIST)
 foreach(unused BUILD_TESTS BUILD_PERF_TESTS BUILD_EXAMPLES BUILD_opencv_apps BUILD_JAVA
                BUILD_opencv_python3 WITH_GTK WITH_QT WITH_FFMPEG WITH_GSTREAMER WITH_IPP WITH_ITT
-               WITH_ADE WITH_OPENEXR WITH_PROTOBUF WITH_OPENJPEG WITH_JASPER WITH_QUIRC WITH_TIFF
+               WITH_ADE WITH_OPENEXR WITH_PROTOBUF WITH_OPENJPEG WITH_JASPER WITH_QUIRC
                WITH_OPENCL WITH_1394 WITH_LAPACK)
   set(${unused} OFF)
 endforeach()

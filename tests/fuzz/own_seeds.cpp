@@ -254,6 +254,16 @@ Bytes glb_with_networks(const Bytes& compact) {
   return test::make_glb(root.dump(), bin);
 }
 
+void add_gltf(Seeds& seeds) {
+  for (const auto& [name, bytes] : seeds["glb"]) {
+    const Bytes bin = test::bin_of(bytes);
+    const std::string inside = "data:application/octet-stream;base64," + test::base64(bin);
+    seeds["gltf"][name] = bytes_of(test::gltf_text(bytes, inside));
+    seeds["gltf"][name + "_folder"] = bundle_of(
+        {{"scene.gltf", bytes_of(test::gltf_text(bytes, "a%20b/x.bin"))}, {"a b/x.bin", bin}});
+  }
+}
+
 void add_glb(Seeds& seeds) {
   auto& glb = seeds["glb"];
   const Bytes plain = test::small_glb(2, 1);
@@ -264,6 +274,12 @@ void add_glb(Seeds& seeds) {
   glb["tree"] = test::edited(plain, R"({"mesh":0})",
                              R"({"children":[1,2],"matrix":[2,0,0,0,0,2,0,0,0,0,2,0,1,0,0,1]},)"
                              R"({"mesh":0,"translation":[10,0,0]},{"mesh":0})");
+  for (const int bits : {8, 16})
+    glb[fmt::format("attributes_of_{}_bits", bits)] =
+        *encode_glb(random_cloud(kSplats, 1), {.attribute_bits = bits}, "x");
+  SplatCloud filtered = random_cloud(kSplats, 0);
+  filtered.filter = {.dilation = 0.1, .compensated = true};
+  glb["screen_filter"] = *encode_glb(filtered, "x");
   glb["without_scenes"] = test::edited(plain, R"("scenes":)", R"("other":)");
   for (const int degree : kDegrees) {
     for (const int version : {3, 4}) {
@@ -296,6 +312,7 @@ void add_glb(Seeds& seeds) {
     seeds["glb_parts"][name] =
         joined({bytes_of(test::json_of(bytes)), Bytes(1), test::bin_of(bytes)});
   }
+  add_gltf(seeds);
 }
 
 /// The same scene as a folder of a streamed one: two chunks, and a level that is left out.

@@ -8,6 +8,7 @@
 #include <new>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -18,6 +19,7 @@
 
 #include "fluxgs/sanitize.h"
 #include "tools/fluxgs/commands/command.h"
+#include "tools/fluxgs/options/method_options.h"
 #include "tools/fluxgs/terminal/console.h"
 #include "tools/fluxgs/terminal/nearest_name.h"
 
@@ -77,6 +79,8 @@ std::vector<std::string> arguments_of(int argc, char** argv) {
     words.erase(words.begin());
     words.emplace_back("--help");
   }
+  if (!words.empty() && words.front() == "train")
+    words = fluxgs::cli::with_switches_on(std::move(words));
   std::ranges::reverse(words);
   return words;
 }

@@ -670,6 +670,24 @@ TEST(Command, SaysWhichOptionsDoNothing) {
                {"--phi", "--sh-degree"});
 }
 
+TEST(Command, SwitchesNeedNoValue) {
+  const test::TempFolder folder;
+  const auto plan = [&](const std::string& before, const std::string& after) {
+    const Outcome said =
+        fluxgs(fmt::format("train {} {} -o {} --plan {}", before, quoted(capture_folder()),
+                           quoted(folder / "x.glb"), after));
+    EXPECT_EQ(said.status, 0) << said.err;
+    return said.out;
+  };
+  const auto on = HasSubstr("anti-aliasing");
+  EXPECT_THAT(plan("--antialias", ""), on);
+  EXPECT_THAT(plan("", "--antialias"), on);
+  EXPECT_THAT(plan("", "--antialias on"), on);
+  EXPECT_THAT(plan("", "--antialias --dilation 0.1"), on);
+  EXPECT_THAT(plan("--antialias off", ""), Not(on));
+  EXPECT_THAT(plan("", "--antialias=off"), Not(on));
+}
+
 // A .splat holds bytes, and no SH coefficients
 TEST(Command, TheScoreIsThatOfTheFile) {
   const test::TempFolder folder;

@@ -99,6 +99,30 @@ inline Bytes small_glb(std::size_t count = 2, int degree = 1) {
   return *encode_glb(random_cloud(count, degree), "small.glb");
 }
 
+inline std::string base64(const Bytes& bytes) {
+  constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      group =
+          group << 8 | (i + k < bytes.size() ? std::to_integer<std::uint32_t>(bytes[i + k]) : 0);
+    for (std::size_t k = 0; k < 4; ++k)
+      text += i + k > bytes.size() ? '=' : kDigits[group >> (18 - 6 * k) & 63];
+  }
+  return text;
+}
+
+/// A .glb as a .gltf whose buffer has this URI.
+inline std::string gltf_text(const Bytes& glb, const std::string& uri) {
+  std::string text = json_of(glb);
+  const std::string buffers = R"("buffers":[{)";
+  const std::size_t at = text.find(buffers);
+  EXPECT_NE(at, text.npos);
+  return text.insert(at + buffers.size(), fmt::format(R"("uri":"{}",)", uri));
+}
+
 inline Expected<SceneFile> read(const Bytes& glb) { return read_glb(glb, "test.glb"); }
 
 }  // namespace fluxgs::test

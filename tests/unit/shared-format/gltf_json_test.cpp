@@ -13,32 +13,8 @@ namespace {
 
 using namespace test;
 
-std::string base64(const Bytes& bytes) {
-  constexpr std::string_view kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      group =
-          group << 8 | (i + k < bytes.size() ? std::to_integer<std::uint32_t>(bytes[i + k]) : 0);
-    for (std::size_t k = 0; k < 4; ++k)
-      text += i + k > bytes.size() ? '=' : kDigits[group >> (18 - 6 * k) & 63];
-  }
-  return text;
-}
-
-/// A .glb as a .gltf whose buffer has this URI.
-std::string text_with(const Bytes& glb, const std::string& uri) {
-  std::string text = json_of(glb);
-  const std::string buffers = R"("buffers":[{)";
-  const std::size_t at = text.find(buffers);
-  EXPECT_NE(at, text.npos);
-  return text.insert(at + buffers.size(), fmt::format(R"("uri":"{}",)", uri));
-}
-
 std::string inside(const Bytes& glb, const std::string& type = "application/octet-stream") {
-  return text_with(glb, fmt::format("data:{};base64,{}", type, base64(bin_of(glb))));
+  return gltf_text(glb, fmt::format("data:{};base64,{}", type, base64(bin_of(glb))));
 }
 
 class GltfJson : public testing::Test {
@@ -90,20 +66,20 @@ TEST_F(GltfJson, ReadsFilesBeside) {
     write(name, bin_);
   for (const char* uri : {"splats.bin", "./splats.bin", "two%20words.bin", "two words.bin",
                           "b%C3%A4r.bin", "b\xc3\xa4r.bin", "deep/s.bin", "100%25.bin"}) {
-    const auto found = scene(text_with(glb_, uri));
+    const auto found = scene(gltf_text(glb_, uri));
     expect_scene(found);
-    EXPECT_EQ(found->bytes, text_with(glb_, uri).size() + bin_.size()) << uri;
+    EXPECT_EQ(found->bytes, gltf_text(glb_, uri).size() + bin_.size()) << uri;
   }
   Bytes padded = bin_;
   padded.resize(bin_.size() + 100);
   write("padded.bin", padded);
-  expect_scene(scene(text_with(glb_, "padded.bin")));
+  expect_scene(scene(gltf_text(glb_, "padded.bin")));
 }
 
 // A .glb may have buffers outside, and its chunk beside them.
 TEST_F(GltfJson, ABinaryFileMayHaveFilesBeside) {
   write("splats.bin", bin_);
-  const Bytes glb = make_glb(text_with(glb_, "splats.bin"));
+  const Bytes glb = make_glb(gltf_text(glb_, "splats.bin"));
   write("s.glb", glb);
   FLUXGS_UNWRAP(found, read_scene(folder_ / "s.glb"));
   EXPECT_EQ(found.format, "glb");
@@ -158,18 +134,18 @@ TEST_F(GltfJson, FilesElsewhereAreRefused) {
        {absolute, up, "file://" + absolute, "%2e%2e/" + up.substr(3), std::string("folder.bin"),
         std::string("link.bin"), std::string("deep/../../x"), std::string("a\\\\b.bin"),
         std::string("https://example.org/splats.bin"), std::string(300, 'x')})
-    EXPECT_FALSE(scene(text_with(glb_, uri))) << uri;
-  expect_error(scene(text_with(glb_, "link.bin")), {"link.bin", "leads out"});
+    EXPECT_FALSE(scene(gltf_text(glb_, uri))) << uri;
+  expect_error(scene(gltf_text(glb_, "link.bin")), {"link.bin", "leads out"});
 }
 
 TEST_F(GltfJson, SizesAreCheckedBeforeFilesAreRead) {
   write("short.bin", Bytes(bin_.begin(), bin_.end() - 1));
-  expect_error(scene(text_with(glb_, "short.bin")),
+  expect_error(scene(gltf_text(glb_, "short.bin")),
                {"buffers[0].byteLength", fmt::format("holds {} bytes", bin_.size() - 1)});
   // Sparse: takes no disk, and would take all memory
   std::ofstream(folder_ / "huge.bin").close();
   std::filesystem::resize_file(folder_ / "huge.bin", std::uintmax_t(1) << 40);
-  expect_error(scene(text_with(glb_, "huge.bin")), {"huge.bin", "1099511627776"});
+  expect_error(scene(gltf_text(glb_, "huge.bin")), {"huge.bin", "1099511627776"});
 }
 
 TEST_F(GltfJson, OtherJsonIsNotMistakenForIt) {

@@ -13,8 +13,8 @@
 namespace fluxgs::cli {
 namespace {
 
-constexpr std::string_view kCommon[] = {"iterations",    "seed",       "max-splats",
-                                        "target-splats", "max-memory", "masks"};
+constexpr std::string_view kCommon[] = {"iterations", "seed",  "max-splats", "target-splats",
+                                        "max-memory", "masks", "antialias"};
 
 OptionField* find(OptionFields& fields, std::string_view name) {
   const auto at =
@@ -38,7 +38,7 @@ const char* type_name(const OptionField& f) {
 
 std::string help_of(const OptionField& f) {
   const auto* choice = std::get_if<OptionChoice>(&f.value);
-  if (std::holds_alternative<bool*>(f.value)) return fmt::format("{}: off or on", f.help);
+  if (std::holds_alternative<bool*>(f.value)) return fmt::format("{}: on or off", f.help);
   return choice ? fmt::format("{} {{{}}}", f.help, fmt::join(choice->names, ",")) : f.help;
 }
 
@@ -77,24 +77,33 @@ void show_groups(CLI::App& command, std::vector<std::string> groups) {
 }
 
 void add_method_options(CLI::App& command, MethodOptions& given) {
-  TrainOptions defaults = preset(preset_names().front()).value();
+  TrainOptions defaults = default_options();
   for (const OptionField& f : defaults.fields()) {
     const std::string name = f.name;
     command
         .add_option_function<std::string>(
             "--" + name,
-            [name, &given,
-             is_flag = std::holds_alternative<bool*>(f.value)](const std::string& value) {
-              const std::string text = is_flag && value.empty() ? "on" : value;
-              check(name, text);
-              given.emplace_back(name, text);
+            [name, &given](const std::string& value) {
+              check(name, value);
+              given.emplace_back(name, value);
             },
             help_of(f))
         ->type_name(type_name(f))
-        ->expected(std::holds_alternative<bool*>(f.value) ? 0 : 1, 1)
         ->default_str(text_of(f))
         ->group(std::ranges::count(kCommon, name) > 0 ? kCommonOptions : std::string(f.group));
   }
+}
+
+std::vector<std::string> with_switches_on(std::vector<std::string> words) {
+  TrainOptions defaults = default_options();
+  std::vector<std::string> switches;
+  for (const OptionField& f : defaults.fields())
+    if (std::holds_alternative<bool*>(f.value)) switches.push_back(fmt::format("--{}", f.name));
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const bool has_value = i + 1 < words.size() && (words[i + 1] == "on" || words[i + 1] == "off");
+    if (!has_value && std::ranges::count(switches, words[i]) > 0) words[i] += "=on";
+  }
+  return words;
 }
 
 void apply(const MethodOptions& given, TrainOptions& options) {

@@ -22,6 +22,10 @@ inline constexpr const char* kCommonOptions = "Training";
 /// while parsing. `given` must outlive the parsing.
 void add_method_options(CLI::App& command, MethodOptions& given);
 
+/// The words of a command line, where a switch that neither "on" nor "off" follows gets "=on":
+/// "--antialias photos" becomes "--antialias=on photos".
+std::vector<std::string> with_switches_on(std::vector<std::string> words);
+
 /// Lets --help show these groups of options only, and --help-all all of them.
 void show_groups(CLI::App& command, std::vector<std::string> groups);
 

@@ -35,14 +35,27 @@ struct Gles {
   }
 };
 
+/// EGL, or where a system has none ANGLE, which packages bring along. The error is EGL's.
+Expected<std::unique_ptr<host::HostContext>> first_context() {
+  auto egl = host::HostContext::create(host::HostGl::egl);
+  if (egl) return egl;
+  auto angle = host::HostContext::create(host::HostGl::angle);
+  return angle ? std::move(angle) : std::move(egl);
+}
+
+Expected<std::unique_ptr<host::HostContext>> context_of(const std::string& gl) {
+  if (gl == kAnyGl) return first_context();
+  const auto implementation = host::parse_host_gl(gl);
+  if (!implementation) return std::unexpected(implementation.error());
+  return host::HostContext::create(*implementation);
+}
+
 Expected<ViewRenderer> make_gles(const RendererChoice& choice, const SplatCloud& cloud,
                                  const RenderOptions& options) {
-  const auto implementation = host::parse_host_gl(choice.gl);
-  if (!implementation) return std::unexpected(implementation.error());
   const auto gles = std::make_shared<Gles>();
   gles->format =
       choice.format == "rgba16f" ? render::TargetFormat::rgba16f : render::TargetFormat::rgba8;
-  auto context = host::HostContext::create(*implementation);
+  auto context = context_of(choice.gl);
   if (!context) return std::unexpected(context.error());
   gles->context = std::move(*context);
   auto renderer = render::Renderer::create(gles->context->api());
@@ -64,13 +77,15 @@ void warn_of_undrawable(const render::Renderer& renderer) {
 }
 
 void add_renderer_options(CLI::App& command, RendererChoice& choice) {
+  std::vector<std::string> gl_names = kGlNames;
+  gl_names.emplace_back(kAnyGl);
   command
       .add_option("--renderer", choice.renderer,
                   "gles (the phone's), cpu (the trainer's) or reference (float64)")
       ->check(CLI::IsMember(kRendererNames))
       ->capture_default_str();
-  command.add_option("--gl", choice.gl, "for gles: egl, osmesa or angle")
-      ->check(CLI::IsMember(kGlNames))
+  command.add_option("--gl", choice.gl, "for gles: egl, osmesa, angle, or auto: egl, else angle")
+      ->check(CLI::IsMember(gl_names))
       ->capture_default_str();
 }
 

@@ -12,9 +12,12 @@
 
 namespace fluxgs::cli {
 
+/// EGL, or ANGLE where a system has no EGL.
+inline constexpr char kAnyGl[] = "auto";
+
 struct RendererChoice {
   std::string renderer = "gles";  ///< gles, cpu (the trainer's own) or reference (float64)
-  std::string gl = "egl";         ///< for gles: egl, osmesa or angle
+  std::string gl = kAnyGl;        ///< for gles: auto, egl, osmesa or angle
   std::string format = "rgba8";   ///< image format of gles: rgba8 or rgba16f
 };
 

@@ -107,7 +107,7 @@ std::uint64_t projected_hash(const SplatCloud& cloud, const std::vector<Camera>&
   using math::Vec3;
   Hash hash;
   for (const Camera& camera : views) {
-    const auto view = math::make_view<float>(camera, {});
+    const auto view = math::make_view<float>(camera, for_scene({}, cloud.filter));
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const glm::vec3& p = cloud.positions[i];
       const Vec3<float> at = view.rotation * Vec3<float>{p.x, p.y, p.z} + view.translation;

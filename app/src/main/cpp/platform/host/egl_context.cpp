@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <utility>
 #include <vector>
 
@@ -194,7 +195,11 @@ class EglContext final : public HostContext {
 
 std::string angle_folder() {
   const char* named = std::getenv("FLUXGS_ANGLE_DIR");
-  return named && *named ? named : FLUXGS_ANGLE_FOLDER;
+  if (named && *named) return named;
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  const auto installed = program.parent_path().parent_path() / "lib/fluxgs/angle";
+  return std::filesystem::exists(installed, error) ? installed.string() : FLUXGS_ANGLE_FOLDER;
 }
 
 Expected<std::unique_ptr<HostContext>> create_egl_context() {

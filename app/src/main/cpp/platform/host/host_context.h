@@ -21,8 +21,9 @@ std::string_view name(HostGl implementation);
 /// The other way round; fails on any other name.
 Expected<HostGl> parse_host_gl(std::string_view name);
 
-/// The folder of ANGLE's libraries: the one in the environment's FLUXGS_ANGLE_DIR, or
-/// else build/packages/angle, where tools/deps/angle puts them.
+/// The folder of ANGLE's libraries: the one in the environment's FLUXGS_ANGLE_DIR, that of an
+/// installed program (../lib/fluxgs/angle), or build/packages/angle, where tools/deps/angle puts
+/// them.
 std::string angle_folder();
 
 /// Owns one context. Contexts may be made, and made current, in any number and order, on one
