@@ -3,12 +3,13 @@
 import {mkdirSync} from 'node:fs';
 import path from 'node:path';
 
-import {worstDifferences} from './cloud.mjs';
+import {reordered, worstDifferences} from './cloud.mjs';
 import {
   decodingTolerance, splatLevelTurn, withOtherSplatLevels, writtenFormats,
 } from './formats.mjs';
-import {countGlb, readGlb} from './glb.mjs';
-import {readPly} from './ply.mjs';
+import {countGlb, quantizeGlb, readGlb} from './glb.mjs';
+import {numbered, numbersOf} from './order.mjs';
+import {readPly, writePly} from './ply.mjs';
 import {fluxgs, splatTransform} from './programs.mjs';
 import {comparison} from './report.mjs';
 import {unexpectedMessages} from './validate.mjs';
@@ -47,13 +48,26 @@ const asOther = (file, label, ours, other) => sameReading(label, `fluxgs = ${oth
 const validate = async (label, file) =>
   ({file: label, program: 'glTF validator', problems: await unexpectedMessages(file)});
 
+/** A scene in a format that we write. */
+const write = (source, file, format) =>
+  fluxgs('convert', source, file, ...(format.options ?? []));
+
+/** The cloud in the order in which the format stores it. */
+async function asStored(cloud, file, format) {
+  if (!format.reorders) return cloud;
+  const source = `${file}.numbered.ply`, stored = `${file}.numbered${format.extension}`;
+  writePly(source, numbered(cloud));
+  await write(source, stored, format);
+  return reordered(cloud, numbersOf(await readByUs(stored)));
+}
+
 /** A file as we read it, against what it was made from: only its quantization may lie between. */
 async function thereAndBack(cloud, file, format) {
-  const label = path.basename(file);
-  const {allowed, ranges} = format.quantization(cloud, file);
+  const label = path.basename(file), source = await asStored(cloud, file, format);
+  const {allowed, measures} = await format.quantization(source, file);
   const fewerBands = format.maxDegree < cloud.degree;
   const against = (program, reading, more = {}) => comparison(label, program, reading.count,
-    worstDifferences(cloud, reading, {ranges, fewerBands}), {...allowed, ...more});
+    worstDifferences(source, reading, {measures, fewerBands}), {...allowed, ...more});
   const ours = await readByUs(file);
   return {ours, allowed, against, results: [against('there and back', ours)]};
 }
@@ -64,7 +78,7 @@ export async function roundTrips(folder, name, source) {
   const results = [];
   for (const format of writtenFormats) {
     const file = path.join(folder, `${name}${format.extension}`);
-    await fluxgs('convert', source, file);
+    await write(source, file, format);
     results.push(...(await thereAndBack(cloud, file, format)).results);
   }
   return results;
@@ -73,10 +87,10 @@ export async function roundTrips(folder, name, source) {
 /** A scene in a format that we write: there and back, and through an independent reader. */
 export async function written(folder, name, source, format) {
   const file = path.join(folder, `${name}${format.extension}`), label = path.basename(file);
-  await fluxgs('convert', source, file);
+  await write(source, file, format);
   const {ours, allowed, against, results} = await thereAndBack(readPly(source), file, format);
   const other = await readByOther(file);
-  const more = format.name === 'splat' ? {rotation: allowed.rotation + splatLevelTurn} : {};
+  const more = format.extension === '.splat' ? {rotation: allowed.rotation + splatLevelTurn} : {};
   results.push(against(`${otherReader(file)} reads`, other, more));
   results.push(asOther(file, label, ours, other));
   if (isGlb(file)) results.push(await validate(label, file));
@@ -101,15 +115,15 @@ export async function compact(folder, name, source) {
   ];
 }
 
-/** Plain .glb with attributes of 8 and 16 bits: glTF-Transform decodes what we decode. */
-export async function quantized(folder, name, source) {
-  const results = [];
-  for (const bits of ['8', '16']) {
-    const file = path.join(folder, `${name}.${bits}-bit.glb`), label = path.basename(file);
-    await fluxgs('convert', source, file, '--quantize-attributes', bits);
-    const ours = await readByUs(file);
-    results.push(await validate(label, file),
-      sameReading(label, 'fluxgs = glTF-Transform', ours, await readGlb(file)));
+/** Attributes that glTF-Transform turned into integers: we decode what it decodes. */
+export async function quantizedByOther(folder, name, source) {
+  const plain = path.join(folder, `${name}.to-quantize.glb`), results = [];
+  await fluxgs('convert', source, plain);
+  for (const bits of [8, 16]) {
+    const file = path.join(folder, `${name}.other-${bits}-bit.glb`);
+    await quantizeGlb(plain, file, bits);
+    const ours = await readByUs(file), other = await readGlb(file);
+    results.push(asOther(file, `glTF-Transform: ${name}.${bits}-bit.glb`, ours, other));
   }
   return results;
 }

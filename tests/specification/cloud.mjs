@@ -46,17 +46,27 @@ function degreesBetween(a, b) {
 }
 
 /** Limits a value to [low, high]. */
-const limited = (value, [low, high]) => Math.min(Math.max(value, low), high);
+export const limited = (value, [low, high]) => Math.min(Math.max(value, low), high);
+
+/** The splats of a cloud in another order: splat i is the one that was order[i]. */
+export function reordered(cloud, order) {
+  const result = makeCloud(cloud.count, cloud.degree);
+  for (const [part, width] of Object.entries(widths(cloud.degree))) {
+    order.forEach((from, i) => {
+      for (let c = 0; c < width; ++c) result[part][width * i + c] = cloud[part][width * from + c];
+    });
+  }
+  return result;
+}
 
 /** Keeps the largest difference; one that is no number counts as infinite. */
 const larger = (worst, difference) =>
   Number.isNaN(difference) ? Infinity : Math.max(worst, difference);
 
-function worstValue(a, b, range, map) {
+function worstValue(a, b, measure) {
   let worst = 0;
   for (let i = 0; i < a.length; ++i) {
-    const from = map(a[i]), to = map(b[i]);
-    if (from !== to) worst = larger(worst, Math.abs(limited(from, range) - to));
+    if (a[i] !== b[i]) worst = larger(worst, measure(a[i], b[i], i));
   }
   return worst;
 }
@@ -81,30 +91,32 @@ function restOfDegree(cloud, degree) {
   return cut;
 }
 
-const everything = [-Infinity, Infinity];
-const same = (value) => value;
+const absolute = (from, to) => Math.abs(from - to);
+const ofOpacities = (from, to) => Math.abs(sigmoid(from) - sigmoid(to));
+
+/** The difference from a value that a format limits to a range. */
+export const within = (range) => (from, to) => Math.abs(limited(from, range) - to);
 
 /**
  * The worst difference of each attribute, splat by splat in the order of both: position (scene
  * units), scale (logarithm), rotation (degrees, sign-free), opacity (0…1), sh_dc, sh_rest.
- * `ranges` limits values of `a` to what a format holds. Null if counts or degrees differ;
- * `a` may have more bands where `fewerBands` is set.
+ * `measures` holds what a format counts otherwise: functions of two different numbers, of `a` and of
+ * `b`, and their index. Null if counts or degrees differ; `a` may have more bands where
+ * `fewerBands` is set.
  */
-export function worstDifferences(a, b, {ranges = {}, fewerBands = false} = {}) {
+export function worstDifferences(a, b, {measures = {}, fewerBands = false} = {}) {
   if (a.count !== b.count) return null;
   if (fewerBands ? a.degree < b.degree : a.degree !== b.degree) return null;
-  const worst = (part, name, map = same) =>
-    worstValue(a[part], b[part], ranges[name] ?? everything, map);
   const result = {
-    position: worst('position', 'position'),
-    scale: worst('scale', 'scale'),
+    position: worstValue(a.position, b.position, measures.position ?? absolute),
+    scale: worstValue(a.scale, b.scale, measures.scale ?? absolute),
     rotation: worstRotation(a.rotation, b.rotation, a.count),
-    opacity: worst('opacity', 'opacity', sigmoid),
-    sh_dc: worst('dc', 'sh_dc'),
+    opacity: worstValue(a.opacity, b.opacity, ofOpacities),
+    sh_dc: worstValue(a.dc, b.dc, measures.sh_dc ?? absolute),
   };
   if (b.degree > 0) {
-    result.sh_rest =
-      worstValue(restOfDegree(a, b.degree), b.rest, ranges.sh_rest ?? everything, same);
+    const rest = restOfDegree(a, b.degree);
+    result.sh_rest = worstValue(rest, b.rest, measures.sh_rest ?? absolute);
   }
   return result;
 }

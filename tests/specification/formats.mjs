@@ -1,26 +1,14 @@
 // What the quantization of each format that we write allows: the largest error of each attribute,
-// and the range that values are limited to. Half a step, and the rounding of floats on the way.
+// and how it is measured, as within a range. Half a step, and the rounding of floats on the way.
 import {readFileSync} from 'node:fs';
 import {gunzipSync} from 'node:zlib';
 
-const shC0 = 0.28209479177387814;  // the constant basis function, 1/(2√π)
-
-/** Rounding of a float of this size to the nearest: half a unit in the last place. */
-const rounding = (size) => size * 2 ** -24;
-
-const largest = (values) => values.reduce((most, value) => Math.max(most, Math.abs(value)), 0);
-
-/** Degrees of the turn between unit quaternions that are this far apart. */
-const degreesOf = (distance) => 4 * Math.asin(Math.min(1, distance / 2)) * 180 / Math.PI;
-
-/** Four components, each less than 1, rounded to floats. */
-const floatRotation = degreesOf(2 * rounding(0.5));
-
-/** A logarithm, rounded, of a scale that is rounded: the latter errs relative to itself. */
-const floatScale = (cloud) => rounding(1) + rounding(largest(cloud.scale));
-
-/** Logarithms of what a float can hold without losing digits. */
-const floatScales = [Math.log(2 ** -126), Math.log((2 - 2 ** -23) * 2 ** 127)];
+import {within} from './cloud.mjs';
+import {compressedPly, quantizedGlb, sog} from './ranges.mjs';
+import {
+  degreesOf, floatRotation, floatScale, floatScales, largest, opacityOf, rounding, shC0,
+  smallestThree,
+} from './rounding.mjs';
 
 /**
  * glTF: floats. Positions and SH coefficients change at most their signs; opacity and scale are stored
@@ -31,7 +19,7 @@ const glb = (cloud) => ({
     position: 0, scale: floatScale(cloud), rotation: floatRotation, opacity: rounding(1),
     sh_dc: 0, sh_rest: 0,
   },
-  ranges: {scale: floatScales},
+  measures: {scale: within(floatScales)},
 });
 
 /**
@@ -42,41 +30,55 @@ const glb = (cloud) => ({
 const splat = (cloud) => ({
   allowed: {
     position: 0, scale: floatScale(cloud), rotation: degreesOf(Math.sqrt(4) / 256),
-    opacity: 0.5 / 255 + rounding(1), sh_dc: 0.5 / 255 / shC0 + rounding(2),
+    opacity: opacityOf(8), sh_dc: 0.5 / 255 / shC0 + rounding(2),
   },
-  ranges: {scale: floatScales, sh_dc: [-0.5 / shC0, 0.5 / shC0]},
+  measures: {scale: within(floatScales), sh_dc: within([-0.5 / shC0, 0.5 / shC0])},
 });
 
-/** Bits behind the point of the positions of an SPZ file, versions 1 to 3. */
-const fractionalBits = (file) => gunzipSync(readFileSync(file))[13];
+/** Bits behind the point of the positions of an SPZ file; version 4 is not compressed as a whole. */
+function fractionalBits(file) {
+  const bytes = readFileSync(file);
+  return (bytes.toString('latin1', 0, 4) === 'NGSP' ? bytes : gunzipSync(bytes))[13];
+}
 
 /**
  * SPZ (README of nianticlabs/spz): 24-bit positions, logarithms of scales in steps of 1/16 from
  * −10, colours in steps of 1/38.25, SH coefficients in steps of 1/16 (degree 1) and 1/8 (5 and 4 of 8
- * bits). Of the quaternion the three smallest components have steps of 1/(511·√2); the fourth
- * follows, and errs at worst, where it is 1/2, by three of their half steps.
+ * bits), three components of the rotations in steps of 1/(511·√2).
  */
 const spz = (cloud, file) => ({
   allowed: {
     position: 2 ** -(fractionalBits(file) + 1), scale: 1 / 32,
-    rotation: degreesOf(0.5 / (511 * Math.SQRT2) * Math.sqrt(3 + 9)) + floatRotation,
-    opacity: 0.5 / 255 + rounding(1), sh_dc: 0.5 / 38.25 + rounding(4),
-    sh_rest: cloud.degree > 1 ? 1 / 16 : 1 / 32,
+    rotation: smallestThree(0.5 / (511 * Math.SQRT2)), opacity: opacityOf(8),
+    sh_dc: 0.5 / 38.25 + rounding(4), sh_rest: cloud.degree > 1 ? 1 / 16 : 1 / 32,
   },
-  ranges: {scale: [-10, 5.9375], sh_dc: [-0.5 / 0.15, 0.5 / 0.15], sh_rest: [-1, 127 / 128]},
+  measures: {
+    scale: within([-10, 5.9375]), sh_dc: within([-0.5 / 0.15, 0.5 / 0.15]),
+    sh_rest: within([-1, 127 / 128]),
+  },
 });
 
 /** .ply: the floats themselves. */
 const ply = () => ({
-  allowed: {position: 0, scale: 0, rotation: 0, opacity: 0, sh_dc: 0, sh_rest: 0}, ranges: {},
+  allowed: {position: 0, scale: 0, rotation: 0, opacity: 0, sh_dc: 0, sh_rest: 0},
 });
 
-/** The formats that `fluxgs convert` writes with exact, stated quantization; all keep the order. */
+/**
+ * The formats that `fluxgs convert` writes with exact, stated quantization, and the options for it.
+ * `quantization` takes the scene in the order of the file, which differs where it `reorders`.
+ */
 export const writtenFormats = [
-  {name: 'ply', extension: '.ply', maxDegree: 3, quantization: ply},
-  {name: 'glb', extension: '.glb', maxDegree: 3, quantization: glb},
-  {name: 'spz', extension: '.spz', maxDegree: 3, quantization: spz},
-  {name: 'splat', extension: '.splat', maxDegree: 0, quantization: splat},
+  {extension: '.ply', maxDegree: 3, quantization: ply},
+  {extension: '.compressed.ply', maxDegree: 3, reorders: true, quantization: compressedPly},
+  {extension: '.glb', maxDegree: 3, quantization: glb},
+  ...[8, 16].map((bits) => ({
+    extension: `.${bits}-bit.glb`, options: ['--quantize-attributes', String(bits)], maxDegree: 3,
+    reorders: true, quantization: quantizedGlb(bits),
+  })),
+  {extension: '.spz', maxDegree: 3, quantization: spz},
+  {extension: '.v4.spz', options: ['--spz-version', '4'], maxDegree: 3, quantization: spz},
+  {extension: '.sog', maxDegree: 3, reorders: true, quantization: sog},
+  {extension: '.splat', maxDegree: 0, quantization: splat},
 ];
 
 /** splat-transform limits opacities to 10⁻⁶ … 1 − 10⁻⁶ where it decodes 8 bits. */

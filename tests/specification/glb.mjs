@@ -2,17 +2,28 @@
 // extension: what it sees are accessors and nodes, checked as for any glTF.
 import {makeCloud, restCount} from './cloud.mjs';
 import {load} from './programs.mjs';
+import {largest} from './rounding.mjs';
 
 const {Extension, Logger, NodeIO} = await load('@gltf-transform/core');
 
 const prefix = 'KHR_gaussian_splatting:';
 
-/** Makes glTF-Transform open a file that requires the extension; it carries no data. */
+/** Makes glTF-Transform open a file that requires the extension, and keep what primitives say. */
 class GaussianSplatting extends Extension {
   static EXTENSION_NAME = 'KHR_gaussian_splatting';
   extensionName = GaussianSplatting.EXTENSION_NAME;
-  read() { return this; }
-  write() { return this; }
+
+  read({jsonDoc: {json}}) {
+    this.kept = json.meshes?.[0].primitives[0].extensions;
+    return this;
+  }
+
+  write({jsonDoc: {json}}) {
+    for (const {primitives} of json.meshes ?? []) {
+      for (const primitive of primitives) primitive.extensions = this.kept;
+    }
+    return this;
+  }
 }
 
 const io = new NodeIO()
@@ -60,7 +71,8 @@ const put = (part, width, first) => (i, values) => part.set(values, width * (fir
  * Half a turn about z from glTF's frame (y up) into that of a .ply (y down): positions change the
  * sign of x and y, a quaternion q becomes (0, 0, 0, 1)·q, a basis function of order m takes (−1)^m.
  * glTF stores scale and opacity, a .ply their logarithm and logit, both quaternions' w elsewhere.
- * Bands that the primitive lacks stay 0.
+ * A scale of 0, which has no logarithm, becomes the least normal float. Bands that the primitive lacks
+ * stay 0.
  */
 function fillCloud(cloud, primitive, nodeScale, first) {
   const named = (name, width) => rowsOf(primitive, prefix + name, width);
@@ -72,7 +84,7 @@ function fillCloud(cloud, primitive, nodeScale, first) {
   for (let i = 0; i < position.count; ++i) {
     const [x, y, z] = position.at(i);
     putPosition(i, [-x, -y, z].map((value) => value * nodeScale));
-    putScale(i, scale.at(i).map((value) => Math.log(value * nodeScale)));
+    putScale(i, scale.at(i).map((value) => Math.log((value || 2 ** -126) * nodeScale)));
     const [qx, qy, qz, qw] = rotation.at(i);
     putRotation(i, [-qz, -qy, qx, qw]);
     const [o] = opacity.at(i);
@@ -107,8 +119,42 @@ export async function readGlb(file) {
   return cloud;
 }
 
+/** The scale of the node of each splat of a .glb. */
+export async function nodeScalesOfGlb(file) {
+  const primitives = splatPrimitives(await io.read(file));
+  return primitives.flatMap(({primitive, scale}) => new Array(countOf(primitive)).fill(scale));
+}
+
 /** How many splats glTF-Transform finds in a .glb that may be empty. */
 export async function countGlb(file) {
   const primitives = splatPrimitives(await io.read(file));
   return primitives.reduce((sum, {primitive}) => sum + countOf(primitive), 0);
+}
+
+/** Turns the numbers of an attribute into integers of a type that stand for −1 or 0 to 1. */
+function quantizeAttribute(primitive, name, Type, factor = 1) {
+  const accessor = primitive.getAttribute(prefix + name), count = accessor.getCount();
+  const rows = Array.from({length: count}, (_, i) =>
+    accessor.getElement(i, []).map((value) => value * factor));
+  accessor.setArray(new Type(count * accessor.getElementSize())).setNormalized(true);
+  rows.forEach((row, i) => accessor.setElement(i, row));
+}
+
+/**
+ * Lets glTF-Transform store rotations, scales and opacities of a plain .glb in so many bits. The node
+ * gets the largest scale, and positions are divided by it.
+ */
+export async function quantizeGlb(from, to, bits) {
+  const [Signed, Unsigned] = bits === 8 ? [Int8Array, Uint8Array] : [Int16Array, Uint16Array];
+  const document = await io.read(from);
+  const node = document.getRoot().listNodes().find((one) => one.getMesh());
+  const [primitive] = node.getMesh().listPrimitives();
+  const most = largest(primitive.getAttribute(`${prefix}SCALE`).getArray());
+  node.setScale([most, most, most]);
+  quantizeAttribute(primitive, 'ROTATION', Signed);
+  quantizeAttribute(primitive, 'SCALE', Unsigned, 1 / most);
+  quantizeAttribute(primitive, 'OPACITY', Unsigned);
+  const position = primitive.getAttribute('POSITION');
+  position.setArray(position.getArray().map((value) => value / most));
+  await io.write(to, document);
 }
