@@ -77,7 +77,7 @@ ShapeHessian shape_hessian(const PlanarFloats& parameters, const std::vector<Cam
     if (control.stopped()) break;
     rasterizer->forward(parameters, camera, options);
     for (std::size_t probe = 0; probe < probes; ++probe) {
-      rasterizer->backward(parameters, random_signs(camera.width, camera.height, random));
+      rasterizer->backward(parameters, random_signs(camera.width, camera.height, random), nullptr);
       for (std::size_t i = 0; i < parameters.size(); ++i) {
         if (rasterizer->visible()[i] == 0) continue;
         glm::dvec3 g;

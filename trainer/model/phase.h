@@ -24,6 +24,7 @@ namespace fluxgs {
 
 struct Dataset;
 struct View;
+class PlanarImage;
 class Profiler;
 class Rasterizer;
 
@@ -85,6 +86,8 @@ class Training {
   const std::vector<View>* views = nullptr;
   const View* view = nullptr;  ///< of this iteration
   RenderOptions render = {};   ///< of this iteration
+  /// ∂L/∂transmittance of what a phase adds to this iteration's loss (Rasterizer::backward()).
+  const PlanarImage* transmittance_gradient = nullptr;
   /// Rows of the parameters that the trainer's own optimiser moves end here, if not with the SH
   /// degree in use.
   std::optional<int> optimized_rows;
@@ -142,6 +145,7 @@ class Phase {
   /// Changes the parameters for this iteration.
   virtual void before_render(Training&) {}
   /// Uses or changes gradients; parameters have not moved yet.
+  virtual void before_backward(Training&) {}
   virtual void after_backward(Training&) {}
   /// True if after_step() of this iteration is an event, whose effect is measured.
   virtual bool reports(int /*iteration*/) const { return false; }

@@ -39,8 +39,14 @@ class Rasterizer {
                        const RenderOptions& options) = 0;
   virtual const PlanarImage& color() const = 0;  ///< 3 channels, including the background
 
-  /// ∂L/∂parameters, given ∂L/∂colour for the last forward pass (3 channels, same size).
-  virtual void backward(const PlanarFloats& parameters, const PlanarImage& color_gradient) = 0;
+  /// 1 channel: the share of the background at each pixel, 1 less the opacity there.
+  virtual const PlanarImage& transmittance() const = 0;
+
+  /// ∂L/∂parameters, given ∂L/∂colour for the last forward pass (3 channels, same size) and, where
+  /// L depends on the transmittance otherwise than by the background's colour, ∂L/∂transmittance
+  /// (1 channel; may be null).
+  virtual void backward(const PlanarFloats& parameters, const PlanarImage& color_gradient,
+                        const PlanarImage* transmittance_gradient) = 0;
   /// Rows as the parameters; meaningful where visible()[i] is 1 and up to the degree rendered.
   virtual const PlanarFloats& gradient() const = 0;
   virtual PlanarFloats& gradient() = 0;  ///< for whoever adds to it

@@ -238,7 +238,9 @@ IterationReport Trainer::step() {
     report.sums = loss_.run(rasterizer.color(), target_, options.lambda_dssim, view->used);
     report.loss = report.sums.loss(options.lambda_dssim);
   }
-  rasterizer.backward(state.parameters, loss_.gradient());
+  transmittance_gradient = nullptr;
+  for_phases(&Phase::before_backward);
+  rasterizer.backward(state.parameters, loss_.gradient(), transmittance_gradient);
   for_phases(&Phase::after_backward);
   optimize();
   for (const auto& phase : schedule_.phases) run_after_step(*phase, report);

@@ -50,8 +50,9 @@ class CpuRasterizer final : public Rasterizer {
     blend(camera.width, camera.height);
   }
 
-  void backward(const PlanarFloats& parameters, const PlanarImage& color_gradient) override {
-    backpropagate_tiles(color_gradient);
+  void backward(const PlanarFloats& parameters, const PlanarImage& color_gradient,
+                const PlanarImage* transmittance_gradient) override {
+    backpropagate_tiles(color_gradient, transmittance_gradient);
     ProfileScope scope(profiler_, "gradient");
     sum_pairs();
     chain_rule(parameters);
@@ -73,6 +74,7 @@ class CpuRasterizer final : public Rasterizer {
   }
 
   const PlanarImage& color() const override { return color_; }
+  const PlanarImage& transmittance() const override { return transmittance_; }
   const PlanarFloats& gradient() const override { return gradient_; }
   PlanarFloats& gradient() override { return gradient_; }
   const float* center_gradient() const override { return center_gradient_.row(0); }
@@ -118,6 +120,8 @@ class CpuRasterizer final : public Rasterizer {
             color_.pitch(),
             constants_,
             color_.plane(0),
+            transmittance_.plane(0),
+            nullptr,
             nullptr,
             nullptr,
             nullptr};
@@ -125,8 +129,10 @@ class CpuRasterizer final : public Rasterizer {
 
   void blend(int width, int height) {
     ProfileScope scope(profiler_, "forward");
-    if (color_.width() != width || color_.height() != height)
+    if (color_.width() != width || color_.height() != height) {
       color_ = PlanarImage(width, height, 3);
+      transmittance_ = PlanarImage(width, height, 1);
+    }
     used_.resize(lists_.tiles());
     std::vector<std::uint64_t> pairs(count_pairs_ ? lists_.tiles() : 0);
     threads_.for_pieces(lists_.tiles(), 1, [&](std::size_t tile, std::size_t) {
@@ -138,7 +144,8 @@ class CpuRasterizer final : public Rasterizer {
     for (std::uint64_t p : pairs) pixel_pairs_ += p;
   }
 
-  void backpropagate_tiles(const PlanarImage& color_gradient) {
+  void backpropagate_tiles(const PlanarImage& color_gradient,
+                           const PlanarImage* transmittance_gradient) {
     ProfileScope scope(profiler_, "backward");
     pairs_.resize(lists_.entries.size());
     threads_.for_pieces(lists_.tiles(), 1, [&](std::size_t tile, std::size_t) {
@@ -147,6 +154,7 @@ class CpuRasterizer final : public Rasterizer {
       for (std::uint32_t e = used_[tile]; e < args.count; ++e) pairs_[args.entries[e].slot] = {};
       args.count = used_[tile];
       args.color_gradient = color_gradient.plane(0);
+      if (transmittance_gradient) args.transmittance_gradient = transmittance_gradient->plane(0);
       args.gradients = pairs_.data();
       kernels_.backward(args);
     });
@@ -225,7 +233,7 @@ class CpuRasterizer final : public Rasterizer {
   std::vector<std::uint8_t> visible_;
   TileLists lists_;
   Binner binner_;
-  PlanarImage color_;
+  PlanarImage color_, transmittance_;
   std::vector<std::uint32_t> used_;  // per tile: entries blended
   std::uint64_t pixel_pairs_ = 0;
 

@@ -72,9 +72,11 @@ struct TileArgs {
   int width, height;  ///< the image's size
   std::size_t pitch;  ///< floats from row to row of a plane
   RasterConstants constants;
-  float* color;                 ///< 3 planes of pitch·height, including the background
-  const float* color_gradient;  ///< 3 planes (backward only)
-  PairGradient* gradients;      ///< indexed by TileEntry::slot (backward only)
+  float* color;                         ///< 3 planes of pitch·height, including the background
+  float* transmittance;                 ///< 1 plane: the share of the background at each pixel
+  const float* color_gradient;          ///< 3 planes (backward only)
+  const float* transmittance_gradient;  ///< 1 plane, or null (backward only)
+  PairGradient* gradients;              ///< indexed by TileEntry::slot (backward only)
   std::uint64_t* pairs;  ///< if not null, the number of contributing splat–pixel pairs is added
 };
 
@@ -84,7 +86,7 @@ struct alignas(16) PairScore {
 };
 
 struct ScoreArgs {
-  TileArgs tile;      ///< color, color_gradient and gradients are not used
+  TileArgs tile;      ///< images and gradients are not used
   const float* maps;  ///< 2 planes of pitch·height, or 3
   bool masked;        ///< the third plane is 0 where a pixel adds nothing
   ScoreWeight weight;

@@ -48,7 +48,7 @@ Rendered run(const SplatCloud& cloud, const Camera& camera, const RenderOptions&
     for (int x = 0; x < camera.width; ++x)
       for (int c = 0; c < 3; ++c) weights.row(c, y)[x] = static_cast<float>(w.at(x, y)[c]);
   if (bad) weights.row(1, bad->y)[bad->x] = bad->value;
-  rasterizer->backward(parameters, weights);
+  rasterizer->backward(parameters, weights, nullptr);
   return {rasterizer->color(), rasterizer->gradient(), rasterizer->visible(),
           rasterizer->rejected_gradients()};
 }
@@ -142,6 +142,43 @@ TEST_P(CpuRaster, CompensatedOpacitiesAndTheirGradientsEqualTheReference) {
     EXPECT_LT(e.rotation.value(), 1e-4);
     EXPECT_LT(e.opacity.value(), 1e-4);
   }
+}
+
+/// Over a red background the red channel of a black scene is the transmittance of any scene of the
+/// same shapes.
+TEST_P(CpuRaster, TransmittanceAndItsGradientEqualTheReference) {
+  const SplatCloud cloud = test::random_cloud(600, 1, 13, 0.8f, 0.06f);
+  const Camera camera = test::camera_at({1.0, -0.7, -2.4}, {0, 0, 0}, 93, 71);
+  const Threads threads(2);
+  Profiler times;
+  const auto rasterizer = make_cpu_rasterizer(threads, times, {.isa = GetParam()});
+  const PlanarFloats parameters = to_parameters(cloud, cloud.sh_degree);
+  rasterizer->forward(parameters, camera, {.background = {0.3, 0.1, 0.6}});
+
+  SplatCloud black = cloud;
+  black.sh_degree = 0;
+  black.sh_rest.clear();
+  for (glm::vec3& dc : black.sh_dc) dc = glm::vec3(-10);
+  const RenderOptions over_red{.background = {1, 0, 0}};
+  const auto reference = render_reference(black, camera, over_red);
+  Image<double> weights = pixel_weights(93, 71);
+  PlanarImage gradient(93, 71, 1);
+  for (int y = 0; y < 71; ++y)
+    for (int x = 0; x < 93; ++x) {
+      EXPECT_NEAR(rasterizer->transmittance().row(0, y)[x], reference.color.at(x, y)[0], 2e-5);
+      gradient.row(0, y)[x] = static_cast<float>(weights.at(x, y)[0]);
+      weights.at(x, y)[1] = weights.at(x, y)[2] = 0;
+    }
+  rasterizer->backward(parameters, PlanarImage(93, 71, 3), &gradient);
+  const auto exact = reference_gradient(black, camera, over_red, weights);
+  const GradientErrors e =
+      compare({rasterizer->color(), rasterizer->gradient(), rasterizer->visible(), 0}, exact,
+              cloud.size(), 0);
+  EXPECT_LT(e.position.value(), 1e-4);
+  EXPECT_LT(e.log_scale.value(), 1e-4);
+  EXPECT_LT(e.rotation.value(), 1e-4);
+  EXPECT_LT(e.opacity.value(), 1e-4);
+  EXPECT_EQ(e.sh_dc.value(), 0);
 }
 
 /// Compares the image and demands finite gradients; returns the largest difference.

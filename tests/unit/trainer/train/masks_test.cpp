@@ -2,6 +2,7 @@
 #include "short_run.h"
 
 #include <algorithm>
+#include <array>
 
 #include "support/scenes.h"
 #include "trainer/loss/photometric.h"
@@ -173,6 +174,20 @@ TEST(Carving, TakesPlaceForTransparentViewsOnly) {
   }
   EXPECT_GE(opaque, 2);
   EXPECT_GT(backgrounds.size(), 20U);
+}
+
+TEST(Carving, TheLossOfOpacitiesPullsTowardsThePhoto) {
+  Image<std::uint8_t> alpha(4, 1, 1), used(4, 1, 1);
+  alpha.pixels = {0, 255, 51, 0};
+  used.pixels = {1, 1, 1, 0};
+  PlanarImage transmittance(4, 1, 1), gradient;
+  std::ranges::copy(std::array{0.9f, 0.3f, 0.8f, 0.5f}, transmittance.row(0, 0));
+  alpha_loss_gradient(transmittance, alpha, used, 0.4, gradient);
+  const float* g = gradient.row(0, 0);
+  EXPECT_FLOAT_EQ(g[0], -0.1f);  // less opaque: more transmittance lowers the loss
+  EXPECT_FLOAT_EQ(g[1], 0.1f);
+  EXPECT_EQ(g[2], 0);  // as it should be
+  EXPECT_EQ(g[3], 0);  // does not count
 }
 
 }  // namespace

@@ -27,7 +27,12 @@ void load_state(const TileArgs& args, State& s) {
     hn::Store(blue, kQuad, s.gb.v + at);
     auto total = hn::Mul(hn::Load(kQuad, c), red);
     total = hn::MulAdd(hn::Load(kQuad, c + plane), green, total);
-    hn::Store(hn::MulAdd(hn::Load(kQuad, c + 2 * plane), blue, total), kQuad, s.behind.v + at);
+    total = hn::MulAdd(hn::Load(kQuad, c + 2 * plane), blue, total);
+    if (args.transmittance_gradient) {
+      const auto left = hn::Load(kQuad, args.transmittance + pixel);
+      total = hn::MulAdd(left, hn::Load(kQuad, args.transmittance_gradient + pixel), total);
+    }
+    hn::Store(total, kQuad, s.behind.v + at);
   });
 }
 

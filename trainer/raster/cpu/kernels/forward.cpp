@@ -18,6 +18,7 @@ void store_image(const TileArgs& args, const State& s) {
   const std::size_t plane = plane_size(args);
   for_each_quad(args, [&](std::size_t pixel, int at) {
     const auto rest = hn::Load(kQuad, s.t.v + at);
+    hn::Store(rest, kQuad, args.transmittance + pixel);
     float* out = args.color + pixel;
     hn::Store(hn::MulAdd(rest, red, hn::Load(kQuad, s.r.v + at)), kQuad, out);
     hn::Store(hn::MulAdd(rest, green, hn::Load(kQuad, s.g.v + at)), kQuad, out + plane);
