@@ -256,11 +256,15 @@ Bytes glb_with_networks(const Bytes& compact) {
 
 void add_gltf(Seeds& seeds) {
   for (const auto& [name, bytes] : seeds["glb"]) {
+    test::json root = test::json::parse(test::json_of(bytes));
     const Bytes bin = test::bin_of(bytes);
-    const std::string inside = "data:application/octet-stream;base64," + test::base64(bin);
-    seeds["gltf"][name] = bytes_of(test::gltf_text(bytes, inside));
-    seeds["gltf"][name + "_folder"] = bundle_of(
-        {{"scene.gltf", bytes_of(test::gltf_text(bytes, "a%20b/x.bin"))}, {"a b/x.bin", bin}});
+    const auto text_with = [&](const std::string& uri) {
+      root["buffers"][0]["uri"] = uri;
+      return bytes_of(root.dump());
+    };
+    seeds["gltf"][name] = text_with("data:application/octet-stream;base64," + test::base64(bin));
+    seeds["gltf"][name + "_folder"] =
+        bundle_of({{"scene.gltf", text_with("a%20b/x.bin")}, {"a b/x.bin", bin}});
   }
 }
 

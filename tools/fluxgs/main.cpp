@@ -8,7 +8,6 @@
 #include <new>
 #include <string>
 #include <system_error>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -19,7 +18,6 @@
 
 #include "fluxgs/sanitize.h"
 #include "tools/fluxgs/commands/command.h"
-#include "tools/fluxgs/options/method_options.h"
 #include "tools/fluxgs/terminal/console.h"
 #include "tools/fluxgs/terminal/nearest_name.h"
 
@@ -72,15 +70,9 @@ std::string usage_error(const CLI::App& app, const CLI::Error& error) {
                      nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest));
 }
 
-/// The arguments, last one first as CLI11 takes them. "help train" is "train --help".
+/// The arguments, last one first as CLI11 takes them.
 std::vector<std::string> arguments_of(int argc, char** argv) {
-  std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
-  if (!words.empty() && words.front() == "help") {
-    words.erase(words.begin());
-    words.emplace_back("--help");
-  }
-  if (!words.empty() && words.front() == "train")
-    words = fluxgs::cli::with_switches_on(std::move(words));
+  auto words = fluxgs::cli::plain_words({argv + std::min(argc, 1), argv + argc});
   std::ranges::reverse(words);
   return words;
 }

@@ -42,8 +42,8 @@ Names ineffective_in(const std::string& name) {
 TEST(IneffectiveOptions, OfThePresets) {
   const Names of_energy = {"residual", "psi",        "psi-fit-iterations",
                            "psi-lr",   "quadrature", "samples"};
-  // No preset uses MCMC or is anti-aliased
-  const Names of_others = {"mcmc-growth", "mcmc-noise", "dilation", "min-variance"};
+  const Names of_mcmc = {"mcmc-growth", "mcmc-noise"};  // no preset uses it
+  const Names of_antialiasing = {"dilation", "min-variance"};
   const Names of_late = {"late-prune-from", "late-prune-interval", "late-prune-until",
                          "late-prune-opacity", "late-prune-share"};
   const Names of_scores = {"score-views", "camera-sampling",     "score-weight", "score-loss",
@@ -55,16 +55,18 @@ TEST(IneffectiveOptions, OfThePresets) {
     return names;
   };
   EXPECT_EQ(ineffective_in("flux"), all({of_energy,
-                                         of_others,
+                                         of_mcmc,
                                          {"phi-lr", "densify-size", "split-shrink",
                                           "quantile-minus", "tau-minus", "late-prune-opacity"}}));
   EXPECT_EQ(ineffective_in("flux-paper"),
-            all({of_others,
+            all({of_mcmc,
+                 of_antialiasing,
                  of_late,
                  of_quantization,
                  {"sh-max-psnr-drop", "resolution-until", "growth-rank"}}));
   const Names vanilla = all({of_energy,
-                             of_others,
+                             of_mcmc,
+                             of_antialiasing,
                              of_late,
                              of_scores,
                              of_quantization,

@@ -114,15 +114,6 @@ inline std::string base64(const Bytes& bytes) {
   return text;
 }
 
-/// A .glb as a .gltf whose buffer has this URI.
-inline std::string gltf_text(const Bytes& glb, const std::string& uri) {
-  std::string text = json_of(glb);
-  const std::string buffers = R"("buffers":[{)";
-  const std::size_t at = text.find(buffers);
-  EXPECT_NE(at, text.npos);
-  return text.insert(at + buffers.size(), fmt::format(R"("uri":"{}",)", uri));
-}
-
 inline Expected<SceneFile> read(const Bytes& glb) { return read_glb(glb, "test.glb"); }
 
 }  // namespace fluxgs::test

@@ -13,6 +13,15 @@ namespace {
 
 using namespace test;
 
+/// A .glb as a .gltf whose buffer has this URI.
+std::string gltf_text(const Bytes& glb, const std::string& uri) {
+  std::string text = json_of(glb);
+  const std::string buffers = R"("buffers":[{)";
+  const std::size_t at = text.find(buffers);
+  EXPECT_NE(at, text.npos);
+  return text.insert(at + buffers.size(), fmt::format(R"("uri":"{}",)", uri));
+}
+
 std::string inside(const Bytes& glb, const std::string& type = "application/octet-stream") {
   return gltf_text(glb, fmt::format("data:{};base64,{}", type, base64(bin_of(glb))));
 }

@@ -1,14 +1,25 @@
 #include "tools/fluxgs/commands/command.h"
 
 #include <filesystem>
+#include <utility>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "fluxgs/io/file.h"
+#include "tools/fluxgs/options/method_options.h"
 #include "trainer/train/checkpoint.h"
 
 namespace fluxgs::cli {
+
+std::vector<std::string> plain_words(std::vector<std::string> words) {
+  if (!words.empty() && words.front() == "help") {
+    words.erase(words.begin());
+    words.emplace_back("--help");
+  }
+  if (!words.empty() && words.front() == "train") return with_switches_on(std::move(words));
+  return words;
+}
 
 Expected<SceneFile> read_scene_or_checkpoint(const std::string& path) {
   if (!is_checkpoint(path)) return read_scene(path);

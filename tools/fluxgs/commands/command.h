@@ -32,6 +32,10 @@ void add_report(CLI::App& app, Action& action);
 void add_view(CLI::App& app, Action& action);
 void add_doctor(CLI::App& app, Action& action);
 
+/// The words of a command line as the sub-commands take them: "help train" is "train --help", and
+/// "train --antialias DATA" is "train --antialias=on DATA".
+std::vector<std::string> plain_words(std::vector<std::string> words);
+
 /// Reads a scene file, or the scene of a checkpoint of fluxgs train.
 Expected<SceneFile> read_scene_or_checkpoint(const std::string& path);
 

@@ -161,10 +161,10 @@ TEST(Schedule, HasThePhasesOfThePresetsInTheirOrder) {
               ElementsAre("SH curriculum", "densification", "opacity reset"));
   EXPECT_THAT(phases_of(preset("3dgs-sh1").value()),
               ElementsAre("SH curriculum", "SH reduction", "densification", "opacity reset"));
-  EXPECT_THAT(
-      phases_of(preset("flux").value()),
-      ElementsAre("progressive resolution", "SH curriculum", "dropout", "SH reduction",
-                  "densification", "late pruning", "opacity reset", "quantization-aware training"));
+  EXPECT_THAT(phases_of(preset("flux").value()),
+              ElementsAre("progressive resolution", "SH curriculum", "dropout", "SH reduction",
+                          "densification", "late pruning", "opacity reset", "anti-aliasing",
+                          "quantization-aware training"));
   EXPECT_THAT(phases_of(preset("flux-paper").value()),
               ElementsAre("SH curriculum", "energy moments", "SH reduction", "network colours",
                           "densification", "opacity reset"));
