@@ -235,8 +235,8 @@ Expected<CompactTrial> CompactSearch::within_loss(double decibels) const {
                           last.psnr(), decibels));
 }
 
-Expected<CompactTrial> CompactSearch::within_bytes(std::size_t bytes) const {
-  const auto most = static_cast<double>(std::max<std::size_t>(bytes, 1));
+Expected<CompactTrial> CompactSearch::within_bytes(std::size_t bytes, std::size_t beside) const {
+  const auto most = static_cast<double>(std::max(bytes, beside + 1) - beside);
   const Goal goal{.coarser_fits = true,
                   .enough = kInvisible,
                   .excess =
@@ -250,7 +250,7 @@ Expected<CompactTrial> CompactSearch::within_bytes(std::size_t bytes) const {
   return fail("", "size",
               fmt::format("the coarsest file {}has {} bytes, expected {} at most",
                           options_.plain_attributes ? "with plain attributes " : "",
-                          last.file.size(), bytes));
+                          last.file.size() + beside, bytes));
 }
 
 }  // namespace fluxgs

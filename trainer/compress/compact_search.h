@@ -59,9 +59,10 @@ class CompactSearch {
   /// some tenths of a decibel better than asked. An error if even very fine steps do not reach it.
   Expected<CompactTrial> within_loss(double decibels) const;
 
-  /// The file with the smallest error found that has `bytes` at most. An error if even very coarse
-  /// steps do not fit, which says how many bytes are needed.
-  Expected<CompactTrial> within_bytes(std::size_t bytes) const;
+  /// The file with the smallest error found that has `bytes` at most, together with as many
+  /// `beside` it. An error if even very coarse steps do not fit, which says how many bytes are
+  /// needed.
+  Expected<CompactTrial> within_bytes(std::size_t bytes, std::size_t beside = 0) const;
 
  private:
   struct Goal {

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include "trainer/data/colmap_model.h"
@@ -217,9 +218,9 @@ Expected<Dataset> load_dataset(const fs::path& given, const LoadOptions& options
   if (const auto ok = hold_out(source, folder, options); !ok) return std::unexpected(ok.error());
   if (source.frames.empty())
     return fail(folder.string(), "",
-                fmt::format("no training images: {} left out, {} for testing{}",
+                fmt::format("no training images: {} left out, {} for testing{}{}",
                             source.skipped_images, source.test_frames.size(),
-                            source.warnings.empty() ? "" : "; " + source.warnings.front()));
+                            source.warnings.empty() ? "" : "; ", fmt::join(source.warnings, "; ")));
   if (source.frames.size() + source.test_frames.size() == 1)
     source.warnings.push_back(
         "one image only: it shows no depth, and what is trained will look right from its place "

@@ -8,6 +8,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <regex>
 #include <thread>
 
 #include <fmt/format.h>
@@ -142,6 +143,13 @@ TEST(Train, AFinishedTrainingGoesOn) {
   ASSERT_EQ(first.status, 0) << first.err;
   EXPECT_THAT(first.err, HasSubstr("fluxgs view "));
   EXPECT_THAT(first.err, HasSubstr("--iterations 120"));
+  // What it says of how to go on can be typed
+  const std::regex advice("Train it further: fluxgs (.*)\n");
+  std::smatch line;
+  ASSERT_TRUE(std::regex_search(first.err, line, advice)) << first.err;
+  const Outcome typed = fluxgs(line[1].str());
+  EXPECT_EQ(typed.status, 0) << typed.err;
+  ASSERT_EQ(fluxgs(train(out, "--force --iterations 60")).status, 0);
   const std::string resume = fmt::format("train {} -o {} --resume {}.ckpt --json - ",
                                          quoted(capture_folder()), quoted(out), out.string());
   expect_error(fluxgs(resume + "--iterations 59"), {"--iterations", "fewer than the 60"});

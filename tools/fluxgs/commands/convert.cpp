@@ -102,12 +102,6 @@ Expected<void> write_plain(const ConvertSettings& s, const SceneFile& scene,
   return {};
 }
 
-/// Bytes of --max-bytes that are left for the splats.
-std::size_t max_bytes(const ConvertSettings& s, const SceneFile& scene) {
-  const std::size_t start = scene.start ? kMaxInitialViewBytes : 0;
-  return *s.max_bytes - std::min(start, *s.max_bytes - 1);
-}
-
 Expected<CompactTrial> search(const ConvertSettings& s, const SceneFile& scene) {
   const SplatCloud& cloud = scene.cloud;
   const auto loaded = load_if_given(s.data);
@@ -123,8 +117,9 @@ Expected<CompactTrial> search(const ConvertSettings& s, const SceneFile& scene) 
     start.sensitivity = view_sensitivity(cameras_of(data->train), cloud, false, options, threads,
                                          {.progress = show_work("views")});
   const CompactSearch search(cloud, error, start, show_work("search"));
-  auto found =
-      s.max_bytes ? search.within_bytes(max_bytes(s, scene)) : search.within_loss(*s.min_psnr);
+  auto found = s.max_bytes
+                   ? search.within_bytes(*s.max_bytes, scene.start ? kMaxInitialViewBytes : 0)
+                   : search.within_loss(*s.min_psnr);
   if (!found) return fail(s.out, found.error().field, found.error().what);
   return found;
 }

@@ -90,8 +90,9 @@ Expected<void> eval(const EvalSettings& s) {
   const std::vector<View>& views = s.split == "train" ? data->train : data->test;
   if (views.empty())
     return fail(s.data.folder, "",
-                fmt::format("has no {} images; try --split {}", s.split,
-                            s.split == "train" ? "test" : "train"));
+                s.split == "train" ? "has no training images; --split test measures the others"
+                                   : "has no test images; --split train measures those that "
+                                     "the scene was trained on");
 
   const Threads threads(s.data.threads);
   RenderOptions options;

@@ -140,9 +140,13 @@ Expected<void> save_checkpoint(const TrainSettings& settings, const Run& run,
 }
 
 std::string how_to_resume(const TrainSettings& settings, int iteration) {
-  std::string line = fmt::format(
-      "Checkpoint of iteration {} saved. Resume with: fluxgs train {} -o {} --resume {}", iteration,
-      typed(settings.data.folder), typed(settings.out), typed(checkpoint_of(settings)));
+  return fmt::format("Checkpoint of iteration {} saved. Resume with: {}", iteration,
+                     resume_command(settings));
+}
+
+std::string resume_command(const TrainSettings& settings) {
+  std::string line = fmt::format("fluxgs train {} -o {} --resume {}", typed(settings.data.folder),
+                                 typed(settings.out), typed(checkpoint_of(settings)));
   // What a checkpoint does not hold
   if (!settings.float_output.empty()) line += " --float-output " + typed(settings.float_output);
   if (settings.report == "-")

@@ -52,6 +52,9 @@ std::string checkpoint_of(const TrainSettings& settings);  ///< OUT.ckpt
 Expected<void> save_checkpoint(const TrainSettings& settings, const Run& run,
                                const TrainHistory& history, const Trainer& trainer);
 
+/// "fluxgs train … --resume OUT.ckpt", with the options that a checkpoint does not hold.
+std::string resume_command(const TrainSettings& settings);
+
 /// "Checkpoint of iteration 300 saved. Resume with: fluxgs train …", as one would type it.
 std::string how_to_resume(const TrainSettings& settings, int iteration);
 

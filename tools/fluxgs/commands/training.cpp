@@ -352,9 +352,10 @@ void TrainWork::say_what_next() const {
   const auto bytes = size_of(checkpoint_of(settings_));
   if (bytes && saved_iteration_ == trainer_.state.iteration)
     lines += fmt::format(
-        "Train it further: add --resume {} --iterations {} ({:.1f} MB; delete it otherwise)\n",
-        typed(checkpoint_of(settings_)), 2 * trainer_.state.iteration,
-        static_cast<double>(*bytes) / 1e6);
+        "Train it further: {} --iterations {}\n"
+        "                  (it gets no new splats; a much longer training is better begun anew. "
+        "{:.1f} MB; delete it otherwise)\n",
+        resume_command(settings_), 2 * trainer_.state.iteration, static_cast<double>(*bytes) / 1e6);
   if (run_.options.render.background != glm::dvec3(0))
     lines += fmt::format(
         "A scene file has no background: eval, render and view need --background {}, too\n",
