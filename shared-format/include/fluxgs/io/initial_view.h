@@ -21,8 +21,8 @@ struct InitialView {
   /// as much across.
   double fov_y = 0.87;
   glm::dvec3 up{0, -1, 0};  ///< what is up in the scene, of unit length
-  int image_width = 0;   ///< of the images that the scene was trained with, pixels; 0: not known
-  int image_height = 0;  ///< likewise
+  int image_width = 0;      ///< of the images that the scene was trained with, pixels; 0: not known
+  int image_height = 0;     ///< likewise
 };
 
 /// True for finite numbers within their ranges, and vectors of unit length.
