@@ -50,6 +50,13 @@ class Wheel:
         self.archive.close()
 
 
+def files_of(folder):
+    """All files; of those that a link names, the link alone, since a wheel has no links."""
+    files = sorted(file for file in folder.rglob("*") if file.is_file())
+    linked = {file.resolve() for file in files if file.is_symlink()}
+    return [file for file in files if file.is_symlink() or file.resolve() not in linked]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("stage", type=pathlib.Path, help="folder of the installed program")
@@ -66,7 +73,7 @@ def main():
     stage = options.stage
     wheel.add(f"{name}.data/scripts/fluxgs", (stage / "bin/fluxgs").read_bytes(), 0o755)
     for folder in ("lib", "share"):
-        for file in sorted(file for file in (stage / folder).rglob("*") if file.is_file()):
+        for file in files_of(stage / folder):
             where = file.relative_to(stage).as_posix()
             wheel.add(f"{name}.data/data/{where}", file.read_bytes(), file.stat().st_mode & 0o777)
     wheel.add(f"{name}.dist-info/METADATA", metadata(stage, options.version).encode())
