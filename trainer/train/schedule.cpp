@@ -99,8 +99,9 @@ TrainOptions flux() {
   o.sh_rest_lr = 5e-4;
   // As it will be drawn: no veils (the glossy capture: +1.3 dB in the views of its test)
   o.depth_spread = RenderOptions().depth_spread_max;
-  // Scenes are seen from nearer and farther than their photos: at half the resolution of the training
-  // +1 to +6 dB, at a quarter +5 to +10, at twice +0.1 to +1.8, and less than 0.1 dB lost at the same
+  // Scenes are seen from nearer and farther than their photos: at half the resolution of the
+  // training +1 to +6 dB, at a quarter +5 to +10, at twice +0.1 to +1.8, and less than 0.1 dB lost
+  // at the same
   o.get<AntialiasingOptions>().antialias = true;
   o.get<AntialiasingOptions>().dilation = 0.1;
   // Twelve views: +1.1 dB on the test views, a third fewer bytes
