@@ -47,3 +47,21 @@ own_apt() {
   APT_CONFIG=$work/apt/apt.conf DEBIAN_FRONTEND=noninteractive LC_ALL=C apt-get -qq "$@" \
     < /dev/null > "$work/log" 2>&1
 }
+
+# fetch_sources WORK NAME=VERSION...: the source packages of Debian 12, unpacked into WORK/sources.
+# Prints why where it fails.
+fetch_sources() {
+  local work=$1 archive tool keyring=/usr/share/keyrings/debian-archive-keyring.gpg
+  shift
+  for tool in apt-get dpkg-source; do
+    command -v "$tool" > /dev/null || { echo "$tool is missing: package dpkg-dev" >&2; return 1; }
+  done
+  archive=$(debian_archive)
+  [ -n "$archive" ] || { echo "this machine's apt knows no Debian archive" >&2; return 1; }
+  make_apt "$work" "deb-src [signed-by=$keyring] $archive bookworm main"
+  mkdir -- "$work/sources"
+  if ! own_apt "$work" update || ! (cd -- "$work/sources" && own_apt "$work" source "$@"); then
+    tail -n 3 "$work/log" >&2
+    return 1
+  fi
+}
