@@ -33,7 +33,7 @@ class Carving final : public Phase {
   void before_backward(Training& t) override {
     if (alpha_loss_ <= 0 || !is_transparent(*t.view)) return;
     alpha_loss_gradient(t.rasterizer.transmittance(), t.view->alpha, t.view->used, alpha_loss_,
-                        gradient_);
+                        t.threads, gradient_);
     t.transmittance_gradient = &gradient_;
   }
 
@@ -56,12 +56,14 @@ OptionFields MaskOptions::fields(const TrainOptions&) {
 }
 
 void alpha_loss_gradient(const PlanarImage& transmittance, const Image<std::uint8_t>& alpha,
-                         const Image<std::uint8_t>& used, double weight, PlanarImage& out) {
+                         const Image<std::uint8_t>& used, double weight, const Threads& threads,
+                         PlanarImage& out) {
   constexpr float kSame = 0.5f / 255;
   const int width = transmittance.width(), height = transmittance.height();
   if (out.width() != width || out.height() != height) out = PlanarImage(width, height, 1);
   const auto step = static_cast<float>(weight / (static_cast<double>(width) * height));
-  for (int y = 0; y < height; ++y) {
+  constexpr std::size_t kRows = 32;
+  const auto fill = [&](int y) {
     const float* t = transmittance.row(0, y);
     float* g = out.row(0, y);
     for (int x = 0; x < width; ++x) {
@@ -69,7 +71,11 @@ void alpha_loss_gradient(const PlanarImage& transmittance, const Image<std::uint
       const float more = 1 - t[x] - static_cast<float>(*alpha.at(x, y)) / 255;
       g[x] = counts && std::abs(more) > kSame ? std::copysign(step, -more) : 0;
     }
-  }
+  };
+  threads.for_pieces(static_cast<std::size_t>(height), kRows,
+                     [&](std::size_t begin, std::size_t end) {
+                       for (std::size_t y = begin; y < end; ++y) fill(static_cast<int>(y));
+                     });
 }
 
 std::unique_ptr<Phase> make_carving(const TrainOptions& options, const std::vector<View>& views) {

@@ -27,7 +27,8 @@ struct MaskOptions {
 /// are the same to 8 bits and where `used` (as alpha; may be empty) is 0. `out` is made anew if its
 /// size differs.
 void alpha_loss_gradient(const PlanarImage& transmittance, const Image<std::uint8_t>& alpha,
-                         const Image<std::uint8_t>& used, double weight, PlanarImage& out);
+                         const Image<std::uint8_t>& used, double weight, const Threads& threads,
+                         PlanarImage& out);
 
 /// Null where no view is transparent anywhere.
 std::unique_ptr<Phase> make_carving(const TrainOptions& options, const std::vector<View>& views);

@@ -182,7 +182,7 @@ TEST(Carving, TheLossOfOpacitiesPullsTowardsThePhoto) {
   used.pixels = {1, 1, 1, 0};
   PlanarImage transmittance(4, 1, 1), gradient;
   std::ranges::copy(std::array{0.9f, 0.3f, 0.8f, 0.5f}, transmittance.row(0, 0));
-  alpha_loss_gradient(transmittance, alpha, used, 0.4, gradient);
+  alpha_loss_gradient(transmittance, alpha, used, 0.4, Threads(2), gradient);
   const float* g = gradient.row(0, 0);
   EXPECT_FLOAT_EQ(g[0], -0.1f);  // less opaque: more transmittance lowers the loss
   EXPECT_FLOAT_EQ(g[1], 0.1f);
