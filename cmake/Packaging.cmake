@@ -1,5 +1,4 @@
 # Installing the program, and a package of it for systems without its libraries (tools/package).
-include(GNUInstallDirs)
 option(FLUXGS_BUNDLE "Install the libraries that the program needs beside it" OFF)
 
 # What only this program uses. The path is relative, so that the folder can be moved; as DT_RPATH it
@@ -33,7 +32,7 @@ set(CPACK_INSTALL_CMAKE_PROJECTS "")
 set(CPACK_INSTALLED_DIRECTORIES "${CMAKE_BINARY_DIR}/stage;/")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_PACKAGE_NAME fluxgs)
-set(CPACK_PACKAGE_CONTACT "The authors of Flux-GS <https://github.com/flux-gs>")
+set(CPACK_PACKAGE_CONTACT "The authors of Flux-GS <fluxgs@localhost>")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_COMPRESSION_TYPE xz)

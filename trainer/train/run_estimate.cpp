@@ -26,9 +26,8 @@ constexpr int kSegments = 200;               // of the iterations between two it
 constexpr std::ptrdiff_t kGrowthEvents = 3;  // events whose growth is remembered
 /// Scenes seldom have more splats for each pixel of an image: no growth is expected beyond.
 constexpr double kSplatsPerPixel = 0.6;
-/// Where each densification may add a share only, the splats that have a reason to grow run out
-/// first: measured on captures of 3 to 13 megapixels in all, of fewer splats than this by up to
-/// half.
+/// Limit to the number of splats of runs whose densifications each add a share only: splats that
+/// have a reason to grow run out. Captures of 3 to 13 megapixels in all stayed below by up to half.
 constexpr double kLimitedSplats = 30e3, kLimitedPixels = 6e6, kLimitedPower = 0.3;
 /// Share of the bound that training_memory() is: not all of it is needed at once.
 constexpr double kMemoryUsed = 0.8;

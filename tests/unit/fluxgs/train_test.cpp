@@ -143,7 +143,7 @@ TEST(Train, AFinishedTrainingGoesOn) {
   ASSERT_EQ(first.status, 0) << first.err;
   EXPECT_THAT(first.err, HasSubstr("fluxgs view "));
   EXPECT_THAT(first.err, HasSubstr("--iterations 120"));
-  // What it says of how to go on can be typed
+  // The advice on how to go on is a command that works as it stands
   const std::regex advice("Train it further: fluxgs (.*)\n");
   std::smatch line;
   ASSERT_TRUE(std::regex_search(first.err, line, advice)) << first.err;
