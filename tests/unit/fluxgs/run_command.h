@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -57,6 +58,12 @@ inline void expect_error(const Outcome& o, const std::vector<std::string>& parts
 
 inline std::string quoted(const std::filesystem::path& path) {
   return fmt::format("'{}'", path.string());
+}
+
+/// Number of files and folders in a folder.
+inline std::size_t files_in(const std::filesystem::path& folder) {
+  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder),
+                                                std::filesystem::directory_iterator()));
 }
 
 }  // namespace fluxgs::test

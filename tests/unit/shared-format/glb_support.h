@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fluxgs/io/gltf.h"
+#include "fluxgs/math/spherical_harmonics.h"
 #include "support.h"
 
 namespace fluxgs::test {
@@ -97,6 +99,17 @@ inline Bytes joined_glb(const std::vector<Bytes>& files) {
 
 inline Bytes small_glb(std::size_t count = 2, int degree = 1) {
   return *encode_glb(random_cloud(count, degree), "small.glb");
+}
+
+/// The colour of a splat along a direction, less 1/2, from the specification's formula, independent
+/// of the reader.
+inline glm::dvec3 colour(const SplatCloud& cloud, std::size_t i, const glm::dvec3& direction) {
+  std::array<double, 15> basis{};
+  math::sh_basis(cloud.sh_degree, {direction.x, direction.y, direction.z}, basis.data());
+  glm::dvec3 sum = math::kSh0 * glm::dvec3(cloud.sh_dc[i]);
+  const auto rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
+  for (std::size_t k = 0; k < rest; ++k) sum += basis[k] * glm::dvec3(cloud.sh_rest[i * rest + k]);
+  return sum;
 }
 
 inline std::string base64(const Bytes& bytes) {

@@ -1,0 +1,243 @@
+// fluxgs convert: what is kept, what is lost and said, and files that are there already.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "fluxgs/io/file.h"
+#include "fluxgs/io/gltf.h"
+#include "fluxgs/io/initial_view.h"
+#include "fluxgs/io/scene.h"
+#include "run_command.h"
+#include "small_capture.h"
+#include "support/scenes.h"
+#include "support/temp_folder.h"
+
+namespace fluxgs {
+namespace {
+
+using nlohmann::json;
+using test::capture_folder;
+using test::expect_error;
+using test::files_in;
+using test::fluxgs;
+using test::Outcome;
+using test::quoted;
+using test::text_of;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(Command, ConvertSaysWhatAFormatCannotHold) {
+  const test::TempFolder folder;
+  ASSERT_TRUE(write_scene(folder / "s.ply", test::random_cloud(10, 3, 1)));
+  const auto convert = [&](const std::string& in, const std::string& out) {
+    return fluxgs(fmt::format("convert {} {}", quoted(folder / in), quoted(folder / out)));
+  };
+  const Outcome o = convert("s.ply", "s.splat");
+  EXPECT_EQ(o.status, 0);
+  EXPECT_NE(o.err.find("s.splat: a .splat stores spherical harmonics up to degree 0"),
+            std::string::npos)
+      << o.err;
+  EXPECT_EQ(convert("s.splat", "t.splat").err.find("SH coefficients"), std::string::npos);
+  expect_error(convert("s.ply", "s.gltf"), {"s.gltf", "not written"});
+  const json facts =
+      json::parse(fluxgs(fmt::format("info {} --json", quoted(folder / "s.splat"))).out);
+  EXPECT_EQ(facts["format"], "splat");
+  EXPECT_EQ(facts["attributes"]["rotation"], 32);
+  EXPECT_EQ(facts["bits_per_splat"], 256);
+}
+
+/// `fluxgs convert` between files of a folder.
+class Convert : public testing::Test {
+ protected:
+  Outcome convert(const std::string& in, const std::string& out, const std::string& more = "") {
+    return fluxgs(
+        fmt::format("convert {} {} {}", quoted(folder_ / in), quoted(folder_ / out), more));
+  }
+  SceneFile scene(const std::string& name) { return *read_scene(folder_ / name); }
+  std::string bytes(const std::string& name) { return text_of(folder_ / name); }
+
+  void SetUp() override {
+    cloud_.filter = {0.1f, true};
+    ASSERT_TRUE(write_scene(folder_ / "s.ply", cloud_));
+    view_.position = {1, 2, 3};
+    view_.up = {0, 0, 1};
+    const auto glb = encode_glb(cloud_, "s.glb");
+    ASSERT_TRUE(write_file_atomic(folder_ / "s.glb", *with_initial_view(*glb, view_, "s.glb")));
+  }
+
+  test::TempFolder folder_;
+  SplatCloud cloud_ = test::random_cloud(700, 1, 3);
+  InitialView view_;
+};
+
+TEST_F(Convert, ReplacesNothingUnlessForced) {
+  ASSERT_EQ(convert("s.glb", "t.ply").status, 0);
+  const std::string first = bytes("t.ply");
+  const Outcome second = convert("s.ply", "t.ply", "--sh-degree 0");
+  EXPECT_EQ(second.status, 0);
+  EXPECT_THAT(second.err, HasSubstr("t.ply: existed, and is kept as t.ply.~1~ (--force"));
+  EXPECT_EQ(bytes("t.ply.~1~"), first);
+  EXPECT_EQ(scene("t.ply").cloud.sh_degree, 0);
+  const std::string before = bytes("t.ply");
+  ASSERT_EQ(convert("s.ply", "t.ply").status, 0);
+  EXPECT_EQ(bytes("t.ply.~2~"), before);
+  EXPECT_EQ(bytes("t.ply.~1~"), first);
+  ASSERT_EQ(convert("s.ply", "t.ply", "--force").status, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "t.ply.~3~"));
+  // A conversion that fails leaves everything as it was
+  const std::size_t files = files_in(folder_.path());
+  expect_error(convert("missing.ply", "t.ply"), {"missing.ply"});
+  EXPECT_EQ(files_in(folder_.path()), files);
+  std::filesystem::create_directory(folder_ / "folder.ply");
+  expect_error(convert("s.ply", "folder.ply"), {"folder.ply", "exists already", "--force"});
+}
+
+TEST_F(Convert, CompactScenesStayCompact) {
+  ASSERT_EQ(convert("s.glb", "c.glb", "--compact").status, 0);
+  ASSERT_EQ(convert("c.glb", "d.glb").status, 0);
+  EXPECT_EQ(bytes("d.glb"), bytes("c.glb"));
+  const Outcome turned = convert("c.glb", "e.glb", "--rotate 0,0,90 --scale 2");
+  EXPECT_THAT(turned.out, HasSubstr("compact"));
+  EXPECT_THAT(scene("e.glb").extensions, testing::Contains("FLUXGS_gaussian_splatting_compact"));
+  ASSERT_EQ(convert("c.glb", "less.glb", "--sh-degree 0").status, 0);
+  EXPECT_THAT(scene("less.glb").extensions, testing::Contains("FLUXGS_gaussian_splatting_compact"));
+  ASSERT_EQ(convert("c.glb", "f.glb", "--no-compact").status, 0);
+  EXPECT_EQ(scene("f.glb").extensions, std::vector<std::string>{"KHR_gaussian_splatting"});
+  EXPECT_EQ(scene("f.glb").cloud.positions, scene("c.glb").cloud.positions);
+  for (const char* name : {"c.glb", "d.glb", "e.glb", "f.glb"}) {
+    EXPECT_EQ(scene(name).cloud.filter, cloud_.filter) << name;
+    EXPECT_TRUE(scene(name).start) << name;
+  }
+  EXPECT_EQ(convert("c.glb", "g.glb", "--compact --no-compact").status, 2);
+}
+
+TEST_F(Convert, TurnsResizesAndMovesSplatsAndStart) {
+  ASSERT_EQ(convert("s.glb", "t.glb", "--rotate 0,0,90 --scale 2 --translate 1,-1,0.5").status, 0);
+  const SceneFile turned = scene("t.glb");
+  for (std::size_t i = 0; i < cloud_.size(); ++i) {
+    const glm::vec3 p = cloud_.positions[i];
+    EXPECT_LT(glm::length(turned.cloud.positions[i] -
+                          glm::vec3(-2 * p.y + 1, 2 * p.x - 1, 2 * p.z + 0.5f)),
+              1e-4);
+    EXPECT_NEAR(turned.cloud.log_scales[i].x, cloud_.log_scales[i].x + std::log(2), 1e-5);
+    // Degree 1 is −y, z, −x; colours seen along x are then seen along y
+    const glm::vec3 *was = &cloud_.sh_rest[3 * i], *is = &turned.cloud.sh_rest[3 * i];
+    EXPECT_LT(glm::length(is[0] - was[2]), 1e-5);
+    EXPECT_LT(glm::length(is[1] - was[1]), 1e-5);
+    EXPECT_LT(glm::length(is[2] + was[0]), 1e-5);
+  }
+  ASSERT_TRUE(turned.start);
+  EXPECT_LT(glm::length(turned.start->position - glm::dvec3(-3, 1, 6.5)), 1e-9);
+  EXPECT_LT(glm::length(turned.start->up - glm::dvec3(0, 0, 1)), 1e-9);
+
+  ASSERT_EQ(convert("s.glb", "up.glb", "--up z").status, 0);
+  const SceneFile upright = scene("up.glb");
+  for (std::size_t i = 0; i < cloud_.size(); ++i)
+    EXPECT_NEAR(upright.cloud.positions[i].y, -cloud_.positions[i].z, 1e-5);
+  EXPECT_LT(glm::length(upright.start->up - glm::dvec3(0, -1, 0)), 1e-9);
+  ASSERT_EQ(convert("s.ply", "same.ply", "--up -y --rotate 0,0,0 --scale 1").status, 0);
+  EXPECT_EQ(scene("same.ply").cloud.positions, cloud_.positions);
+  ASSERT_EQ(convert("s.ply", "down.ply", "--up 0,5,0").status, 0);
+  EXPECT_EQ(scene("down.ply").cloud.positions[3].y, -cloud_.positions[3].y);
+  for (const char* wrong :
+       {"--up w", "--up 0,0,0", "--up 1,2", "--up --", "--rotate 1,2", "--rotate a,b,c",
+        "--rotate 1,2,nan", "--scale 0", "--scale -1", "--scale nan", "--translate 1e300,0,0"})
+    EXPECT_EQ(convert("s.ply", "w.ply", wrong).status, 2) << wrong;
+}
+
+TEST_F(Convert, SaysWhatAFormatLoses) {
+  const Outcome splat = convert("s.glb", "t.splat");
+  EXPECT_THAT(splat.err, HasSubstr("t.splat: the scene's screen filter (a blur of 0.1 px², "
+                                   "antialiased) is left out"));
+  EXPECT_THAT(splat.err, HasSubstr("t.splat: the scene's start view and up are left out"));
+  EXPECT_THAT(splat.err, HasSubstr("t.splat: rounded, at most: shapes "));
+  EXPECT_THAT(splat.err, HasSubstr("up to degree 0"));
+  const Outcome glb = convert("s.glb", "t.glb");
+  EXPECT_EQ(glb.status, 0);
+  EXPECT_EQ(glb.err, "");
+  EXPECT_THAT(convert("s.glb", "c.glb", "--compact").err,
+              HasSubstr("rounded, at most: positions "));
+}
+
+TEST_F(Convert, WritesAttributesOfFewerBits) {
+  const Outcome o = convert("s.glb", "q.glb", "--quantize-attributes 8");
+  ASSERT_EQ(o.status, 0) << o.err;
+  EXPECT_THAT(o.err, HasSubstr("q.glb: rounded, at most: shapes "));
+  EXPECT_THAT(o.err, Not(HasSubstr("positions")));
+  const SceneFile q = scene("q.glb");
+  EXPECT_EQ(q.attribute_bits.at("rotation"), 32);
+  EXPECT_TRUE(q.start);
+  EXPECT_EQ(q.cloud.filter, cloud_.filter);
+  const json facts =
+      json::parse(fluxgs(fmt::format("info {} --json", quoted(folder_ / "q.glb"))).out);
+  EXPECT_EQ(facts["antialiased"], true);
+  EXPECT_NEAR(facts["dilation"].get<double>(), 0.1, 1e-6);
+  EXPECT_EQ(convert("s.ply", "w.glb", "--quantize-attributes 7").status, 2);
+  EXPECT_EQ(convert("s.ply", "w.glb", "--quantize-attributes 8 --compact").status, 2);
+  expect_error(convert("s.ply", "w.spz", "--quantize-attributes 8"), {"w.spz", "expected .glb"});
+}
+
+TEST(Command, CompactScenesAreSearchedForAndReportedOn) {
+  const test::TempFolder folder;
+  const auto scene = folder / "scene.ply";
+  ASSERT_TRUE(write_scene(scene, test::random_cloud(500, 1)));
+  const std::string data = " --data " + quoted(capture_folder());  // small views
+  const auto run = [&](const std::string& more) {
+    return fluxgs(
+        fmt::format("convert {} {} --force {}", quoted(scene), quoted(folder / "c.glb"), more));
+  };
+  EXPECT_EQ(run("--compact").status, 0);
+  const auto standard = std::filesystem::file_size(folder / "c.glb");
+  EXPECT_EQ(run("--compact --step-scale 2 --sh-degree 0").status, 0);
+  EXPECT_LT(std::filesystem::file_size(folder / "c.glb"), standard);
+  const Outcome bytes = run("--max-bytes 5000" + data);
+  EXPECT_EQ(bytes.status, 0) << bytes.err;
+  EXPECT_LE(std::filesystem::file_size(folder / "c.glb"), 5000u);
+  const auto from_start = folder / "start.glb";
+  const auto glb = encode_glb(test::random_cloud(500, 1), "start.glb");
+  ASSERT_TRUE(write_file_atomic(from_start, *with_initial_view(*glb, {}, "start.glb")));
+  EXPECT_EQ(fluxgs(fmt::format("convert {} {} --force --max-bytes 5000{}", quoted(from_start),
+                               quoted(folder / "c.glb"), data))
+                .status,
+            0);
+  EXPECT_LE(std::filesystem::file_size(folder / "c.glb"), 5000u);
+  EXPECT_TRUE(read_scene(folder / "c.glb")->start);
+  const Outcome loss = run("--min-psnr 35" + data);
+  EXPECT_EQ(loss.status, 0) << loss.err;
+  EXPECT_NE(loss.out.find(" dB from the images of "), std::string::npos) << loss.err;
+  EXPECT_EQ(read_scene(folder / "c.glb")->cloud.size(), 500u);
+
+  expect_error(run("--max-bytes 100" + data), {"c.glb: size", "expected 100 at most"});
+  EXPECT_EQ(run("--step-scale 2").status, 2);
+  EXPECT_EQ(run("--min-psnr nan").status, 2);
+  EXPECT_EQ(run("--compact" + data).status, 2);
+  EXPECT_EQ(run("--plain-attributes").status, 2);
+  EXPECT_EQ(run("--max-bytes 100 --min-psnr 30").status, 2);
+  expect_error(
+      fluxgs(fmt::format("convert {} {} --compact", quoted(scene), quoted(folder / "c.spz"))),
+      {"c.spz: extension", "expected .glb"});
+
+  const Outcome report = fluxgs(fmt::format("report codec {} --compare {} --json - {}",
+                                            quoted(scene), quoted(folder / "c.glb"), data));
+  ASSERT_EQ(report.status, 0) << report.err;
+  const json numbers = json::parse(report.out);
+  double last = 0;
+  int curve = 0;
+  for (const json& row : numbers.at("rows")) {
+    EXPECT_GT(row.at("bits_per_splat").get<double>(), 5);
+    if (!row.at("name").get<std::string>().starts_with("compact")) continue;
+    ++curve;
+    if (last > 0) {
+      EXPECT_LT(row.at("psnr").get<double>(), last);
+    }
+    last = row.at("psnr").get<double>();
+  }
+  EXPECT_GE(curve, 7);
+  expect_error(fluxgs(fmt::format("report codec {} --plot x.pdf", quoted(scene))),
+               {"x.pdf: --plot", ".png or .svg"});
+}
+
+}  // namespace
+}  // namespace fluxgs
