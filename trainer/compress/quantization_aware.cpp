@@ -85,12 +85,12 @@ class QuantizationAware final : public Phase {
       : options_(options), asked_(asked), iterations_(iterations), filter_(filter) {}
 
   const char* name() const override { return "quantization-aware training"; }
-  PlanRow plan() const override {
-    return {.from = options_.from,
-            .until = iterations_,
-            .what = fmt::format("trains the values of the compact file, quantized every {} "
-                                "iterations",
-                                options_.interval)};
+  Period period() const override { return {.from = options_.from, .until = iterations_}; }
+  std::string effect() const override {
+    return fmt::format(
+        "trains the values of the compact file, quantized every {} "
+        "iterations",
+        options_.interval);
   }
   std::string warning() const override {
     if (asked_ == 0 || options_.from <= asked_) return {};

@@ -46,25 +46,26 @@ class ShReductionPhase final : public Phase {
       : options_(options), first_degree_(first_degree), degree_(degree) {}
 
   const char* name() const override { return "SH reduction"; }
-  PlanRow plan() const override {
-    const auto way = kShReductionNames[static_cast<std::size_t>(options_.reduce)];
-    return {.from = options_.iteration,
-            .until = options_.iteration,
-            .interval = 0,
-            .what = options_.target == ShTarget::adaptive
-                        ? fmt::format("leaves each splat the lowest SH degree, by {}; at most "
-                                      "{:g} dB less on training images",
-                                      way, options_.max_psnr_drop)
-                        : fmt::format("reduces all splats to SH degree {} by {}", degree_, way)};
+  Period period() const override {
+    return {.from = options_.iteration, .until = options_.iteration, .interval = 0};
   }
-  bool reports(int iteration) const override { return plan().due(iteration); }
+  std::string effect() const override {
+    const auto way = kShReductionNames[static_cast<std::size_t>(options_.reduce)];
+    return options_.target == ShTarget::adaptive
+               ? fmt::format(
+                     "leaves each splat the lowest SH degree, by {}; at most "
+                     "{:g} dB less on training images",
+                     way, options_.max_psnr_drop)
+               : fmt::format("reduces all splats to SH degree {} by {}", degree_, way);
+  }
+  bool reports(int iteration) const override { return period().due(iteration); }
   PhaseWork work(int iteration, std::size_t views) const override {
     if (!reports(iteration)) return {};
     return {.renders = 2.5 * static_cast<double>(views), .files = 2};
   }
 
   std::optional<PhaseReport> after_step(Training& t) override {
-    if (!plan().due(t.state.iteration)) return {};
+    if (!period().due(t.state.iteration)) return {};
     const std::size_t bytes_before = compact_bytes(t.cloud());
     const ViewWeights views =
         view_weights(t.state.parameters, cameras_of(t.data.train), t.render_options(), t.threads,

@@ -20,19 +20,19 @@ class Densification final : public Phase {
       : options_(options), score_views_(score_views) {}
 
   const char* name() const override { return "densification"; }
-  PlanRow plan() const override {
-    return {.from = options_.from,
-            .until = options_.until,
-            .interval = options_.interval,
-            .what = fmt::format(
-                "adds splats by {}{}", kDensifyNames[static_cast<std::size_t>(options_.strategy)],
-                options_.strategy == Densify::mcmc   ? ", moves transparent ones"
-                : options_.prune == Prune::opacity   ? ", prunes transparent ones"
-                : options_.prune == Prune::multiview ? ", prunes by multi-view score"
-                                                     : "")};
+  Period period() const override {
+    return {.from = options_.from, .until = options_.until, .interval = options_.interval};
+  }
+  std::string effect() const override {
+    return fmt::format("adds splats by {}{}",
+                       kDensifyNames[static_cast<std::size_t>(options_.strategy)],
+                       options_.strategy == Densify::mcmc   ? ", moves transparent ones"
+                       : options_.prune == Prune::opacity   ? ", prunes transparent ones"
+                       : options_.prune == Prune::multiview ? ", prunes by multi-view score"
+                                                            : "");
   }
   PhaseWork work(int iteration, std::size_t) const override {
-    if (!plan().due(iteration)) return {};
+    if (!period().due(iteration)) return {};
     const bool scores =
         options_.strategy == Densify::multiview || options_.prune == Prune::multiview;
     return {.renders = scores ? 2.0 * score_views_ : 0.1, .growth = expected_growth()};
@@ -42,7 +42,7 @@ class Densification final : public Phase {
       gather_statistics(t.state, t.rasterizer, !t.view->used.pixels.empty());
   }
   std::optional<PhaseReport> after_step(Training& t) override {
-    if (!plan().due(t.state.iteration)) return {};
+    if (!period().due(t.state.iteration)) return {};
     TrainOptions options = t.options;
     options.max_splats = t.max_splats();
     if (options_.strategy == Densify::mcmc) {
@@ -71,9 +71,8 @@ class PositionNoise final : public Phase {
  public:
   explicit PositionNoise(int iterations) : iterations_(iterations) {}
   const char* name() const override { return "position noise"; }
-  PlanRow plan() const override {
-    return {.from = 1, .until = iterations_, .what = "moves low-opacity splats at random (MCMC)"};
-  }
+  Period period() const override { return {.from = 1, .until = iterations_}; }
+  std::string effect() const override { return "moves low-opacity splats at random (MCMC)"; }
   std::optional<PhaseReport> after_step(Training& t) override {
     add_noise(t.state, t.options.get<DensificationOptions>(), t.position_lr(), t.threads);
     return {};

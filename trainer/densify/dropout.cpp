@@ -28,12 +28,12 @@ class Dropout final : public Phase {
   Dropout(double dropout, int iterations) : dropout_(dropout), iterations_(iterations) {}
 
   const char* name() const override { return "dropout"; }
-  PlanRow plan() const override {
-    return {.from = 1,
-            .until = iterations_,
-            .what = fmt::format("hides a random share of the splats, growing to {:g} / training "
-                                "views (at most {:g})",
-                                dropout_, kMaxHidden)};
+  Period period() const override { return {.from = 1, .until = iterations_}; }
+  std::string effect() const override {
+    return fmt::format(
+        "hides a random share of the splats, growing to {:g} / training "
+        "views (at most {:g})",
+        dropout_, kMaxHidden);
   }
   void before_render(Training& t) override {
     const double share =

@@ -51,16 +51,16 @@ class LatePruning final : public Phase {
   explicit LatePruning(const LatePruningOptions& options) : options_(options) {}
 
   const char* name() const override { return "late pruning"; }
-  PlanRow plan() const override {
-    return {.from = options_.from,
-            .until = options_.until,
-            .interval = options_.interval,
-            .what = options_.mode == LatePrune::contribution
-                        ? fmt::format("removes the splats with the least {:g}% of all alpha x T",
-                                      100 * options_.share)
-                        : fmt::format("removes splats of opacity below {:g}", options_.opacity)};
+  Period period() const override {
+    return {.from = options_.from, .until = options_.until, .interval = options_.interval};
   }
-  bool reports(int iteration) const override { return plan().due(iteration); }
+  std::string effect() const override {
+    return options_.mode == LatePrune::contribution
+               ? fmt::format("removes the splats with the least {:g}% of all alpha x T",
+                             100 * options_.share)
+               : fmt::format("removes splats of opacity below {:g}", options_.opacity);
+  }
+  bool reports(int iteration) const override { return period().due(iteration); }
   PhaseWork work(int iteration, std::size_t views) const override {
     if (!reports(iteration)) return {};
     return {
@@ -68,7 +68,7 @@ class LatePruning final : public Phase {
         .growth = -0.05};
   }
   std::optional<PhaseReport> after_step(Training& t) override {
-    if (!plan().due(t.state.iteration)) return {};
+    if (!period().due(t.state.iteration)) return {};
     prune_late(t.state, t.options,
                options_.mode == LatePrune::contribution ? contributions(t) : sampled_scores(t));
     return PhaseReport();

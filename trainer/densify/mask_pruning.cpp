@@ -15,19 +15,19 @@ class MaskPruning final : public Phase {
 
   const char* name() const override { return "mask pruning"; }
   /// Splats come to be in the first half of a run; then there is room for the values of the file.
-  PlanRow plan() const override {
+  Period period() const override {
     const int fifth = std::max(iterations_ / 5, 1);
-    return {.from = fifth,
-            .until = 4 * fifth,
-            .interval = fifth,
-            .what = "removes splats that are seen in masked parts of photos only"};
+    return {.from = fifth, .until = 4 * fifth, .interval = fifth};
   }
-  bool reports(int iteration) const override { return plan().due(iteration); }
+  std::string effect() const override {
+    return "removes splats that are seen in masked parts of photos only";
+  }
+  bool reports(int iteration) const override { return period().due(iteration); }
   PhaseWork work(int iteration, std::size_t views) const override {
     return {.renders = reports(iteration) ? 1.5 * static_cast<double>(views) : 0};
   }
   std::optional<PhaseReport> after_step(Training& t) override {
-    if (!plan().due(t.state.iteration)) return {};
+    if (!period().due(t.state.iteration)) return {};
     t.complete_colors();
     apply_refinement(
         t.state, t.options,

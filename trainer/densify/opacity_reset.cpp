@@ -15,14 +15,14 @@ class OpacityReset final : public Phase {
   OpacityReset(const OpacityResetOptions& options, int until) : options_(options), until_(until) {}
 
   const char* name() const override { return "opacity reset"; }
-  PlanRow plan() const override {
-    return {.from = 1,
-            .until = until_,
-            .interval = options_.interval,
-            .what = fmt::format("limits opacities to {:g}", options_.to)};
+  Period period() const override {
+    return {.from = 1, .until = until_, .interval = options_.interval};
+  }
+  std::string effect() const override {
+    return fmt::format("limits opacities to {:g}", options_.to);
   }
   std::optional<PhaseReport> after_step(Training& t) override {
-    if (plan().due(t.state.iteration)) reset_opacity(t.state, options_.to);
+    if (period().due(t.state.iteration)) reset_opacity(t.state, options_.to);
     return {};
   }
 

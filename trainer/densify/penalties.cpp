@@ -18,11 +18,10 @@ class Penalties final : public Phase {
       : options_(options), iterations_(iterations) {}
 
   const char* name() const override { return "penalties"; }
-  PlanRow plan() const override {
-    return {.from = 1,
-            .until = iterations_,
-            .what = fmt::format("adds {:g} x mean opacity and {:g} x mean size to the loss",
-                                options_.opacity_weight, options_.scale_weight)};
+  Period period() const override { return {.from = 1, .until = iterations_}; }
+  std::string effect() const override {
+    return fmt::format("adds {:g} x mean opacity and {:g} x mean size to the loss",
+                       options_.opacity_weight, options_.scale_weight);
   }
   void after_backward(Training& t) override {
     add_penalties(t.state.parameters, t.rasterizer.visible(), options_, t.rasterizer.gradient(),

@@ -5,16 +5,16 @@
 
 namespace fluxgs {
 
-bool PlanRow::due(int iteration) const {
+bool Period::due(int iteration) const {
   if (interval == 0) return iteration == from;
   return iteration >= from && iteration <= until && iteration % interval == 0;
 }
 
-int PlanRow::first() const {
+int Period::first() const {
   return interval == 0 ? from : (std::max(from, 1) + interval - 1) / interval * interval;
 }
 
-bool PlanRow::takes_place(int iterations) const {
+bool Period::takes_place(int iterations) const {
   return first() <= (interval == 0 ? iterations : std::min(until, iterations));
 }
 

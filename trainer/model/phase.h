@@ -48,11 +48,10 @@ struct PhaseReport {
   std::optional<Error> error = {};                    ///< the phase ended for this reason
 };
 
-/// One row of the schedule: at the multiples of `interval` from `from` to `until`.
-struct PlanRow {
+/// The iterations at which a phase is at work: the multiples of `interval` from `from` to `until`.
+struct Period {
   int from = 0, until = 0;
   int interval = 1;   ///< 0: once, at `from`
-  std::string what;   ///< a sentence without a full stop
   int first() const;  ///< the first iteration at which it is due, if any is
   /// True if anything takes place within so many iterations.
   bool takes_place(int iterations) const;
@@ -132,7 +131,9 @@ class Phase {
   virtual ~Phase() = default;
 
   virtual const char* name() const = 0;
-  virtual PlanRow plan() const = 0;
+  virtual Period period() const = 0;
+  /// What it does then, for the schedule: a sentence without a full stop.
+  virtual std::string effect() const = 0;
   /// Reason why the phase will not do what was asked for; empty: it will.
   virtual std::string warning() const { return {}; }
 

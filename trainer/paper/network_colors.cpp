@@ -20,15 +20,15 @@ class EnergyMoments final : public Phase {
       : residual_(options.residual), iteration_(iteration), energy_(std::move(energy)) {}
 
   const char* name() const override { return "energy moments"; }
-  PlanRow plan() const override {
-    return {.from = iteration_,
-            .until = iteration_,
-            .interval = 0,
-            .what = fmt::format("takes the energy moments of the residual {}",
-                                kResidualNames[static_cast<std::size_t>(residual_)])};
+  Period period() const override {
+    return {.from = iteration_, .until = iteration_, .interval = 0};
+  }
+  std::string effect() const override {
+    return fmt::format("takes the energy moments of the residual {}",
+                       kResidualNames[static_cast<std::size_t>(residual_)]);
   }
   std::optional<PhaseReport> after_step(Training& t) override {
-    if (plan().due(t.state.iteration))
+    if (period().due(t.state.iteration))
       *energy_ =
           energy_moments(t.state.parameters, residual_, sphere_rule_of(t.options), t.threads);
     return {};
@@ -95,16 +95,15 @@ NetworkColors::NetworkColors(const TrainOptions& options, int iteration, SharedE
       threads_(threads),
       pass_(threads) {}
 
-PlanRow NetworkColors::plan() const {
-  if (!psi_ && !phi_)
-    return {.from = iteration_,
-            .until = iteration_,
-            .interval = 0,
-            .what = "adds the projection of the energy to the SH coefficients"};
-  return {.from = iteration_,
-          .until = iterations_,
-          .what = fmt::format("makes colours by the networks {}{}{}", psi_ ? "psi" : "",
-                              psi_ && phi_ ? " and " : "", phi_ ? "phi" : "")};
+Period NetworkColors::period() const {
+  if (!psi_ && !phi_) return {.from = iteration_, .until = iteration_, .interval = 0};
+  return {.from = iteration_, .until = iterations_};
+}
+
+std::string NetworkColors::effect() const {
+  if (!psi_ && !phi_) return "adds the projection of the energy to the SH coefficients";
+  return fmt::format("makes colours by the networks {}{}{}", psi_ ? "psi" : "",
+                     psi_ && phi_ ? " and " : "", phi_ ? "phi" : "");
 }
 
 /// Lets the networks make the colours of the splats that a camera can see, from their true

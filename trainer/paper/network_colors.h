@@ -45,7 +45,8 @@ class NetworkColors final : public Phase {
                 const Threads& threads);
 
   const char* name() const override { return "network colours"; }
-  PlanRow plan() const override;
+  Period period() const override;
+  std::string effect() const override;
   void before_render(Training& t) override;
   void after_backward(Training& t) override;
   bool reports(int iteration) const override { return iteration == iteration_; }

@@ -31,16 +31,16 @@ class Antialiasing final : public Phase {
       : options_(options), iterations_(iterations), cameras_(std::move(cameras)) {}
 
   const char* name() const override { return "anti-aliasing"; }
-  PlanRow plan() const override {
-    return {.from = kInterval,
-            .until = iterations_,
-            .interval = kInterval,
-            .what = fmt::format("limits splats to at least {:.2g} px in the nearest view",
-                                std::sqrt(options_.min_variance))};
+  Period period() const override {
+    return {.from = kInterval, .until = iterations_, .interval = kInterval};
+  }
+  std::string effect() const override {
+    return fmt::format("limits splats to at least {:.2g} px in the nearest view",
+                       std::sqrt(options_.min_variance));
   }
   // No state between iterations: a run that is resumed limits the same splats
   std::optional<PhaseReport> after_step(Training& t) override {
-    if (options_.min_variance > 0 && plan().due(t.state.iteration)) limit(t);
+    if (options_.min_variance > 0 && period().due(t.state.iteration)) limit(t);
     return {};
   }
 

@@ -15,10 +15,9 @@ class Carving final : public Phase {
   Carving(int iterations, double alpha_loss) : iterations_(iterations), alpha_loss_(alpha_loss) {}
 
   const char* name() const override { return "carving"; }
-  PlanRow plan() const override {
-    return {.from = 1,
-            .until = iterations_,
-            .what = "puts photos with transparent parts, and renders, over random backgrounds"};
+  Period period() const override { return {.from = 1, .until = iterations_}; }
+  std::string effect() const override {
+    return "puts photos with transparent parts, and renders, over random backgrounds";
   }
   void begin(Training& t) override {
     for (int c = 0; c < 3; ++c) background_[c] = uniform(t.state.random);

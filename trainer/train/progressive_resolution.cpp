@@ -16,12 +16,10 @@ class ProgressiveResolution final : public Phase {
       : options_(options), iterations_(iterations), pyramid_(views, options.levels) {}
 
   const char* name() const override { return "progressive resolution"; }
-  PlanRow plan() const override {
-    return {.from = 1,
-            .until = options_.until,
-            .what = fmt::format(
-                "trains on images halved {} at the start",
-                options_.levels == 1 ? "once" : fmt::format("{} times", options_.levels))};
+  Period period() const override { return {.from = 1, .until = options_.until}; }
+  std::string effect() const override {
+    return fmt::format("trains on images halved {} at the start",
+                       options_.levels == 1 ? "once" : fmt::format("{} times", options_.levels));
   }
   std::string warning() const override {
     if (options_.until < iterations_) return {};

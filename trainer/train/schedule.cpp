@@ -204,16 +204,18 @@ std::string plan_table(const Schedule& schedule) {
                        "renders a view, compares it with its image and moves all parameters");
   std::vector<const Phase*> phases;
   for (const auto& phase : schedule.phases) phases.push_back(phase.get());
-  std::ranges::stable_sort(phases, {}, [](const Phase* phase) { return phase->plan().first(); });
+  std::ranges::stable_sort(phases, {}, [](const Phase* phase) { return phase->period().first(); });
   for (const Phase* phase : phases) {
-    const PlanRow row = phase->plan();
-    const bool once = row.interval == 0;
-    const int last = std::min(row.until, n);
-    const std::string when = !row.takes_place(n) ? "never"
-                             : once              ? fmt::format("{}", row.from)
-                                    : fmt::format("{}-{}", row.first(), last - last % row.interval);
+    const Period period = phase->period();
+    const bool once = period.interval == 0;
+    const int last = std::min(period.until, n);
+    const std::string when =
+        !period.takes_place(n) ? "never"
+        : once                 ? fmt::format("{}", period.from)
+               : fmt::format("{}-{}", period.first(), last - last % period.interval);
     table += fmt::format("{:<16}{:<8}{:<30}{}\n", when,
-                         once ? "once" : fmt::format("{}", row.interval), phase->name(), row.what);
+                         once ? "once" : fmt::format("{}", period.interval), phase->name(),
+                         phase->effect());
   }
   return table;
 }

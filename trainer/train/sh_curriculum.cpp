@@ -13,12 +13,13 @@ class ShCurriculum final : public Phase {
       : interval_(interval), degree_(degree), reduced_at_(reduced_at) {}
 
   const char* name() const override { return "SH curriculum"; }
-  PlanRow plan() const override {
+  Period period() const override {
     const int last = interval_ * degree_;
-    return {.from = 1,
-            .until = reduced_at_ > 0 ? std::min(last, reduced_at_) : last,
-            .what = fmt::format("raises the SH degree by one every {} iterations, to {}", interval_,
-                                degree_)};
+    return {.from = 1, .until = reduced_at_ > 0 ? std::min(last, reduced_at_) : last};
+  }
+  std::string effect() const override {
+    return fmt::format("raises the SH degree by one every {} iterations, to {}", interval_,
+                       degree_);
   }
   void configure(RenderOptions& render, const TrainState& state) const override {
     if (reduced_at_ > 0 && state.iteration > reduced_at_) return;

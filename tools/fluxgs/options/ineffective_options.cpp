@@ -24,13 +24,14 @@ void add(ByNeed& all, const OptionField& field) {
 
 /// Warning about a phase that does nothing within the run, or not as asked.
 std::string warning_of(const Phase& phase, int iterations) {
-  const PlanRow row = phase.plan();
-  if (row.takes_place(iterations)) return phase.warning();
-  if (row.from > iterations)
+  const Period period = phase.period();
+  if (period.takes_place(iterations)) return phase.warning();
+  if (period.from > iterations)
     return fmt::format("{} never takes place: it would begin at iteration {}, after the last, {}",
-                       phase.name(), row.from, iterations);
+                       phase.name(), period.from, iterations);
   return fmt::format("{} never takes place: it would be due every {} iterations from {} to {}",
-                     phase.name(), row.interval, row.from, std::min(row.until, iterations));
+                     phase.name(), period.interval, period.from,
+                     std::min(period.until, iterations));
 }
 
 bool same_words(std::string_view a, std::string_view b) {

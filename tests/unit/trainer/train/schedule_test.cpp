@@ -190,14 +190,14 @@ TEST(Schedule, PlansSayWhenAndWhat) {
 }
 
 TEST(Schedule, RowsAreDueAtTheMultiplesOfTheirInterval) {
-  const PlanRow row{.from = 50, .until = 300, .interval = 100, .what = ""};
+  const Period row{.from = 50, .until = 300, .interval = 100};
   EXPECT_EQ(row.first(), 100);
   for (const int due : {100, 200, 300}) EXPECT_TRUE(row.due(due));
   for (const int idle : {0, 50, 150, 400}) EXPECT_FALSE(row.due(idle));
   EXPECT_TRUE(row.takes_place(100));
   EXPECT_FALSE(row.takes_place(99));
-  EXPECT_FALSE((PlanRow{.from = 50, .until = 90, .interval = 100, .what = ""}.takes_place(1000)));
-  EXPECT_TRUE((PlanRow{.from = 50, .until = 50, .interval = 0, .what = ""}.due(50)));
+  EXPECT_FALSE((Period{.from = 50, .until = 90, .interval = 100}.takes_place(1000)));
+  EXPECT_TRUE((Period{.from = 50, .until = 50, .interval = 0}.due(50)));
 }
 
 TEST(Options, RulesThatDoNotExistAreRefused) {
