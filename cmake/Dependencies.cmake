@@ -66,7 +66,9 @@ fluxgs_package_choice()
 FetchContent_Declare(zstd GIT_REPOSITORY ${_github}/facebook/zstd GIT_TAG v1.5.4 GIT_SHALLOW ON SYSTEM
                      SOURCE_SUBDIR build/cmake ${_choice})
 FetchContent_MakeAvailable(zstd)
+set(CMAKE_UNITY_BUILD ${FLUXGS_UNITY})  # its hundred small files take three minutes one by one
 fluxgs_dependency(draco ${_github}/google/draco 1.5.5)
+set(CMAKE_UNITY_BUILD OFF)
 fluxgs_dependency(WebP ${_github}/webmproject/libwebp v1.5.0)
 fluxgs_dependency(libzip ${_github}/nih-at/libzip v1.10.1)
 # Every system has it, phones too; fetched, its target would clash with the copy inside a fetched
