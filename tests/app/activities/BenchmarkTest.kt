@@ -55,9 +55,13 @@ class BenchmarkTest {
         return intent
     }
 
-    /** Small, so that the test is short. */
-    private fun short(vararg extras: Pair<String, String>) =
-        intent("sizes" to "96x64,64x96", "frames" to "3", "warmup" to "1", *extras)
+    /** A scene of few splats, small images and few of them, so that the test is short. */
+    private fun short(vararg extras: Pair<String, String>): Intent {
+        File(material, "few.splat").copyTo(File(own, "few.splat"), true)
+        return intent(
+            "scene" to "few.splat", "sizes" to "96x64,64x96", "frames" to "3", "warmup" to "1", *extras,
+        )
+    }
 
     private fun start(intent: Intent, state: Bundle? = null) {
         controller = Robolectric.buildActivity(BenchmarkActivity::class.java, intent)
@@ -131,7 +135,7 @@ class BenchmarkTest {
 
     @Test
     fun theResultIsShownWithAChart() {
-        start(intent("sizes" to "320x240", "frames" to "3", "warmup" to "1"))
+        start(short("sizes" to "320x240"))
         finished()
         pump()
         assertTrue(activity.isShown(R.id.results))
@@ -140,7 +144,7 @@ class BenchmarkTest {
         assertTrue(activity.text(R.id.facts).contains("Android"))
         close()
         // The second has the first to compare with
-        start(intent("sizes" to "320x240", "frames" to "3", "warmup" to "1"))
+        start(short("sizes" to "320x240"))
         finished()
         repeat(5) { pump() }
         assertTrue(activity.text(R.id.facts).contains("times as fast"))
@@ -149,11 +153,11 @@ class BenchmarkTest {
 
     @Test
     fun itSaysWhatWasNotTheSameInTheRunComparedWith() {
-        start(short("scene" to "sample"))
+        start(short())
         val first = finished()
         val unlike = context.getString(R.string.compared_unlike, "").trim()
         close()
-        start(intent("sizes" to "96x64,64x96", "frames" to "4", "warmup" to "1"))
+        start(short("frames" to "4"))
         val second = finished()
         assertEquals(listOf("protocol.frames"), second.differences(first))
         val other = BenchmarkResult(JSONObject(first.json.toString()))
@@ -165,7 +169,7 @@ class BenchmarkTest {
         assertTrue(facts, "$unlike ${context.getString(R.string.condition_frames)}" in facts)
         close()
         // The third is compared with the first, which was measured likewise
-        start(short("scene" to "sample"))
+        start(short())
         val third = finished()
         assertEquals(first.text(), BenchmarkHistory(context).before(third)!!.text())
         assertFalse(activity.text(R.id.facts), unlike in activity.text(R.id.facts))
@@ -176,7 +180,7 @@ class BenchmarkTest {
     /** Two copies of a scene would not find room where one does. */
     @Test
     fun againMakesRoomFirst() {
-        start(short("scene" to "sample"))
+        start(short())
         finished()
         val field = BenchmarkActivity::class.java.getDeclaredField("session").apply { isAccessible = true }
         val first = field.get(activity) as Session
