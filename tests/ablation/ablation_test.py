@@ -183,7 +183,7 @@ class Sweep(unittest.TestCase):
 
     def test_an_interruption_saves_and_the_same_command_continues(self):
         arguments = ("--only", "densify-gradient", "--seeds", "1", "--frames", "0")
-        common = ("--", "--iterations", "800", "--max-splats", "2000", "--threads", "1",
+        common = ("--", "--iterations", "1500", "--max-splats", "2000", "--threads", "1",
                   "--checkpoint-every", "50")
         out = self.path / "interrupted"
         command = [sys.executable, ROOT / "tools/ablation/ablation", self.data, "-o", out,
