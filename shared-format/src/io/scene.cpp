@@ -34,15 +34,31 @@ Expected<Bytes> plain(const SplatCloud& cloud, const std::string& name, const Wr
   return encode(cloud, name);
 }
 
+#ifndef FLUXGS_PHONE
+// A writer that takes the start view.
+template <Expected<Bytes> (*encode)(const SplatCloud&, const std::string&,
+                                    const std::optional<InitialView>&)>
+Expected<Bytes> with_start(const SplatCloud& cloud, const std::string& name,
+                           const WriteOptions& options) {
+  return encode(cloud, name, options.start);
+}
+
+Expected<Bytes> glb_with_start(const SplatCloud& cloud, const std::string& name,
+                               const WriteOptions& options) {
+  auto bytes = encode_glb(cloud, name);
+  return bytes && options.start ? with_initial_view(*bytes, *options.start, name) : bytes;
+}
+#endif
+
 // A content goes to the first format that recognises it. Compressed .ply comes before .ply, of
 // which it is a special case; .splat has no magic and is guessed, and so comes last.
 constexpr auto kFormats = std::to_array<SceneFormat>({
     {"compressed.ply", "compressed .ply of SuperSplat", ".compressed.ply", 3, StoredFilter::all,
-     is_compressed_ply, read_compressed_ply, FLUXGS_WRITER(plain<encode_compressed_ply>)},
+     is_compressed_ply, read_compressed_ply, FLUXGS_WRITER(with_start<encode_compressed_ply>)},
     {"ply", "3DGS .ply", ".ply", 3, StoredFilter::all, is_ply, read_ply,
-     FLUXGS_WRITER(plain<encode_ply>)},
+     FLUXGS_WRITER(with_start<encode_ply>)},
     {"glb", "glTF binary with KHR_gaussian_splatting", ".glb", 3, StoredFilter::all, is_glb,
-     read_glb, FLUXGS_WRITER(plain<encode_glb>), read_gltf_folder},
+     read_glb, FLUXGS_WRITER(glb_with_start), read_gltf_folder},
     {"spz", "SPZ (Niantic)", ".spz", 3, StoredFilter::compensation, is_spz, read_spz,
      FLUXGS_WRITER(write_spz)},
     {"sog", "bundled SOG", ".sog", 3, StoredFilter::all, is_sog, read_sog,

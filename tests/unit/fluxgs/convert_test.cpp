@@ -147,6 +147,41 @@ TEST_F(Convert, TurnsResizesAndMovesSplatsAndStart) {
     EXPECT_EQ(convert("s.ply", "w.ply", wrong).status, 2) << wrong;
 }
 
+TEST_F(Convert, KeepsThePartThatIsAskedFor) {
+  const auto expect_kept = [&](const std::string& options, const auto& keep) {
+    const Outcome o = convert("s.ply", "part.ply", "--force " + options);
+    ASSERT_EQ(o.status, 0) << o.err;
+    std::vector<glm::vec3> expected;
+    for (std::size_t i = 0; i < cloud_.size(); ++i)
+      if (keep(i)) expected.push_back(cloud_.positions[i]);
+    ASSERT_GT(expected.size(), 0u) << options;
+    ASSERT_LT(expected.size(), cloud_.size()) << options;
+    EXPECT_EQ(scene("part.ply").cloud.positions, expected) << options;
+    EXPECT_THAT(o.err,
+                HasSubstr(fmt::format("{} splats are left out", cloud_.size() - expected.size())));
+  };
+  const auto& p = cloud_.positions;
+  expect_kept("--crop -100,0,-100,100,100,100", [&](std::size_t i) { return p[i].y >= 0; });
+  expect_kept("--crop-sphere 0.1,0,0,0.8",
+              [&](std::size_t i) { return glm::distance(glm::dvec3(p[i]), {0.1, 0, 0}) <= 0.8; });
+  expect_kept("--min-opacity 0.5", [&](std::size_t i) { return cloud_.opacity_logits[i] >= 0; });
+  expect_kept("--min-opacity 0.5 --crop=-100,-100,-100,0,100,100",
+              [&](std::size_t i) { return cloud_.opacity_logits[i] >= 0 && p[i].x <= 0; });
+
+  // Of a compact file the rest is stored again; the start stays
+  ASSERT_EQ(convert("s.glb", "c.glb", "--compact").status, 0);
+  ASSERT_EQ(convert("c.glb", "half.glb", "--crop -100,0,-100,100,100,100").status, 0);
+  EXPECT_LT(scene("half.glb").cloud.size(), cloud_.size());
+  EXPECT_TRUE(scene("half.glb").start);
+
+  expect_error(convert("s.ply", "w.ply", "--crop-sphere 1e6,0,0,1"),
+               {"s.ply: none of its 700 splats", "fluxgs info"});
+  for (const char* wrong : {"--crop 1,2,3", "--crop 1,0,0,0,1,1", "--crop 0,0,0,1,1,nan",
+                            "--crop-sphere 0,0,0,0", "--crop-sphere 0,0,0,-1", "--min-opacity 2"})
+    EXPECT_EQ(convert("s.ply", "w.ply", wrong).status, 2) << wrong;
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "w.ply"));
+}
+
 TEST_F(Convert, SaysWhatAFormatLoses) {
   const Outcome splat = convert("s.glb", "t.splat");
   EXPECT_THAT(splat.err, HasSubstr("t.splat: the scene's screen filter (a blur of 0.1 px², "

@@ -87,7 +87,7 @@ std::vector<std::string> lost_parts(const SceneFile& scene, const SceneFile& wri
     lost.push_back(fmt::format("the scene's screen filter ({}) is left out; others draw it with {}",
                                words_of(scene.cloud.filter), words_of(written.cloud.filter)));
   if (scene.start && !written.start)
-    lost.emplace_back("the scene's start view and up are left out; only a .glb holds them");
+    lost.emplace_back("the scene's start view and up are left out; only .glb and .ply hold them");
   return lost;
 }
 

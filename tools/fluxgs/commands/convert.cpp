@@ -18,6 +18,7 @@
 #include "tools/fluxgs/cameras/orbit.h"
 #include "tools/fluxgs/commands/command.h"
 #include "tools/fluxgs/commands/conversion_losses.h"
+#include "tools/fluxgs/commands/scene_crop.h"
 #include "tools/fluxgs/commands/scene_map.h"
 #include "tools/fluxgs/options/data_options.h"
 #include "tools/fluxgs/terminal/console.h"
@@ -33,6 +34,7 @@ struct ConvertSettings {
   std::string in, out;
   bool compact = false, no_compact = false, plain_attributes = false, force = false;
   GlbOptions glb;
+  CropOptions crop;
   MapOptions map;
   double step_scale = 1;
   int sh_degree = 3, spz_version = 3;
@@ -78,8 +80,9 @@ Expected<void> write_compact(const ConvertSettings& s, const SceneFile& scene) {
   return tell_losses(s, scene, compact_order(cloud));
 }
 
-WriteOptions write_options(const ConvertSettings& s) {
+WriteOptions write_options(const ConvertSettings& s, const SceneFile& scene) {
   WriteOptions options;
+  options.start = scene.start;
   options.spz_version = s.spz_version;
   options.warn = [out = s.out](const std::string& text) {
     spdlog::warn("warning: {}: {}", out, text);
@@ -91,10 +94,9 @@ WriteOptions write_options(const ConvertSettings& s) {
   return options;
 }
 
-/// Only a .glb says where it is looked at from.
 Expected<void> write_plain(const ConvertSettings& s, const SceneFile& scene,
                            const SceneFormat& format) {
-  if (format.name != "glb") return write_scene(s.out, scene.cloud, write_options(s));
+  if (format.name != "glb") return write_scene(s.out, scene.cloud, write_options(s, scene));
   const auto bytes = encode_glb(scene.cloud, s.glb, s.out);
   if (!bytes) return std::unexpected(bytes.error());
   if (auto written = write_glb(s.out, *bytes, scene.start); !written)
@@ -153,6 +155,20 @@ Expected<void> copy_compact(const ConvertSettings& s, std::size_t splats) {
   return {};
 }
 
+/// The scene of IN, as much of it as shall be kept.
+Expected<SceneFile> load_cropped(const ConvertSettings& s) {
+  auto scene = load_scene(s.in);
+  if (!scene) return scene;
+  const std::size_t left_out = crop_scene(s.crop, scene->cloud);
+  if (left_out > 0 && scene->cloud.size() == 0)
+    return fail(s.in, "",
+                fmt::format("none of its {} splats is within --crop, --crop-sphere and "
+                            "--min-opacity; fluxgs info shows where they lie",
+                            left_out));
+  if (left_out > 0) spdlog::info("{}: {} splats are left out", shown(s.in), left_out);
+  return scene;
+}
+
 Expected<void> write_out(const ConvertSettings& s) {
   const auto format = scene_format_for(s.out);
   if (!format) return std::unexpected(format.error());
@@ -161,13 +177,13 @@ Expected<void> write_out(const ConvertSettings& s) {
     return fail(s.out, "extension", "expected .glb, which a compact scene is written as");
   if ((s.no_compact || s.glb.attribute_bits != 32) && !glb)
     return fail(s.out, "extension", "expected .glb, whose attributes the options are about");
-  auto scene = load_scene(s.in);
+  auto scene = load_cropped(s);
   if (!scene) return std::unexpected(scene.error());
   const int full_degree = scene->cloud.sh_degree;
   const bool stays_compact =
       glb && is_compact(*scene) && !s.no_compact && s.glb.attribute_bits == 32;
   if (stays_compact && !s.compact && !s.searches() && full_degree <= s.sh_degree &&
-      map_of(s.map) == AffineMap{})
+      !s.crop.crops() && map_of(s.map) == AffineMap{})
     return copy_compact(s, scene->cloud.size());
   limit_sh_degree(scene->cloud, s.sh_degree);
   map_scene(s.map, *scene);
@@ -209,6 +225,7 @@ void check_use(const ConvertSettings& s, const CLI::App& command) {
   if (s.plain_attributes && !s.compact && !s.searches())
     throw CLI::ValidationError("--plain-attributes",
                                "is used only with --compact, --min-psnr or --max-bytes");
+  check_crop(s.crop);
 }
 
 void add_compact_options(CLI::App& command, ConvertSettings& s) {
@@ -254,7 +271,8 @@ void add_convert(CLI::App& app, Action& action) {
       "compact\n"
       "as a .glb. What a format cannot hold is said in a line each.\n"
       "Example: fluxgs convert garden.ply garden.glb --min-psnr 40\n"
-      "         fluxgs convert garden.glb upright.glb --up z --scale 0.5");
+      "         fluxgs convert garden.glb upright.glb --up z --scale 0.5\n"
+      "         fluxgs convert garden.ply table.glb --crop-sphere 0,0.4,2,1.5");
   command->add_option("in", settings->in, "the scene to read")->required();
   command->add_option("out", settings->out, "the scene to write: " + writable_extensions())
       ->required();
@@ -268,6 +286,7 @@ void add_convert(CLI::App& app, Action& action) {
       ->capture_default_str();
   command->add_flag("--force", settings->force,
                     "replace OUT if it exists, instead of keeping it as OUT.~1~");
+  add_crop_options(*command, settings->crop);
   add_map_options(*command, settings->map);
   add_compact_options(*command, *settings);
   add_data_options(*command, settings->data);

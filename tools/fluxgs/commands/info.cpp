@@ -1,5 +1,7 @@
 // fluxgs info: what is in a scene file.
 #include <algorithm>
+#include <array>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -25,6 +27,27 @@ json bounds_of(const SplatCloud& cloud) {
   return {{"min", {low.x, low.y, low.z}}, {"max", {high.x, high.y, high.z}}};
 }
 
+/// The box between the 1st and the 99th percentile of each axis, which a few splats far away do not
+/// stretch.
+json most_of(const SplatCloud& cloud) {
+  if (cloud.size() == 0) return nullptr;
+  std::array<double, 3> low{}, high{};
+  std::vector<float> values(cloud.size());
+  const std::size_t edge = cloud.size() / 100;
+  for (int c = 0; c < 3; ++c) {
+    std::ranges::transform(cloud.positions, values.begin(),
+                           [c](const glm::vec3& p) { return p[c]; });
+    const auto at = [&](std::size_t rank) {
+      const auto place = values.begin() + static_cast<std::ptrdiff_t>(rank);
+      std::ranges::nth_element(values, place);
+      return static_cast<double>(*place);
+    };
+    low[static_cast<std::size_t>(c)] = at(edge);
+    high[static_cast<std::size_t>(c)] = at(cloud.size() - 1 - edge);
+  }
+  return {{"min", low}, {"max", high}};
+}
+
 json initial_view_json(const std::optional<InitialView>& start) {
   if (!start) return nullptr;
   const glm::dvec3 &at = start->position, &up = start->up;
@@ -45,6 +68,7 @@ json describe(const SceneFile& scene) {
           {"bits_per_splat", 8.0 * static_cast<double>(scene.bytes) / splats},
           {"attributes", scene.attribute_bits},
           {"bounds", bounds_of(scene.cloud)},
+          {"bounds_98", most_of(scene.cloud)},
           {"antialiased", scene.cloud.filter.compensated},
           {"dilation", scene.cloud.filter.dilation},
           {"warnings", scene.warnings},
@@ -59,6 +83,15 @@ std::string mixture(const json& splats_by_degree) {
   return fmt::format(" (splats of degree 0, 1, 2, 3: {})", fmt::join(counts, ", "));
 }
 
+void print_box(const char* name, const json& box) {
+  if (box.is_null()) return;
+  const auto corner = [&](const char* which) {
+    const auto p = box[which].get<std::array<double, 3>>();
+    return fmt::format("{:.4g},{:.4g},{:.4g}", p[0], p[1], p[2]);
+  };
+  fmt::print("  {:<12}{} to {}\n", name, corner("min"), corner("max"));
+}
+
 void print_info(const std::string& path, const json& d) {
   fmt::print("{}: {}\n", path, d["format"].get<std::string>());
   fmt::print("  splats      {} ({} left out for NaN or infinity)\n", d["splats"].get<std::size_t>(),
@@ -70,8 +103,8 @@ void print_info(const std::string& path, const json& d) {
              d["bits_per_splat"].get<double>());
   for (const auto& [name, bits] : d["attributes"].items())
     fmt::print("    {:<10}{:.4g} bits\n", name, bits.get<double>());
-  if (!d["bounds"].is_null())
-    fmt::print("  bounds      {} to {}\n", d["bounds"]["min"].dump(), d["bounds"]["max"].dump());
+  print_box("bounds", d["bounds"]);
+  print_box("98% within", d["bounds_98"]);
   if (!d["start"].is_null())
     fmt::print("  start       at {}, up {}\n", d["start"]["position"].dump(),
                d["start"]["up"].dump());

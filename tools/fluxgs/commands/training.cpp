@@ -252,6 +252,13 @@ Expected<StoredScene> TrainWork::store() {
   return stored;
 }
 
+/// Scenes are looked at from a place of the photos first.
+WriteOptions TrainWork::from_start() const {
+  WriteOptions options;
+  options.start = initial_view_of(run_.data.train);
+  return options;
+}
+
 /// Writes a compact .glb or another format. Returns the scene that the file holds where it is not
 /// the trainer's to the bit and there are images to compare it with.
 Expected<std::optional<SplatCloud>> TrainWork::write_out() {
@@ -266,7 +273,7 @@ Expected<std::optional<SplatCloud>> TrainWork::write_out() {
     return std::move(stored->cloud);
   }
   const HoldInterrupts hold;
-  if (auto written = write_scene(settings_.out, trainer_.cloud()); !written)
+  if (auto written = write_scene(settings_.out, trainer_.cloud(), from_start()); !written)
     return std::unexpected(written.error());
   report_["bytes"] = json_size_of(settings_.out);
   if (format == "ply") return std::nullopt;
@@ -309,7 +316,7 @@ Expected<void> TrainWork::write_scene_and_score() {
 Expected<void> TrainWork::write_float_output() {
   if (settings_.float_output.empty()) return {};
   const HoldInterrupts hold;
-  if (auto written = write_scene(settings_.float_output, trainer_.cloud()); !written)
+  if (auto written = write_scene(settings_.float_output, trainer_.cloud(), from_start()); !written)
     return written;
   report_["float_bytes"] = json_size_of(settings_.float_output);
   return {};

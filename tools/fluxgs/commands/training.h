@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "fluxgs/io/write_options.h"
 #include "tools/fluxgs/commands/preview.h"
 #include "tools/fluxgs/commands/train_log.h"
 #include "tools/fluxgs/commands/train_run.h"
@@ -43,6 +44,7 @@ class TrainWork {
   void make_report();
   void say_expected();
   Expected<void> write_scene_and_score();
+  WriteOptions from_start() const;
   Expected<std::optional<SplatCloud>> write_out();
   Expected<StoredScene> store();
   Expected<void> score(const std::optional<SplatCloud>& stored);

@@ -36,8 +36,9 @@ Expected<SceneFile> read_compressed_ply(std::span<const std::byte> bytes, const 
 /// Write a scene, with ranges of colour, in an order that keeps neighbours together: the ranges of
 /// the chunks are then small, and a far splat coarsens only those of its chunk. Logarithms of
 /// scales are limited to ±20, SH coefficients to ±4; rotations come out as unit quaternions. Splats
-/// with a NaN or infinity are left out. The same cloud always gives the same bytes.
-Expected<std::vector<std::byte>> encode_compressed_ply(const SplatCloud& cloud,
-                                                       const std::string& name);
+/// with a NaN or infinity are left out. A start view becomes a comment. The same cloud always gives
+/// the same bytes.
+Expected<std::vector<std::byte>> encode_compressed_ply(
+    const SplatCloud& cloud, const std::string& name, const std::optional<InitialView>& start = {});
 
 }  // namespace fluxgs

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,7 +25,8 @@ bool is_ply(std::span<const std::byte> bytes);
 Expected<SceneFile> read_ply(std::span<const std::byte> bytes, const std::string& name);
 
 /// Write little-endian floats in INRIA's order (with zero normals): a finite scene comes back bit
-/// for bit. Splats with a NaN or infinity are left out.
-Expected<std::vector<std::byte>> encode_ply(const SplatCloud& cloud, const std::string& name);
+/// for bit. Splats with a NaN or infinity are left out. A start view becomes a comment.
+Expected<std::vector<std::byte>> encode_ply(const SplatCloud& cloud, const std::string& name,
+                                            const std::optional<InitialView>& start = {});
 
 }  // namespace fluxgs

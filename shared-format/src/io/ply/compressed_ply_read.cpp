@@ -19,6 +19,7 @@
 #include "io/ply/ply_columns.h"
 #include "io/ply/ply_filter.h"
 #include "io/ply/ply_header.h"
+#include "io/ply/ply_view.h"
 
 namespace fluxgs {
 namespace {
@@ -283,6 +284,7 @@ Expected<SceneFile> read_compressed_ply(std::span<const std::byte> bytes, const 
   SceneFile scene;
   scene.cloud = std::move(*cloud);
   scene.cloud.filter = filter_of_comments(header->comments);
+  scene.start = view_of_comments(header->comments);
   scene.dropped = drop_non_finite(scene.cloud);  // colours beyond float after the change of scale
   scene.format = "compressed.ply";
   scene.attribute_bits = bits_of(*tables);

@@ -15,6 +15,7 @@
 #include "fluxgs/io/compressed_ply.h"
 #include "io/ply/compressed_ply_layout.h"
 #include "io/ply/ply_filter.h"
+#include "io/ply/ply_view.h"
 #include "io/splat/smallest_three.h"
 #include "io/splat/spatial_order.h"
 
@@ -117,9 +118,10 @@ void put_sh(const SplatCloud& cloud, std::uint32_t splat, std::byte*& out) {
     for (std::size_t k = 0; k < rest; ++k) put(out, pack_sh(cloud.sh_rest[splat * rest + k][c]));
 }
 
-std::string header_of(const SplatCloud& cloud, std::size_t chunks) {
-  std::string text = fmt::format("ply\nformat binary_little_endian 1.0\n{}element chunk {}\n",
-                                 comment_lines(cloud.filter), chunks);
+std::string header_of(const SplatCloud& cloud, const std::optional<InitialView>& start,
+                      std::size_t chunks) {
+  std::string text = fmt::format("ply\nformat binary_little_endian 1.0\n{}{}element chunk {}\n",
+                                 comment_lines(cloud.filter), comment_line(start), chunks);
   for (const std::string_view name : kChunkNames) text += fmt::format("property float {}\n", name);
   text += fmt::format("element vertex {}\n", cloud.size());
   for (const std::string_view name : kPackedNames) text += fmt::format("property uint {}\n", name);
@@ -132,13 +134,14 @@ std::string header_of(const SplatCloud& cloud, std::size_t chunks) {
 }  // namespace
 
 Expected<std::vector<std::byte>> encode_compressed_ply(const SplatCloud& cloud,
-                                                       const std::string& name) {
+                                                       const std::string& name,
+                                                       const std::optional<InitialView>& start) {
   SplatCloud storage;
   const auto finite = writable_cloud(cloud, storage, name);
   if (!finite) return std::unexpected(finite.error());
   const SplatCloud& splats = **finite;
   const std::size_t count = splats.size(), chunks = (count + kChunkSplats - 1) / kChunkSplats;
-  const std::string header = header_of(splats, chunks);
+  const std::string header = header_of(splats, start, chunks);
   const std::size_t chunk_bytes = kChunkNames.size() * sizeof(float),
                     word_bytes = kPackedNames.size() * sizeof(std::uint32_t),
                     sh_bytes = 3 * static_cast<std::size_t>(sh_rest_count(splats.sh_degree));

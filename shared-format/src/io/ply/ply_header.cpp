@@ -35,17 +35,6 @@ std::optional<PlyType> type_named(std::string_view text) {
   return std::nullopt;
 }
 
-std::vector<std::string_view> words_of(std::string_view line) {
-  constexpr std::string_view kBlank = " \t\r";
-  std::vector<std::string_view> words;
-  for (std::size_t at = line.find_first_not_of(kBlank); at != std::string_view::npos;) {
-    const std::size_t end = std::min(line.find_first_of(kBlank, at), line.size());
-    words.push_back(line.substr(at, end - at));
-    at = line.find_first_not_of(kBlank, end);
-  }
-  return words;
-}
-
 // True if a word of any case is that word in lower case.
 bool is_word(std::string_view word, std::string_view lower_case) {
   return std::ranges::equal(word, lower_case, {}, [](char c) {
@@ -178,6 +167,17 @@ Expected<void> check_promise(const PlyHeader& header, std::uint64_t file_size,
 }
 
 }  // namespace
+
+std::vector<std::string_view> words_of(std::string_view line) {
+  constexpr std::string_view kBlank = " \t\r";
+  std::vector<std::string_view> words;
+  for (std::size_t at = line.find_first_not_of(kBlank); at != std::string_view::npos;) {
+    const std::size_t end = std::min(line.find_first_of(kBlank, at), line.size());
+    words.push_back(line.substr(at, end - at));
+    at = line.find_first_not_of(kBlank, end);
+  }
+  return words;
+}
 
 bool PlyElement::has_lists() const {
   return std::ranges::any_of(properties, [](const auto& p) { return p.list_count.has_value(); });

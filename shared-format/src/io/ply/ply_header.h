@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "fluxgs/error.h"
@@ -35,6 +36,9 @@ struct PlyHeader {
   std::vector<std::string> comments;  ///< behind the word "comment", of all places
   std::size_t size = 0;               ///< bytes; the data begin here
 };
+
+/// The words of a line, between blanks.
+std::vector<std::string_view> words_of(std::string_view line);
 
 std::size_t ply_type_bytes(PlyType type);
 

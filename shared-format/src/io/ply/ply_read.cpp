@@ -14,6 +14,7 @@
 #include "io/ply/ply_filter.h"
 #include "io/ply/ply_header.h"
 #include "io/ply/ply_rows.h"
+#include "io/ply/ply_view.h"
 
 namespace fluxgs {
 namespace {
@@ -134,6 +135,7 @@ Expected<SceneFile> read_ply(std::span<const std::byte> bytes, const std::string
   SceneFile scene;
   scene.cloud = std::move(*cloud);
   scene.cloud.filter = filter_of_comments(header->comments);
+  scene.start = view_of_comments(header->comments);
   scene.dropped = drop_non_finite(scene.cloud);
   scene.format = "ply";
   scene.attribute_bits = float_attribute_bits(scene.cloud.sh_degree);

@@ -5,13 +5,15 @@
 #include "cloud/cloud_memory.h"
 #include "fluxgs/io/ply.h"
 #include "io/ply/ply_filter.h"
+#include "io/ply/ply_view.h"
 
 namespace fluxgs {
 namespace {
 
-std::string header_of(const SplatCloud& cloud) {
-  std::string text = fmt::format("ply\nformat binary_little_endian 1.0\n{}element vertex {}\n",
-                                 io::comment_lines(cloud.filter), cloud.size());
+std::string header_of(const SplatCloud& cloud, const std::optional<InitialView>& start) {
+  std::string text =
+      fmt::format("ply\nformat binary_little_endian 1.0\n{}{}element vertex {}\n",
+                  io::comment_lines(cloud.filter), io::comment_line(start), cloud.size());
   const auto property = [&](const char* stem) { text += fmt::format("property float {}\n", stem); };
   const auto numbered = [&](const char* stem, int count) {
     for (int i = 0; i < count; ++i) text += fmt::format("property float {}_{}\n", stem, i);
@@ -47,12 +49,13 @@ std::size_t fill_row(const SplatCloud& cloud, std::size_t i, float* row) {
 
 }  // namespace
 
-Expected<std::vector<std::byte>> encode_ply(const SplatCloud& cloud, const std::string& name) {
+Expected<std::vector<std::byte>> encode_ply(const SplatCloud& cloud, const std::string& name,
+                                            const std::optional<InitialView>& start) {
   SplatCloud storage;
   const auto finite = io::writable_cloud(cloud, storage, name);
   if (!finite) return std::unexpected(finite.error());
   const SplatCloud& splats = **finite;
-  const std::string header = header_of(splats);
+  const std::string header = header_of(splats, start);
   const std::size_t floats = 17 + 3 * static_cast<std::size_t>(sh_rest_count(splats.sh_degree));
   auto bytes = io::allocate_bytes(header.size() + splats.size() * floats * sizeof(float), name);
   if (!bytes) return bytes;
