@@ -96,6 +96,16 @@ TEST(Command, TrainsEvaluatesRendersConvertsAndInforms) {
   EXPECT_EQ(fluxgs("doctor --json").status, 0);
 }
 
+TEST(Command, DoctorNamesTheWorkThatIsKept) {
+  const test::TempFolder folder;
+  const std::string cache = "XDG_CACHE_HOME=" + quoted(folder.path());
+  EXPECT_THAT(fluxgs("doctor", cache).out, Not(HasSubstr("work kept")));
+  std::filesystem::create_directories(folder / "fluxgs" / "photos-1" / "images");
+  write_text(folder / "fluxgs" / "photos-1" / "images" / "a.jpg", std::string(3'000'000, 'x'));
+  EXPECT_THAT(fluxgs("doctor", cache).out,
+              HasSubstr("work kept   3 MB of photos and poses in " + folder.path().string()));
+}
+
 TEST(Command, MasksAreIgnoredCarvedOrLeftAside) {
   const test::TempFolder folder;
   const auto data = folder / "data", scene = folder / "scene.ply";

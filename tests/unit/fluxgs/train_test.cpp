@@ -292,7 +292,11 @@ TEST(Train, OrbitsStandAsTheSceneDoes) {
             0);
   // The first of the orbit is the view that it starts at, but for what is not level there
   EXPECT_NE(text_of(folder / "start_000.png"), text_of(folder / "start_001.png"));
-  picture(folder / "s.ply", "guess.png");
+  ASSERT_EQ(
+      fluxgs(fmt::format("convert {} {}", quoted(folder / "s.ply"), quoted(folder / "s.splat")))
+          .status,
+      0);
+  picture(folder / "s.splat", "guess.png");
   EXPECT_NE(text_of(folder / "start_000.png"), text_of(folder / "guess_000.png"));
 }
 

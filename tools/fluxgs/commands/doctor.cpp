@@ -1,6 +1,9 @@
 // fluxgs doctor: what this machine has.
+#include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <thread>
 
 #include <draco/core/draco_version.h>
@@ -13,6 +16,7 @@
 #include <opencv2/core/version.hpp>
 
 #include "fluxgs/networks/onnx_runtime.h"
+#include "fluxgs/sanitize.h"
 #include "platform/host/host_context.h"
 #include "platform/host/window_screen.h"
 #include "tools/fluxgs/commands/command.h"
@@ -22,6 +26,7 @@
 #include "trainer/core/isa.h"
 #include "trainer/core/process.h"
 #include "trainer/data/heif.h"
+#include "trainer/data/photos/work_folder.h"
 
 namespace fluxgs::cli {
 namespace {
@@ -65,6 +70,23 @@ json flip() {
   return {{"available", true}};
 }
 
+/// Reduced photos and poses that are kept for a next time.
+json work_kept() {
+  namespace fs = std::filesystem;
+  const auto folder = work_folders();
+  if (!folder) return nullptr;
+  std::error_code error;
+  std::uintmax_t bytes = 0;
+  const auto options = fs::directory_options::skip_permission_denied;
+  for (fs::recursive_directory_iterator at(*folder, options, error), end; !error && at != end;
+       at.increment(error)) {
+    std::error_code ignored;
+    const std::uintmax_t size = at->is_regular_file(ignored) ? at->file_size(ignored) : 0;
+    if (!ignored) bytes += size;
+  }
+  return {{"path", folder->string()}, {"bytes", bytes}};
+}
+
 json examine() {
   json sets = json::array();
   for (Isa isa : available_isas()) sets.push_back(name_of(isa));
@@ -80,6 +102,7 @@ json examine() {
           {"gnuplot", program_path("gnuplot")},
           {"onnxruntime", onnxruntime()},
           {"flip", flip()},
+          {"work_kept", work_kept()},
           {"versions",
            {{"compiler", __VERSION__},
             {"opencv", CV_VERSION},
@@ -124,6 +147,11 @@ void print_doctor(const json& found) {
   fmt::print("FLIP        {}\n", flip["available"].get<bool>()
                                      ? "there"
                                      : "missing: " + flip["reason"].get<std::string>());
+  const json& work = found["work_kept"];
+  if (!work.is_null() && work["bytes"].get<std::uintmax_t>() > 0)
+    fmt::print("work kept   {:.0f} MB of photos and poses in {}; delete it when you are done\n",
+               1e-6 * static_cast<double>(work["bytes"].get<std::uintmax_t>()),
+               one_line(work["path"].get<std::string>()));
   for (const auto& [name, version] : found["versions"].items())
     fmt::print("{:<11} {}\n", name, version.get<std::string>());
 }

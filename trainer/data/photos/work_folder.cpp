@@ -24,17 +24,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::optional<fs::path> cache_folder() {
-  const auto absolute = [](const char* name) -> std::optional<fs::path> {
-    const char* value = std::getenv(name);
-    if (value == nullptr || *value != '/') return std::nullopt;
-    return value;
-  };
-  if (const auto cache = absolute("XDG_CACHE_HOME")) return *cache / "fluxgs";
-  if (const auto home = absolute("HOME")) return *home / ".cache" / "fluxgs";
-  return std::nullopt;
-}
-
 /// FNV-1a (http://www.isthe.com/chongo/tech/comp/fnv), to tell folders of the same name apart.
 std::uint64_t hash_of(const std::string& text) {
   std::uint64_t hash = 0xcbf29ce484222325;
@@ -52,8 +41,19 @@ std::string plain_name(const fs::path& path) {
 
 }  // namespace
 
+std::optional<fs::path> work_folders() {
+  const auto absolute = [](const char* name) -> std::optional<fs::path> {
+    const char* value = std::getenv(name);
+    if (value == nullptr || *value != '/') return std::nullopt;
+    return value;
+  };
+  if (const auto cache = absolute("XDG_CACHE_HOME")) return *cache / "fluxgs";
+  if (const auto home = absolute("HOME")) return *home / ".cache" / "fluxgs";
+  return std::nullopt;
+}
+
 Expected<fs::path> work_folder_of(const fs::path& input) {
-  const auto cache = cache_folder();
+  const auto cache = work_folders();
   if (!cache)
     return fail(input.string(), "",
                 "no place to work in: neither XDG_CACHE_HOME nor HOME names a folder");

@@ -2,14 +2,18 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "fluxgs/error.h"
 
 namespace fluxgs {
 
-/// Path of the folder for an input: below $XDG_CACHE_HOME/fluxgs (else ~/.cache/fluxgs), named
-/// after the input and its path. The input itself may lie on a medium that cannot be written.
-/// Errors: no such place is known.
+/// The folder of all work folders: $XDG_CACHE_HOME/fluxgs, else ~/.cache/fluxgs; nothing where
+/// neither is known. It may not be there yet.
+std::optional<std::filesystem::path> work_folders();
+
+/// Path of the folder for an input below work_folders(), named after the input and its path. The
+/// input itself may lie on a medium that cannot be written. Errors: no such place is known.
 Expected<std::filesystem::path> work_folder_of(const std::filesystem::path& input);
 
 /// Holds a work folder for one process at a time.
