@@ -15,6 +15,7 @@
 #include "trainer/data/fit_images.h"
 #include "trainer/data/holdout.h"
 #include "trainer/data/load_views.h"
+#include "trainer/data/meant_folder.h"
 #include "trainer/data/outliers.h"
 #include "trainer/data/photos/photo_list.h"
 #include "trainer/data/photos/photos_source.h"
@@ -26,14 +27,6 @@ namespace fluxgs {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool holds_views(const fs::path& folder) {
-  std::error_code error;
-  return std::ranges::any_of(fs::directory_iterator(folder, error), [](const auto& entry) {
-    std::error_code ignored;
-    return entry.is_regular_file(ignored) && is_photo_name(entry.path());
-  });
-}
 
 struct Found {
   std::string kind;
@@ -69,11 +62,6 @@ fs::path folder_of_images(const fs::path& model) {
   return model;
 }
 
-bool holds_poses(const fs::path& folder) {
-  return is_colmap_model(folder / "sparse") || has_colmap_models(folder / "sparse") ||
-         is_colmap_model(folder) || has_transforms(folder);
-}
-
 Expected<Found> read_source(const fs::path& folder, const LoadOptions& options) {
   const fs::path sparse = folder / "sparse", colmap = folder / "colmap" / "sparse";
   if (is_colmap_model(sparse) || has_colmap_models(sparse)) return read_sparse(sparse, folder);
@@ -85,24 +73,6 @@ Expected<Found> read_source(const fs::path& folder, const LoadOptions& options) 
   auto photos = read_photos_source(folder, options.video_frames, options.steps);
   if (!photos) return std::unexpected(photos.error());
   return Found{std::move(photos->kind), std::move(photos->source)};
-}
-
-/// The folder that was meant: that of a transforms.json, the one above images/ that has the poses,
-/// or the only one inside.
-fs::path meant_folder(const fs::path& given) {
-  std::error_code ignored;
-  if (is_file(given) && given.extension() == ".json") return given.parent_path();
-  if (!fs::is_directory(given, ignored) || holds_poses(given)) return given;
-  const fs::path above = fs::absolute(given).lexically_normal() / "..";
-  if (holds_views(given) && holds_poses(above.lexically_normal())) return above.lexically_normal();
-  if (holds_views(given) || holds_views(given / "images")) return given;
-  std::optional<fs::path> only;
-  for (const auto& entry : fs::directory_iterator(given, ignored)) {
-    if (!entry.is_directory() || !holds_poses(entry.path())) continue;
-    if (only) return given;
-    only = entry.path();
-  }
-  return only.value_or(given);
 }
 
 struct LoadedViews {
@@ -154,18 +124,22 @@ void tell_of_reduction(const Source& source, int downscale) {
   }
 }
 
-/// One line about the masks of a capture that has some.
-void tell_of_masks(const Dataset& data, MaskUse use) {
+/// One line about the masks of a capture that has some, or lacks those that were asked for.
+void tell_of_masks(Dataset& data, MaskUse use) {
   std::size_t all = 0, ignoring = 0, carving = 0;
   for (const auto* views : {&data.train, &data.test})
     for (const View& view : *views)
       ++all, ignoring += !view.used.pixels.empty(), carving += !view.alpha.pixels.empty();
   if (ignoring > 0)
-    spdlog::info("{} of {} photos have {}: that is ignored", ignoring, all,
-                 use == MaskUse::ignore ? "masked or transparent parts" : "masks");
+    spdlog::info("{} of {} photos have {}; training ignores these parts", ignoring, all,
+                 use == MaskUse::ignore ? "masked or transparent parts" : "masked parts");
   if (carving > 0)
-    spdlog::info("{} of {} photos have {}: that is to stay empty", carving, all,
+    spdlog::info("{} of {} photos have {}; the scene stays empty there", carving, all,
                  use == MaskUse::carve ? "black or transparent parts" : "transparent parts");
+  if (ignoring + carving == 0 && (use == MaskUse::ignore || use == MaskUse::carve))
+    data.warnings.push_back(
+        "--masks has no effect: no photo has a mask or transparent parts; expected masks/ beside "
+        "the photos, with photo.jpg.png or photo.png for photo.jpg");
 }
 
 Expected<void> check_options(const LoadOptions& options) {
@@ -199,7 +173,9 @@ std::vector<Camera> spread_cameras(const std::vector<Camera>& cameras, std::size
 }
 
 Expected<Dataset> load_dataset(const fs::path& given, const LoadOptions& options) {
-  const fs::path folder = meant_folder(given);
+  const auto meant = meant_folder(given);
+  if (!meant) return std::unexpected(meant.error());
+  const fs::path& folder = *meant;
   if (const auto ok = check_options(options); !ok) return std::unexpected(ok.error());
   std::error_code error;
   const auto status = fs::status(folder, error);

@@ -5,6 +5,8 @@
 #include <string>
 #include <system_error>
 
+#include <fmt/format.h>
+
 #include "trainer/data/lower_case.h"
 
 namespace fluxgs {
@@ -40,12 +42,13 @@ void list_into(const fs::path& folder, Masks& masks) {
 Masks list_masks(const fs::path& folder) {
   Masks masks;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    const std::string name = lower_case(entry.path().filename().string());
-    std::error_code ignored;
-    if ((name == "masks" || name == "mask") && entry.is_directory(ignored))
-      list_into(entry.path(), masks);
-  }
+  for (const fs::path& place : {folder, folder / "images"})
+    for (const auto& entry : fs::directory_iterator(place, error)) {
+      const std::string name = lower_case(entry.path().filename().string());
+      std::error_code ignored;
+      if ((name == "masks" || name == "mask") && entry.is_directory(ignored))
+        list_into(entry.path(), masks);
+    }
   return masks;
 }
 
@@ -71,9 +74,17 @@ fs::path mask_of(const SourceFrame& frame, const fs::path& folder, const Masks& 
 void find_masks(Source& source, const fs::path& folder) {
   const Masks masks = list_masks(folder);
   if (masks.empty()) return;
+  bool any = false;
   for (auto* frames : {&source.frames, &source.test_frames})
-    for (SourceFrame& frame : *frames)
+    for (SourceFrame& frame : *frames) {
       if (frame.mask.empty()) frame.mask = mask_of(frame, folder, masks);
+      any = any || !frame.mask.empty();
+    }
+  if (!any)
+    source.warnings.push_back(
+        fmt::format("{}: none of its {} files has the name of a photo, and no mask is used; "
+                    "expected photo.jpg.png or photo.png for photo.jpg",
+                    masks.begin()->second.parent_path().string(), masks.size()));
 }
 
 }  // namespace fluxgs

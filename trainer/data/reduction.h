@@ -14,8 +14,8 @@ inline constexpr int kDefaultLongestSide = 1600;
 /// (automatic) both sides scaled until the longer is at most kDefaultLongestSide.
 ImageSize reduced_size(ImageSize stored, int factor);
 
-/// Refuses a factor above 1 that leaves an image of fewer than 32 pixels on its shorter side; the
-/// error names the largest factor that does not.
-Expected<void> check_reduction(const Source& source, int factor);
+/// Leaves out the images of which a factor above 1 leaves fewer than 32 pixels on the shorter side,
+/// with a warning. Errors: half of the images are such; the largest factor that fits is named.
+Expected<void> check_reduction(Source& source, int factor);
 
 }  // namespace fluxgs

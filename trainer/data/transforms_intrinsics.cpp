@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -112,6 +113,12 @@ Expected<Lens> make_lens(const TransformsIntrinsics& in, ImageSize image, const 
   if (!in.focal_x && !in.angle_x && !in.focal_y && !in.angle_y)
     return fail(file, field + "fl_x", "missing, expected fl_x or camera_angle_x");
 
+  for (const auto& [key, angle, focal] : {std::tuple("camera_angle_x", in.angle_x, in.focal_x),
+                                          std::tuple("camera_angle_y", in.angle_y, in.focal_y)})
+    if (angle && !focal && !(*angle > 0 && *angle < std::numbers::pi))
+      return fail(file, field + key,
+                  fmt::format("{:g}, expected radians, between 0 and pi{}", *angle,
+                              *angle > 5 && *angle < 180 ? "; is this degrees?" : ""));
   std::optional<double> fx = in.focal_x, fy = in.focal_y;
   if (!fx && in.angle_x) fx = focal_from_angle(width, *in.angle_x);
   if (!fy && in.angle_y) fy = focal_from_angle(height, *in.angle_y);

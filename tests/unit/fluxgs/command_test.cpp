@@ -119,7 +119,8 @@ TEST(Command, MasksAreIgnoredCarvedOrLeftAside) {
   };
   const Outcome trained = run("--json " + quoted(folder / "report.json"));
   ASSERT_EQ(trained.status, 0) << trained.err;
-  EXPECT_THAT(trained.err, HasSubstr("9 of 11 photos have masks: that is ignored"));
+  EXPECT_THAT(trained.err,
+              HasSubstr("9 of 11 photos have masked parts; training ignores these parts"));
   EXPECT_THAT(trained.err, HasSubstr("mask pruning at 6: "));
   EXPECT_EQ(json::parse(text_of(folder / "report.json"))["options"]["masks"], "auto");
   const auto psnr = [&](const std::string& masks) {
@@ -135,7 +136,7 @@ TEST(Command, MasksAreIgnoredCarvedOrLeftAside) {
   // A checkpoint keeps the choice
   const Outcome carved = run("--masks carve --checkpoint-every 20");
   ASSERT_EQ(carved.status, 0) << carved.err;
-  EXPECT_THAT(carved.err, HasSubstr("black or transparent parts: that is to stay empty"));
+  EXPECT_THAT(carved.err, HasSubstr("black or transparent parts; the scene stays empty there"));
   const std::string whole = text_of(scene);
   std::filesystem::remove(scene);
   const Outcome resumed = fluxgs(fmt::format("train {} -o {} --resume {}", quoted(data),

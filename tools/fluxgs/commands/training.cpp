@@ -15,6 +15,7 @@
 #include "fluxgs/sanitize.h"
 #include "tools/fluxgs/cameras/initial_view.h"
 #include "tools/fluxgs/commands/command.h"
+#include "tools/fluxgs/commands/conversion_losses.h"
 #include "tools/fluxgs/terminal/console.h"
 #include "tools/fluxgs/terminal/json_file.h"
 #include "tools/fluxgs/terminal/peak_memory.h"
@@ -279,6 +280,11 @@ Expected<std::optional<SplatCloud>> TrainWork::write_out() {
   if (format == "ply") return std::nullopt;
   auto stored = read_scene(settings_.out);
   if (!stored) return std::unexpected(stored.error());
+  SceneFile trained;
+  trained.cloud = trainer_.cloud();
+  trained.start = from_start().start;
+  for (const std::string& lost : lost_parts(trained, *stored))
+    spdlog::warn("warning: {}: {}", settings_.out, lost);
   return std::move(stored->cloud);
 }
 

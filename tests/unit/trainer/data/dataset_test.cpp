@@ -78,6 +78,43 @@ TEST(Dataset, OnlyVeryLargeImagesAreReducedUnasked) {
   EXPECT_EQ(load_dataset(folder.path(), {.downscale = 1})->train[0].camera.width, 3200);
 }
 
+/// Frames of images of these sizes, from places a step apart.
+void write_views(const fs::path& folder, const std::vector<ImageSize>& sizes) {
+  std::string frames;
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    write_image(folder / fmt::format("{}.png", i), pattern(sizes[i].width, sizes[i].height));
+    frames += fmt::format(R"({}{{"file_path": "{}.png", "w": {}, "h": {}, "transform_matrix":
+                          [[1,0,0,{}],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}})",
+                          i > 0 ? "," : "", i, sizes[i].width, sizes[i].height, i);
+  }
+  write_text(folder / "transforms.json", R"({"fl_x": 80, "frames": [)" + frames + "]}");
+}
+
+TEST(Dataset, AnImageTooSmallForTheReductionIsLeftOut) {
+  const TempFolder folder;
+  write_views(folder.path(), {{80, 64}, {40, 40}, {80, 64}, {80, 64}});
+  const auto data = load_dataset(folder.path(), {.downscale = 2, .test_every = 0});
+  ASSERT_TRUE(data) << data.error().message();
+  EXPECT_EQ(data->train.size(), 3u);
+  EXPECT_EQ(data->skipped_images, 1u);
+  EXPECT_THAT(data->warnings,
+              testing::Contains(testing::HasSubstr("left out, since --downscale 2")));
+  EXPECT_THAT(data->warnings, testing::Contains(testing::HasSubstr("1.png")));
+  expect_failure(load_dataset(folder.path(), {.downscale = 4}), "0.png", "20x16", "at most 2");
+}
+
+TEST(Dataset, TheOnlyOneBelowIsMeantAndSeveralAreNamed) {
+  const TempFolder folder;
+  write_views(folder.path() / "a" / "b" / "first", {{40, 32}, {40, 32}});
+  write_image(folder.path() / "cover.png", pattern(8, 8));
+  const auto one = load_dataset(folder.path(), {.test_every = 0});
+  ASSERT_TRUE(one) << one.error().message();
+  EXPECT_EQ(one->train.size(), 2u);
+  write_views(folder.path() / "second", {{40, 32}, {40, 32}});
+  expect_failure(load_dataset(folder.path(), {}), "2 data sets lie below", "a/b/first, second",
+                 "name one");
+}
+
 TEST(Dataset, OneImageIsNoScene) {
   const TempFolder folder;
   write_one_view(folder.path(), pattern(16, 12));

@@ -386,5 +386,32 @@ TEST(Transparency, ColoursBelowItDoNotLeak) {
   }
 }
 
+TEST(Masks, ThoseOfOtherNamesAreNamed) {
+  const TempFolder folder;
+  write_colmap(folder.path(), {"a.png", "b.png"});
+  write_image(folder.path() / "masks" / "000.png", left_half());
+  const auto data = load_dataset(folder.path(), {.test_every = 0});
+  ASSERT_TRUE(data) << data.error().message();
+  EXPECT_THAT(data->warnings, Contains(HasSubstr("none of its 1 files has the name of a photo")));
+  // Beside the photos themselves, too
+  fs::rename(folder.path() / "masks", folder.path() / "images" / "masks");
+  fs::rename(folder.path() / "images" / "masks" / "000.png",
+             folder.path() / "images" / "masks" / "b.png");
+  const auto found = load_dataset(folder.path(), {.test_every = 0});
+  ASSERT_TRUE(found) << found.error().message();
+  EXPECT_THAT(masked(*found), testing::ElementsAre("b.png"));
+}
+
+TEST(Masks, AskedForAndMissingIsAWarning) {
+  const TempFolder folder;
+  write_colmap(folder.path(), {"a.png", "b.png"});
+  for (const MaskUse use : {MaskUse::ignore, MaskUse::carve}) {
+    const auto data = load_dataset(folder.path(), {.test_every = 0, .masks = use});
+    ASSERT_TRUE(data) << data.error().message();
+    EXPECT_THAT(data->warnings, Contains(HasSubstr("--masks has no effect")));
+  }
+  EXPECT_TRUE(load_dataset(folder.path(), {.test_every = 0})->warnings.empty());
+}
+
 }  // namespace
 }  // namespace fluxgs

@@ -261,7 +261,8 @@ TEST(TransformsBadInput, FieldsAreNamed) {
                  "number");
   expect_failure(load_changed([](Json& j) { j["w"] = 0; }), "w, h");
   expect_failure(load_changed([](Json& j) { j["frames"][0]["camera_angle_x"] = 3.2; }),
-                 "focal length");
+                 "frame 0: camera_angle_x: 3.2", "radians");
+  expect_failure(load_changed([](Json& j) { j["frames"][0]["camera_angle_x"] = 60; }), "degrees?");
   expect_failure(load_changed([](Json& j) { j["k1"] = nullptr; }), "k1", "number");
   expect_failure(load_changed([](Json& j) { j["k1"] = 1e200; }), "a.png", "distortion");
   expect_failure(load_changed([](Json& j) { j["camera_model"] = "EQUIRECTANGULAR"; }),
