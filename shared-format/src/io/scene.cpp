@@ -14,6 +14,7 @@
 #include "fluxgs/io/spz.h"
 #include "io/lower_case.h"
 #include "io/other_content.h"
+#include "io/splat/spatial_order.h"
 #include "io/splat/splat_record.h"
 
 namespace fluxgs {
@@ -43,6 +44,10 @@ Expected<Bytes> with_start(const SplatCloud& cloud, const std::string& name,
   return encode(cloud, name, options.start);
 }
 
+std::vector<std::uint32_t> order_in_space(const SplatCloud& cloud) {
+  return io::spatial_order(cloud.positions);
+}
+
 Expected<Bytes> glb_with_start(const SplatCloud& cloud, const std::string& name,
                                const WriteOptions& options) {
   auto bytes = encode_glb(cloud, name);
@@ -54,7 +59,8 @@ Expected<Bytes> glb_with_start(const SplatCloud& cloud, const std::string& name,
 // which it is a special case; .splat has no magic and is guessed, and so comes last.
 constexpr auto kFormats = std::to_array<SceneFormat>({
     {"compressed.ply", "compressed .ply of SuperSplat", ".compressed.ply", 3, StoredFilter::all,
-     is_compressed_ply, read_compressed_ply, FLUXGS_WRITER(with_start<encode_compressed_ply>)},
+     is_compressed_ply, read_compressed_ply, FLUXGS_WRITER(with_start<encode_compressed_ply>),
+     nullptr, FLUXGS_WRITER(order_in_space)},
     {"ply", "3DGS .ply", ".ply", 3, StoredFilter::all, is_ply, read_ply,
      FLUXGS_WRITER(with_start<encode_ply>)},
     {"glb", "glTF binary with KHR_gaussian_splatting", ".glb", 3, StoredFilter::all, is_glb,
@@ -62,7 +68,7 @@ constexpr auto kFormats = std::to_array<SceneFormat>({
     {"spz", "SPZ (Niantic)", ".spz", 3, StoredFilter::compensation, is_spz, read_spz,
      FLUXGS_WRITER(write_spz)},
     {"sog", "bundled SOG", ".sog", 3, StoredFilter::all, is_sog, read_sog,
-     FLUXGS_WRITER(encode_sog)},
+     FLUXGS_WRITER(encode_sog), nullptr, FLUXGS_WRITER(order_in_space)},
     {"sog-folder", "SOG's meta.json", ".json", 3, StoredFilter::all, is_sog_meta, nullptr, nullptr,
      read_sog_folder},
     {"sog-lod", "streamed SOG's lod-meta.json", ".json", 3, StoredFilter::all, is_sog_lod, nullptr,

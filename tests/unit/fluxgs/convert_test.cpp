@@ -196,6 +196,21 @@ TEST_F(Convert, SaysWhatAFormatLoses) {
               HasSubstr("rounded, at most: positions "));
 }
 
+TEST_F(Convert, ErrorsOfReorderedFilesAreThoseOfTheSameSplats) {
+  cloud_.positions[3].x = 1000;  // far from all others
+  ASSERT_TRUE(write_scene(folder_ / "far.ply", cloud_));
+  for (const char* name : {"far.sog", "far.compressed.ply"}) {
+    const Outcome o = convert("far.ply", name);
+    ASSERT_EQ(o.status, 0) << o.err;
+    const std::size_t at = o.err.find("positions ");
+    ASSERT_NE(at, std::string::npos) << o.err;
+    EXPECT_LT(std::stod(o.err.substr(at + 10)), 5) << o.err;
+    const std::size_t opacities = o.err.find("opacities ");
+    ASSERT_NE(opacities, std::string::npos) << o.err;
+    EXPECT_LT(std::stod(o.err.substr(opacities + 10)), 0.01) << o.err;
+  }
+}
+
 TEST_F(Convert, WritesAttributesOfFewerBits) {
   const Outcome o = convert("s.glb", "q.glb", "--quantize-attributes 8");
   ASSERT_EQ(o.status, 0) << o.err;

@@ -12,6 +12,7 @@
 
 #include "fluxgs/math/logistic.h"
 #include "fluxgs/math/spherical_harmonics.h"
+#include "tools/fluxgs/commands/inner_box.h"
 
 namespace fluxgs::cli {
 namespace {
@@ -62,9 +63,8 @@ void raise(Errors& worst, const SplatCloud& a, std::size_t i, const SplatCloud& 
 }
 
 double extent_of(const SplatCloud& cloud) {
-  glm::vec3 low = cloud.positions[0], high = low;
-  for (const glm::vec3& p : cloud.positions) low = glm::min(low, p), high = glm::max(high, p);
-  return glm::length(glm::dvec3(high - low));
+  const Box box = inner_box(cloud);
+  return glm::distance(box.min, box.max);
 }
 
 /// True unless half of the splats are far from where they were.

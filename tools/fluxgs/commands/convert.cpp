@@ -104,6 +104,13 @@ Expected<void> write_plain(const ConvertSettings& s, const SceneFile& scene,
   return {};
 }
 
+/// The splats of a cloud as they lie in a file that is not compact; empty: as they are.
+std::vector<std::uint32_t> order_in(const SceneFormat& format, const ConvertSettings& s,
+                                    const SplatCloud& cloud) {
+  if (format.name == "glb") return glb_order(cloud, s.glb);
+  return format.order ? format.order(cloud) : std::vector<std::uint32_t>();
+}
+
 Expected<CompactTrial> search(const ConvertSettings& s, const SceneFile& scene) {
   const SplatCloud& cloud = scene.cloud;
   const auto loaded = load_if_given(s.data);
@@ -194,8 +201,7 @@ Expected<void> write_out(const ConvertSettings& s) {
   if (compact) return write_compact(s, *scene);
   if (auto written = write_plain(s, *scene, **format); !written) return written;
   fmt::print("{}: {} splats\n", shown(s.out), scene->cloud.size());
-  return tell_losses(s, *scene,
-                     glb ? glb_order(scene->cloud, s.glb) : std::vector<std::uint32_t>());
+  return tell_losses(s, *scene, order_in(**format, s, scene->cloud));
 }
 
 /// Keeps a file that lay under the name of the result beside it.

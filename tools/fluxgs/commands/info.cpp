@@ -1,7 +1,6 @@
 // fluxgs info: what is in a scene file.
 #include <algorithm>
 #include <array>
-#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -13,6 +12,7 @@
 #include "fluxgs/io/scene.h"
 #include "fluxgs/splat_degree.h"
 #include "tools/fluxgs/commands/command.h"
+#include "tools/fluxgs/commands/inner_box.h"
 #include "tools/fluxgs/terminal/json_file.h"
 
 namespace fluxgs::cli {
@@ -27,25 +27,10 @@ json bounds_of(const SplatCloud& cloud) {
   return {{"min", {low.x, low.y, low.z}}, {"max", {high.x, high.y, high.z}}};
 }
 
-/// The box between the 1st and the 99th percentile of each axis, which a few splats far away do not
-/// stretch.
 json most_of(const SplatCloud& cloud) {
   if (cloud.size() == 0) return nullptr;
-  std::array<double, 3> low{}, high{};
-  std::vector<float> values(cloud.size());
-  const std::size_t edge = cloud.size() / 100;
-  for (int c = 0; c < 3; ++c) {
-    std::ranges::transform(cloud.positions, values.begin(),
-                           [c](const glm::vec3& p) { return p[c]; });
-    const auto at = [&](std::size_t rank) {
-      const auto place = values.begin() + static_cast<std::ptrdiff_t>(rank);
-      std::ranges::nth_element(values, place);
-      return static_cast<double>(*place);
-    };
-    low[static_cast<std::size_t>(c)] = at(edge);
-    high[static_cast<std::size_t>(c)] = at(cloud.size() - 1 - edge);
-  }
-  return {{"min", low}, {"max", high}};
+  const auto [low, high] = inner_box(cloud);
+  return {{"min", {low.x, low.y, low.z}}, {"max", {high.x, high.y, high.z}}};
 }
 
 json initial_view_json(const std::optional<InitialView>& start) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -39,6 +40,8 @@ struct SceneFormat {
   /// For a format of several files: reads them, given the content of the first and where it lies.
   Expected<SceneFile> (*read_with_folder)(std::span<const std::byte> bytes,
                                           const std::filesystem::path& path) = nullptr;
+  /// For a writer that reorders a finite cloud: the indices of its splats as they lie in the file.
+  std::vector<std::uint32_t> (*order)(const SplatCloud& cloud) = nullptr;
 
   /// True if a scene with this filter comes back with it.
   bool stores(const ScreenFilter& filter) const;
