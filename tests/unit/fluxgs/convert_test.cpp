@@ -175,7 +175,7 @@ TEST_F(Convert, KeepsThePartThatIsAskedFor) {
   EXPECT_TRUE(scene("half.glb").start);
 
   expect_error(convert("s.ply", "w.ply", "--crop-sphere 1e6,0,0,1"),
-               {"s.ply: none of its 700 splats", "fluxgs info"});
+               {"s.ply: none of its 700 splats is within --crop-sphere; fluxgs info"});
   for (const char* wrong : {"--crop 1,2,3", "--crop 1,0,0,0,1,1", "--crop 0,0,0,1,1,nan",
                             "--crop-sphere 0,0,0,0", "--crop-sphere 0,0,0,-1", "--min-opacity 2"})
     EXPECT_EQ(convert("s.ply", "w.ply", wrong).status, 2) << wrong;

@@ -169,9 +169,8 @@ Expected<SceneFile> load_cropped(const ConvertSettings& s) {
   const std::size_t left_out = crop_scene(s.crop, scene->cloud);
   if (left_out > 0 && scene->cloud.size() == 0)
     return fail(s.in, "",
-                fmt::format("none of its {} splats is within --crop, --crop-sphere and "
-                            "--min-opacity; fluxgs info shows where they lie",
-                            left_out));
+                fmt::format("none of its {} splats is within {}; fluxgs info shows where they lie",
+                            left_out, limits_of(s.crop)));
   if (left_out > 0) spdlog::info("{}: {} splats are left out", shown(s.in), left_out);
   return scene;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 #include <glm/geometric.hpp>
 
@@ -75,6 +76,14 @@ void check_crop(const CropOptions& options) {
   if (!options.sphere.empty() && !(options.sphere[3] > 0))
     throw CLI::ValidationError(
         "--crop-sphere", fmt::format("expected a radius above 0, not {:g}", options.sphere[3]));
+}
+
+std::string limits_of(const CropOptions& options) {
+  std::vector<std::string> names;
+  if (!options.box.empty()) names.emplace_back("--crop");
+  if (!options.sphere.empty()) names.emplace_back("--crop-sphere");
+  if (options.min_opacity > 0) names.emplace_back("--min-opacity");
+  return fmt::format("{}", fmt::join(names, " and "));
 }
 
 std::size_t crop_scene(const CropOptions& options, SplatCloud& cloud) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "fluxgs/splat_cloud.h"
@@ -25,6 +26,9 @@ void add_crop_options(CLI::App& command, CropOptions& options);
 
 /// Throws CLI::ValidationError where nothing can lie within a limit.
 void check_crop(const CropOptions& options);
+
+/// The options that limit, "--crop and --min-opacity".
+std::string limits_of(const CropOptions& options);
 
 /// Leaves out the splats beyond the limits; the order of the others stays. Returns how many.
 std::size_t crop_scene(const CropOptions& options, SplatCloud& cloud);
