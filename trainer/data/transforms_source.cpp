@@ -139,6 +139,7 @@ Expected<std::string> file_path_of(const Json& frame, const std::string& file,
 struct FrameList {
   std::vector<SourceFrame> frames;
   FileList missing, without_pose, missing_masks;
+  FailedImages bad;  ///< frames that say what cannot be
 };
 
 /// The mask that nerfstudio names: of the frame, or of the whole file. The photo itself is none,
@@ -206,22 +207,31 @@ Expected<FrameList> read_frames(const Json& json, const fs::path& file) {
   for (const Json& frame : json["frames"]) {
     const std::string field = fmt::format("frame {}: ", index++);
     const std::size_t before = list.frames.size();
-    if (const auto ok = add_frame(frame, *global, file, field, images, list); !ok)
-      return std::unexpected(ok.error());
+    if (const auto ok = add_frame(frame, *global, file, field, images, list); !ok) {
+      list.bad.add(fmt::format("frame {}", index - 1), ok.error());
+      if (2 * list.bad.size() >= json["frames"].size()) return std::unexpected(ok.error());
+    }
     if (list.frames.size() > before)
       set_mask(frame, json, masks, list.frames.back(), list.missing_masks);
   }
   name_frames(list.frames);
   std::set<fs::path> files;
-  for (const SourceFrame& frame : list.frames)
-    if (!files.insert(frame.file).second)
-      return fail(file.string(), fmt::format("frame \"{}\"", one_line(frame.name)),
-                  "listed twice, expected every image once");
+  std::optional<Error> twice;
+  std::erase_if(list.frames, [&](const SourceFrame& frame) {
+    if (files.insert(frame.file).second) return false;
+    twice = fail(file.string(), fmt::format("frame \"{}\"", one_line(frame.name)),
+                 "listed twice, expected every image once")
+                .error();
+    list.bad.add(frame.name, *twice);
+    return true;
+  });
+  if (twice && 2 * list.bad.size() >= json["frames"].size()) return std::unexpected(*twice);
   return list;
 }
 
 void note_warnings(const FrameList& list, const fs::path& file, Source& source) {
-  source.skipped_images += list.missing.size() + list.without_pose.size();
+  source.skipped_images += list.missing.size() + list.without_pose.size() + list.bad.size();
+  list.bad.warn(source.warnings);
   if (!list.missing.empty())
     source.warnings.push_back(fmt::format(
         "{}: {} of {} frames have no image file and are skipped: {}", file.string(),

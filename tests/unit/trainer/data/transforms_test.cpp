@@ -252,6 +252,27 @@ TEST(TransformsBadInput, PosesAreNamedByFrame) {
   expect_failure(with_matrix({{1e308, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1e-308, 0}}), field);
 }
 
+TEST(TransformsBadInput, OneBadFrameOfManyIsLeftOut) {
+  for (const std::string change : {"matrix", "path", "twice"}) {
+    const TempFolder folder;
+    Json json = {{"fl_x", 20.0}, {"frames", Json::array()}};
+    for (int i = 0; i < 4; ++i) {
+      json["frames"].push_back(frame(fmt::format("images/{}.png", i)));
+      write_image(folder.path() / "images" / fmt::format("{}.png", i), pattern(16, 12));
+    }
+    Json& bad = json["frames"][2];
+    if (change == "matrix") bad["transform_matrix"] = {{0, 0}};
+    if (change == "path") bad.erase("file_path");
+    if (change == "twice") bad["file_path"] = "images/0.png";
+    write_text(folder.path() / "transforms.json", json.dump());
+    const auto data = load_dataset(folder.path(), {.test_every = 0});
+    ASSERT_TRUE(data) << change << data.error().message();
+    EXPECT_EQ(data->train.size(), 3u) << change;
+    EXPECT_EQ(data->skipped_images, 1u) << change;
+    EXPECT_THAT(data->warnings, testing::Contains(testing::HasSubstr("it is left out"))) << change;
+  }
+}
+
 TEST(TransformsBadInput, FieldsAreNamed) {
   expect_failure(load_changed([](Json& j) { j.erase("fl_x"); }), "fl_x");
   expect_failure(load_changed([](Json& j) { j["fl_x"] = "20"; }), "fl_x", "number");
