@@ -64,7 +64,7 @@ Expected<fs::path> meant_folder(const fs::path& given) {
       has_colmap_models(given / "colmap" / "sparse"))
     return given;
   const std::ptrdiff_t photos = count_photos(given);
-  const fs::path above = (fs::absolute(given).lexically_normal() / "..").lexically_normal();
+  fs::path above = (fs::absolute(given).lexically_normal() / "..").lexically_normal();
   if (photos > 0 && holds_poses(above)) return above;
   if (photos >= kFewPhotos || count_photos(given / "images") > 0) return given;
   const auto below = data_sets_below(given);

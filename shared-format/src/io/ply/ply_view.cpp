@@ -28,8 +28,9 @@ class Words {
   bool take(std::initializer_list<Number*> numbers) {
     for (Number* number : numbers) {
       if (words_.empty()) return false;
-      const char* end = words_[0].data() + words_[0].size();
-      const auto read = std::from_chars(words_[0].data(), end, *number);
+      const std::string word(words_[0]);
+      const char* end = word.data() + word.size();
+      const auto read = std::from_chars(word.data(), end, *number);
       if (read.ec != std::errc() || read.ptr != end) return false;
       words_ = words_.subspan(1);
     }
