@@ -87,10 +87,8 @@ class QuantizationAware final : public Phase {
   const char* name() const override { return "quantization-aware training"; }
   Period period() const override { return {.from = options_.from, .until = iterations_}; }
   std::string effect() const override {
-    return fmt::format(
-        "trains the values of the compact file, quantized every {} "
-        "iterations",
-        options_.interval);
+    return fmt::format("trains the values of the compact file, quantized every {} iterations",
+                       options_.interval);
   }
   std::string warning() const override {
     if (asked_ == 0 || options_.from <= asked_) return {};

@@ -53,8 +53,8 @@ class ShReductionPhase final : public Phase {
     const auto way = kShReductionNames[static_cast<std::size_t>(options_.reduce)];
     return options_.target == ShTarget::adaptive
                ? fmt::format(
-                     "leaves each splat the lowest SH degree, by {}; at most "
-                     "{:g} dB less on training images",
+                     "leaves each splat the lowest SH degree, by {}; at most {:g} dB "
+                     "less on training images",
                      way, options_.max_psnr_drop)
                : fmt::format("reduces all splats to SH degree {} by {}", degree_, way);
   }

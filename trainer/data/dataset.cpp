@@ -189,7 +189,7 @@ Expected<Dataset> load_dataset(const fs::path& given, const LoadOptions& options
   if (options.masks != MaskUse::off) find_masks(source, folder);
   fit_to_images(source);
   remove_outliers(source);
-  if (const auto ok = check_reduction(source, options.downscale); !ok)
+  if (const auto ok = remove_too_small(source, options.downscale); !ok)
     return std::unexpected(ok.error());
   if (const auto ok = hold_out(source, folder, options); !ok) return std::unexpected(ok.error());
   if (source.frames.empty())

@@ -29,6 +29,12 @@ std::ptrdiff_t count_photos(const fs::path& folder) {
   });
 }
 
+/// True for a folder with a COLMAP model (itself or in sparse/) or a transforms.json.
+bool holds_poses(const fs::path& folder) {
+  return is_colmap_model(folder / "sparse") || has_colmap_models(folder / "sparse") ||
+         is_colmap_model(folder) || has_transforms(folder);
+}
+
 /// Folders with poses below a folder, in the order of their names; none below another one.
 std::vector<fs::path> data_sets_below(const fs::path& folder) {
   constexpr int kDeepest = 2;  // folders between
@@ -51,11 +57,6 @@ std::vector<fs::path> data_sets_below(const fs::path& folder) {
 }
 
 }  // namespace
-
-bool holds_poses(const fs::path& folder) {
-  return is_colmap_model(folder / "sparse") || has_colmap_models(folder / "sparse") ||
-         is_colmap_model(folder) || has_transforms(folder);
-}
 
 Expected<fs::path> meant_folder(const fs::path& given) {
   std::error_code ignored;

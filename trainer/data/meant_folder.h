@@ -1,4 +1,4 @@
-// The folder of a data set that somebody means who names one near it.
+// Finds the folder of a data set from a path near it.
 #pragma once
 
 #include <filesystem>
@@ -6,9 +6,6 @@
 #include "fluxgs/error.h"
 
 namespace fluxgs {
-
-/// True for a folder with a COLMAP model (itself or in sparse/) or a transforms.json.
-bool holds_poses(const std::filesystem::path& folder);
 
 /// The folder that was meant: that of a transforms.json, the one above images/ that has the poses,
 /// or the only one with poses up to three levels below. Otherwise `given`. Errors: several data

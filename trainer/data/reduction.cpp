@@ -25,7 +25,7 @@ ImageSize reduced_size(ImageSize stored, int factor) {
   return {reduced(stored.width), reduced(stored.height)};
 }
 
-Expected<void> check_reduction(Source& source, int factor) {
+Expected<void> remove_too_small(Source& source, int factor) {
   if (factor <= 1) return {};
   const auto too_small = [&](const SourceFrame& frame) {
     const ImageSize reduced = reduced_size({frame.lens.width, frame.lens.height}, factor);

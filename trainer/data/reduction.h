@@ -16,6 +16,6 @@ ImageSize reduced_size(ImageSize stored, int factor);
 
 /// Leaves out the images of which a factor above 1 leaves fewer than 32 pixels on the shorter side,
 /// with a warning. Errors: half of the images are such; the largest factor that fits is named.
-Expected<void> check_reduction(Source& source, int factor);
+Expected<void> remove_too_small(Source& source, int factor);
 
 }  // namespace fluxgs

@@ -31,8 +31,8 @@ class Dropout final : public Phase {
   Period period() const override { return {.from = 1, .until = iterations_}; }
   std::string effect() const override {
     return fmt::format(
-        "hides a random share of the splats, growing to {:g} / training "
-        "views (at most {:g})",
+        "hides a random share of the splats, growing to {:g} / training views (at "
+        "most {:g})",
         dropout_, kMaxHidden);
   }
   void before_render(Training& t) override {

@@ -20,17 +20,20 @@ namespace {
 
 using nlohmann::json;
 
+json box_json(const Box& box) {
+  const auto& [low, high] = box;
+  return {{"min", {low.x, low.y, low.z}}, {"max", {high.x, high.y, high.z}}};
+}
+
 json bounds_of(const SplatCloud& cloud) {
   if (cloud.size() == 0) return nullptr;
   glm::vec3 low = cloud.positions[0], high = low;
   for (const glm::vec3& p : cloud.positions) low = glm::min(low, p), high = glm::max(high, p);
-  return {{"min", {low.x, low.y, low.z}}, {"max", {high.x, high.y, high.z}}};
+  return box_json({low, high});
 }
 
 json most_of(const SplatCloud& cloud) {
-  if (cloud.size() == 0) return nullptr;
-  const auto [low, high] = inner_box(cloud);
-  return {{"min", {low.x, low.y, low.z}}, {"max", {high.x, high.y, high.z}}};
+  return cloud.size() == 0 ? json(nullptr) : box_json(inner_box(cloud));
 }
 
 json initial_view_json(const std::optional<InitialView>& start) {

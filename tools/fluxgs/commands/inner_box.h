@@ -1,4 +1,4 @@
-// Where most of a scene lies.
+// The box around most of a scene.
 #pragma once
 
 #include <glm/vec3.hpp>

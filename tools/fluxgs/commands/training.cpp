@@ -253,7 +253,7 @@ Expected<StoredScene> TrainWork::store() {
   return stored;
 }
 
-/// Scenes are looked at from a place of the photos first.
+/// Options for writers: the start view is one of the photos.
 WriteOptions TrainWork::from_start() const {
   WriteOptions options;
   options.start = initial_view_of(run_.data.train);
@@ -274,15 +274,16 @@ Expected<std::optional<SplatCloud>> TrainWork::write_out() {
     return std::move(stored->cloud);
   }
   const HoldInterrupts hold;
-  if (auto written = write_scene(settings_.out, trainer_.cloud(), from_start()); !written)
+  const WriteOptions options = from_start();
+  SceneFile trained;
+  trained.cloud = trainer_.cloud();
+  trained.start = options.start;
+  if (auto written = write_scene(settings_.out, trained.cloud, options); !written)
     return std::unexpected(written.error());
   report_["bytes"] = json_size_of(settings_.out);
   if (format == "ply") return std::nullopt;
   auto stored = read_scene(settings_.out);
   if (!stored) return std::unexpected(stored.error());
-  SceneFile trained;
-  trained.cloud = trainer_.cloud();
-  trained.start = from_start().start;
   for (const std::string& lost : lost_parts(trained, *stored))
     spdlog::warn("warning: {}: {}", settings_.out, lost);
   return std::move(stored->cloud);
