@@ -132,7 +132,7 @@ class Phase {
 
   virtual const char* name() const = 0;
   virtual Period period() const = 0;
-  /// What it does then, for the schedule: a sentence without a full stop.
+  /// The effect of the phase, for the schedule: a sentence without a full stop.
   virtual std::string effect() const = 0;
   /// Reason why the phase will not do what was asked for; empty: it will.
   virtual std::string warning() const { return {}; }

@@ -168,7 +168,7 @@ TEST_F(Convert, KeepsThePartThatIsAskedFor) {
   expect_kept("--min-opacity 0.5 --crop=-100,-100,-100,0,100,100",
               [&](std::size_t i) { return cloud_.opacity_logits[i] >= 0 && p[i].x <= 0; });
 
-  // Of a compact file the rest is stored again; the start stays
+  // A compact file stays compact, and keeps its start view
   ASSERT_EQ(convert("s.glb", "c.glb", "--compact").status, 0);
   ASSERT_EQ(convert("c.glb", "half.glb", "--crop -100,0,-100,100,100,100").status, 0);
   EXPECT_LT(scene("half.glb").cloud.size(), cloud_.size());

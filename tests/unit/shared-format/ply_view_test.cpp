@@ -1,4 +1,4 @@
-// Where a scene is looked at from first: a comment of .ply files.
+// The start view in a comment of .ply files.
 #include <array>
 #include <filesystem>
 #include <string>

@@ -28,7 +28,7 @@ struct SceneFile {
   std::vector<std::string> warnings;
   AttributeBits attribute_bits;      ///< see above
   std::size_t bytes = 0;             ///< size of the file
-  std::optional<InitialView> start;  ///< where it asks to be looked at from first
+  std::optional<InitialView> start;  ///< the start view that the file names
 };
 
 /// The bits of a format that stores plain 32-bit floats.

@@ -12,7 +12,7 @@ namespace fluxgs {
 /// Options of the writers of scene_formats(). Each looks at those that concern its format.
 struct WriteOptions {
   int spz_version = 3;  ///< 3 (gzip, read everywhere) or 4 (zstd, smaller)
-  /// Where to look from first, for .glb, .ply and .compressed.ply; others cannot hold it.
+  /// The start view, which .glb, .ply and .compressed.ply can hold.
   std::optional<InitialView> start = {};
 
   /// Called now and then with the part of the work that is done, 0…1, by writers that take long.
