@@ -168,8 +168,14 @@ Expected<ColmapModel> read_colmap_binary(const std::filesystem::path& folder) {
   return model;
 }
 
+bool is_binary_model(const std::filesystem::path& folder) {
+  const auto has = [&](const char* name) { return is_file(folder / name); };
+  const bool text = has("cameras.txt") && has("images.txt");
+  return has("cameras.bin") && (has("images.bin") || !text);
+}
+
 Expected<ColmapModel> read_colmap_model(const std::filesystem::path& folder) {
-  return is_file(folder / "cameras.bin") ? read_colmap_binary(folder) : read_colmap_text(folder);
+  return is_binary_model(folder) ? read_colmap_binary(folder) : read_colmap_text(folder);
 }
 
 namespace {
@@ -183,8 +189,10 @@ std::vector<ColmapModelFolder> list_models(const std::filesystem::path& sparse) 
 }
 
 std::uint64_t count_images(const std::filesystem::path& model) {
-  if (const auto head = read_prefix(model / "images.bin", 8))
-    return ByteReader(*head).take<std::uint64_t>().value_or(0);
+  if (is_binary_model(model)) {
+    const auto head = read_prefix(model / "images.bin", 8);
+    return head ? ByteReader(*head).take<std::uint64_t>().value_or(0) : 0;
+  }
   const auto text = read_colmap_text(model);
   return text ? text->images.size() : 0;
 }

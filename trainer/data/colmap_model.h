@@ -62,7 +62,11 @@ bool has_colmap_models(const std::filesystem::path& sparse);
 /// where the images do not hang together.
 std::vector<ColmapModelFolder> colmap_models(const std::filesystem::path& sparse);
 
-/// Read a model; the binary files where cameras.bin exists, otherwise the text files.
+/// True if the binary files of a model are read: cameras.bin exists, and images.bin or no text
+/// model beside it.
+bool is_binary_model(const std::filesystem::path& folder);
+
+/// Read a model, by its binary files or its text files.
 /// Counts are checked against what is left of the file before anything is allocated, and a file
 /// must end where its last record does. Values are left as they are: NaN poses, unknown camera ids
 /// and the like are the caller's to refuse.

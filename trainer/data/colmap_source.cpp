@@ -18,6 +18,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Where the images of a model are: images/, or input/ as the data sets of 3D Gaussian Splatting
+/// call the photos that are not undistorted yet; or the data set's own folder.
+std::vector<fs::path> folders_of_images(const fs::path& model, const fs::path& data) {
+  const fs::path below = model.lexically_relative(data);
+  const bool distorted = std::ranges::find(below, "distorted") != below.end();
+  std::vector<fs::path> folders{data / "images", data / "input", data};
+  if (distorted) std::swap(folders[0], folders[1]);
+  return folders;
+}
+
 /// Rotation and translation of an image; nothing if they are none.
 std::optional<SourceFrame> posed_frame(const ColmapImage& image) {
   const glm::dquat& q = image.rotation;
@@ -57,12 +67,13 @@ Expected<void> add_points(const ColmapModel& model, const fs::path& folder, Sour
 Expected<Source> read_colmap_source(const fs::path& model_folder, const fs::path& data_folder) {
   auto model = read_colmap_model(model_folder);
   if (!model) return std::unexpected(model.error());
-  const bool binary = is_file(model_folder / "cameras.bin");
+  const bool binary = is_binary_model(model_folder);
   const std::string file = (model_folder / (binary ? "images.bin" : "images.txt")).string();
-  ImageFinder images({data_folder / "images", data_folder});
+  ImageFinder images(folders_of_images(model_folder, data_folder));
 
   Source source;
   source.warnings = std::move(model->warnings);
+  if (model->images.empty()) source.warnings.push_back(file + ": lists no images");
   std::set<std::string> names;
   FileList missing, without_pose;
   for (const ColmapImage& image : model->images) {
@@ -84,12 +95,13 @@ Expected<Source> read_colmap_source(const fs::path& model_folder, const fs::path
   }
   source.skipped_images = missing.size() + without_pose.size();
   if (!missing.empty())
-    source.warnings.push_back(fmt::format("{} of {} images have no file and are skipped: {}",
-                                          missing.size(), model->images.size(), missing.text()));
-  if (!without_pose.empty())
     source.warnings.push_back(
-        fmt::format("{}: the poses of {} images are not finite; they are skipped: {}", file,
-                    without_pose.size(), without_pose.text()));
+        fmt::format("{}: {} of {} images have no file below {} and are skipped: {}", file,
+                    missing.size(), model->images.size(), data_folder.string(), missing.text()));
+  if (!without_pose.empty())
+    source.warnings.push_back(fmt::format(
+        "{}: {} images have no pose (not finite, or a rotation of zeros) and are skipped: {}", file,
+        without_pose.size(), without_pose.text()));
   if (const auto ok = add_points(*model, model_folder, source); !ok)
     return std::unexpected(ok.error());
   return source;

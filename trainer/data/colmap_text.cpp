@@ -31,6 +31,12 @@ class LineFile {
     return line;
   }
 
+  /// The last line again, by the next call of next() or next_record().
+  void put_back(std::string_view line) {
+    at_ = static_cast<std::size_t>(line.data() - text_.data());
+    --line_;
+  }
+
   /// The next line that is neither empty nor a comment.
   std::optional<std::string_view> next_record() {
     while (const auto line = next()) {
@@ -152,23 +158,33 @@ bool read_observations(std::string_view line, std::vector<ColmapObservation>& ob
   return true;
 }
 
+/// "IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME"; nothing if a line is anything else.
+std::optional<ColmapImage> parse_image(std::string_view line) {
+  ColmapImage image;
+  std::uint32_t id = 0;
+  auto& q = image.rotation;
+  auto& t = image.translation;
+  const bool ok = take_all(line, id, q.w, q.x, q.y, q.z, t.x, t.y, t.z, image.camera_id);
+  image.name = std::string(trim(line));  // The rest of the line: names may hold spaces.
+  if (!ok || image.name.empty()) return std::nullopt;
+  return image;
+}
+
 Expected<void> read_text_images(const std::filesystem::path& path, ColmapModel& model) {
   auto file = open_lines(path);
   if (!file) return std::unexpected(file.error());
   if (file->is_empty()) return fail(path.string(), "", "is empty, expected a COLMAP text file");
   while (auto line = file->next_record()) {
-    ColmapImage image;
-    std::uint32_t id = 0;
-    auto& q = image.rotation;
-    auto& t = image.translation;
-    const bool ok = take_all(*line, id, q.w, q.x, q.y, q.z, t.x, t.y, t.z, image.camera_id);
-    image.name = std::string(trim(*line));  // The rest of the line: names may hold spaces.
-    if (!ok || image.name.empty()) return file->bad("IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME");
+    auto image = parse_image(*line);
+    if (!image) return file->bad("IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME");
     // The second line of a record may be empty, and is missing in some hand-written files.
     const auto points = file->next();
-    if (points && !read_observations(*points, image.observations))
-      return file->bad("POINTS2D[] as (X, Y, POINT3D_ID)");
-    model.images.push_back(std::move(image));
+    if (points && !read_observations(*points, image->observations)) {
+      if (!parse_image(*points)) return file->bad("POINTS2D[] as (X, Y, POINT3D_ID)");
+      image->observations.clear();
+      file->put_back(*points);
+    }
+    model.images.push_back(std::move(*image));
   }
   return file->check_count(model.images.size(), model);
 }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
+#include <glm/geometric.hpp>
 
 #include "trainer/data/colmap_model.h"
 #include "trainer/data/colmap_source.h"
@@ -19,6 +20,7 @@
 #include "trainer/data/outliers.h"
 #include "trainer/data/photos/photo_list.h"
 #include "trainer/data/photos/photos_source.h"
+#include "trainer/data/pose_places.h"
 #include "trainer/data/reduction.h"
 #include "trainer/data/source.h"
 #include "trainer/data/transforms_source.h"
@@ -27,6 +29,8 @@ namespace fluxgs {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::size_t kFewImages = 5;
 
 struct Found {
   std::string kind;
@@ -38,12 +42,28 @@ Expected<Found> named(std::string kind, Expected<Source> source) {
   return Found{std::move(kind), std::move(*source)};
 }
 
-/// A COLMAP model in `sparse` or its numbered folders; of several the one with most images.
-Expected<Found> read_sparse(const fs::path& sparse, const fs::path& folder) {
-  if (is_colmap_model(sparse)) return named("COLMAP", read_colmap_source(sparse, folder));
-  const auto models = colmap_models(sparse);
-  if (models.empty()) return fail(sparse.string(), "", "holds no COLMAP model");
-  auto found = named("COLMAP", read_colmap_source(models.front().folder, folder));
+/// The folder with the images of a model that is itself given as the data set: the nearest of those
+/// above it that has a folder images/ or input/.
+fs::path folder_of_images(const fs::path& model) {
+  fs::path folder = fs::absolute(model).lexically_normal();
+  for (int up = 0; up < 4; ++up, folder = folder.parent_path()) {
+    std::error_code ignored;
+    for (const char* name : {"images", "input"})
+      if (fs::is_directory(folder / name, ignored)) return folder;
+  }
+  return model;
+}
+
+/// The poses of one place; of several COLMAP models those of the one with most images.
+Expected<Found> read_place(const PosePlace& place, const fs::path& folder) {
+  if (place.kind == PosePlace::Kind::transforms)
+    return named(place.path.filename().string(), read_transforms_source(place.path));
+  const fs::path data = place.path == folder ? folder_of_images(folder) : folder;
+  if (place.kind == PosePlace::Kind::colmap_model)
+    return named("COLMAP", read_colmap_source(place.path, data));
+  const auto models = colmap_models(place.path);
+  if (models.empty()) return fail(place.path.string(), "", "holds no COLMAP model");
+  auto found = named("COLMAP", read_colmap_source(models.front().folder, data));
   if (found && models.size() > 1)
     found->source.warnings.push_back(fmt::format(
         "{}: the largest of {} models, with {} images; the next has {}",
@@ -51,25 +71,31 @@ Expected<Found> read_sparse(const fs::path& sparse, const fs::path& folder) {
   return found;
 }
 
-/// The folder with the images of a model that is itself given as the data set: the nearest of those
-/// above it that has a folder images/.
-fs::path folder_of_images(const fs::path& model) {
-  fs::path folder = fs::absolute(model).lexically_normal();
-  for (int up = 0; up < 4; ++up, folder = folder.parent_path()) {
-    std::error_code ignored;
-    if (fs::is_directory(folder / "images", ignored)) return folder;
-  }
-  return model;
+bool has_frames(const Source& source) {
+  return !source.frames.empty() || !source.test_frames.empty();
 }
 
-Expected<Found> read_source(const fs::path& folder, const LoadOptions& options) {
-  const fs::path sparse = folder / "sparse", colmap = folder / "colmap" / "sparse";
-  if (is_colmap_model(sparse) || has_colmap_models(sparse)) return read_sparse(sparse, folder);
-  if (is_colmap_model(folder))
-    return named("COLMAP", read_colmap_source(folder, folder_of_images(folder)));
-  if (has_transforms(folder)) return named("transforms.json", read_transforms_source(folder));
-  if (has_colmap_models(folder)) return read_sparse(folder, folder_of_images(folder));
-  if (has_colmap_models(colmap)) return read_sparse(colmap, folder);
+/// The first place, or a later one where none of the first one's images is there.
+Expected<Found> read_places(const std::vector<PosePlace>& places, const fs::path& folder) {
+  auto first = read_place(places.front(), folder);
+  if (!first || has_frames(first->source)) return first;
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    auto other = read_place(places[i], folder);
+    if (!other || !has_frames(other->source)) continue;
+    other->source.warnings.push_back(fmt::format("{}: none of its images is there; {} is read",
+                                                 places.front().path.string(),
+                                                 places[i].path.string()));
+    return other;
+  }
+  return first;
+}
+
+/// `given` is the folder, or a .json file in it.
+Expected<Found> read_source(const fs::path& folder, const fs::path& given,
+                            const LoadOptions& options) {
+  if (is_file(given) && given.extension() == ".json")
+    return read_place({PosePlace::Kind::transforms, given}, folder);
+  if (const auto places = pose_places(folder); !places.empty()) return read_places(places, folder);
   auto photos = read_photos_source(folder, options.video_frames, options.steps);
   if (!photos) return std::unexpected(photos.error());
   return Found{std::move(photos->kind), std::move(photos->source)};
@@ -99,9 +125,9 @@ Expected<LoadedViews> load_all(Source& source, const LoadOptions& options) {
       continue;
     }
     bad.add(frames[i].file.string(), loaded[i].error());
-    const bool none_left = i + 1 == train_count && views.train.empty();
-    if (2 * bad.size() >= loaded.size() || none_left) return std::unexpected(loaded[i].error());
   }
+  const bool none_left = views.train.empty() && masked.empty();
+  if (2 * bad.size() >= loaded.size() || none_left) return bad.failure(loaded.size());
   source.skipped_images += bad.size() + masked.size();
   bad.warn(source.warnings);
   if (masked.empty()) return views;
@@ -110,6 +136,30 @@ Expected<LoadedViews> load_all(Source& source, const LoadOptions& options) {
     return fail("", "masks", "no photo is left, they are " + which + "; white is what counts");
   source.warnings.push_back("left out, since they are " + which);
   return views;
+}
+
+/// One line about a capture that shows no depth, or hardly any.
+void warn_of_no_parallax(Source& source) {
+  std::vector<glm::dvec3> places;
+  for (const auto* frames : {&source.frames, &source.test_frames})
+    for (const SourceFrame& frame : *frames) places.push_back(camera_position(frame));
+  const auto is_here = [&](const glm::dvec3& p) {
+    constexpr double kRounding = 1e-6;
+    return glm::distance(p, places[0]) <= kRounding * (1 + glm::length(places[0]));
+  };
+  if (places.size() == 1)
+    source.warnings.push_back(
+        "one image only: it shows no depth, and what is trained will look right from its place "
+        "alone");
+  else if (std::ranges::all_of(places, is_here))
+    source.warnings.push_back(
+        "all cameras are in one place: the images show no depth, and what is trained will look "
+        "right from there alone; walk while you take photos");
+  else if (places.size() < kFewImages)
+    source.warnings.push_back(
+        fmt::format("{} images only: what is trained will look right near their places alone; take "
+                    "20 or more",
+                    places.size()));
 }
 
 /// One line where images are reduced that nobody asked to reduce.
@@ -183,7 +233,7 @@ Expected<Dataset> load_dataset(const fs::path& given, const LoadOptions& options
   if (!fs::is_directory(status) && !is_video_name(folder))
     return fail(folder.string(), "", "neither a folder with images nor a video (.mp4, .mov, ...)");
 
-  auto found = read_source(folder, options);
+  auto found = read_source(folder, given, options);
   if (!found) return std::unexpected(found.error());
   Source& source = found->source;
   if (options.masks != MaskUse::off) find_masks(source, folder);
@@ -197,10 +247,7 @@ Expected<Dataset> load_dataset(const fs::path& given, const LoadOptions& options
                 fmt::format("no training images: {} left out, {} for testing{}{}",
                             source.skipped_images, source.test_frames.size(),
                             source.warnings.empty() ? "" : "; ", fmt::join(source.warnings, "; ")));
-  if (source.frames.size() + source.test_frames.size() == 1)
-    source.warnings.push_back(
-        "one image only: it shows no depth, and what is trained will look right from its place "
-        "alone");
+  warn_of_no_parallax(source);
   tell_of_reduction(source, options.downscale);
 
   auto views = load_all(source, options);

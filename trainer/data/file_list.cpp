@@ -19,16 +19,23 @@ std::string FileList::text() const {
 }
 
 void FailedImages::add(const std::string& file, const Error& error) {
-  if (files_.empty()) first_error_ = error.message();
+  if (files_.empty()) first_error_ = error;
   files_.add(file);
 }
 
 void FailedImages::warn(std::vector<std::string>& warnings) const {
   if (files_.size() == 1)
-    warnings.push_back(first_error_ + "; it is left out");
+    warnings.push_back(first_error_.message() + "; it is left out");
   else if (!files_.empty())
     warnings.push_back(fmt::format("{} images are left out: {}; the first: {}", files_.size(),
-                                   files_.text(), first_error_));
+                                   files_.text(), first_error_.message()));
+}
+
+std::unexpected<Error> FailedImages::failure(std::size_t all) const {
+  if (files_.size() == 1) return std::unexpected(first_error_);
+  return fail("", "",
+              fmt::format("{} of {} images cannot be used: {}; the first: {}", files_.size(), all,
+                          files_.text(), first_error_.message()));
 }
 
 }  // namespace fluxgs

@@ -29,10 +29,12 @@ class FailedImages {
   std::size_t size() const { return files_.size(); }
   /// Adds one line to the warnings, if any image failed.
   void warn(std::vector<std::string>& warnings) const;
+  /// The error of a set of `all` images with too many of these: that of the image, if it is one.
+  std::unexpected<Error> failure(std::size_t all) const;
 
  private:
   FileList files_;
-  std::string first_error_;
+  Error first_error_;
 };
 
 }  // namespace fluxgs

@@ -9,7 +9,7 @@ namespace {
 /// Images by the warning that they need.
 struct ImageFindings {
   FailedImages unreadable;
-  FileList turned, swapped, scaled;
+  FileList turned, unturned, swapped, scaled;
 };
 
 /// False for a frame that is to be left out.
@@ -35,6 +35,8 @@ bool fit(SourceFrame& frame, ImageFindings& found) {
       found.swapped.add(file);
       return false;
     }
+  } else if (frame.orientation == 1 && image->exif.orientation != 1) {
+    found.unturned.add(file);
   }
   frame.lens = lens_for_image(frame.lens, size.width, size.height);
   return true;
@@ -55,6 +57,11 @@ void fit_to_images(Source& source) {
   found.unreadable.warn(warnings);
   if (!found.turned.empty())
     warnings.push_back("lying on their side, turned as EXIF says: " + found.turned.text());
+  if (!found.unturned.empty())
+    warnings.push_back(
+        "used as stored, since their cameras fit that, although EXIF turns them (they may lie on "
+        "their side or head): " +
+        found.unturned.text());
   if (!found.swapped.empty())
     warnings.push_back(
         "left out, since width and height are swapped against their camera and EXIF names no "

@@ -153,6 +153,18 @@ void hold_out_every(Source& source, int n) {
   move_to_test(source, [&](const SourceFrame&) { return index++ % n == 0; });
 }
 
+/// Names of a list that no image has.
+FileList names_without_image(const std::vector<std::string>& names,
+                             const std::vector<SourceFrame>& frames) {
+  std::vector<std::string> images;
+  for (const SourceFrame& frame : frames) images.push_back(frame.name);
+  const NameSet there(images);
+  FileList missing;
+  for (const std::string& name : names)
+    if (!there.holds(name)) missing.add(name);
+  return missing;
+}
+
 /// False, and nothing done, where the lists name no image.
 bool hold_out_listed(Source& source, const SplitLists& lists) {
   const NameSet train(lists.train), test(lists.test);
@@ -163,6 +175,11 @@ bool hold_out_listed(Source& source, const SplitLists& lists) {
     return test.holds(frame.name) || train.holds(frame.name);
   };
   if (std::ranges::none_of(source.frames, listed)) return false;
+  const FileList missing = names_without_image(lists.test, source.frames);
+  if (!missing.empty())
+    source.warnings.push_back(fmt::format("{}: {} of {} images for testing are not there: {}",
+                                          lists.file, missing.size(), lists.test.size(),
+                                          missing.text()));
   if (!lists.train.empty() && !lists.test.empty()) {
     FileList neither;
     std::erase_if(source.frames, [&](const SourceFrame& frame) {

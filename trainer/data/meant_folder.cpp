@@ -7,11 +7,10 @@
 
 #include <fmt/format.h>
 
-#include "trainer/data/colmap_model.h"
 #include "trainer/data/file_bytes.h"
 #include "trainer/data/file_list.h"
 #include "trainer/data/photos/photo_list.h"
-#include "trainer/data/transforms_source.h"
+#include "trainer/data/pose_places.h"
 
 namespace fluxgs {
 namespace {
@@ -29,11 +28,7 @@ std::ptrdiff_t count_photos(const fs::path& folder) {
   });
 }
 
-/// True for a folder with a COLMAP model (itself or in sparse/) or a transforms.json.
-bool holds_poses(const fs::path& folder) {
-  return is_colmap_model(folder / "sparse") || has_colmap_models(folder / "sparse") ||
-         is_colmap_model(folder) || has_transforms(folder);
-}
+bool holds_poses(const fs::path& folder) { return !pose_places(folder).empty(); }
 
 /// Folders with poses below a folder, in the order of their names; none below another one.
 std::vector<fs::path> data_sets_below(const fs::path& folder) {
@@ -61,9 +56,7 @@ std::vector<fs::path> data_sets_below(const fs::path& folder) {
 Expected<fs::path> meant_folder(const fs::path& given) {
   std::error_code ignored;
   if (is_file(given) && given.extension() == ".json") return given.parent_path();
-  if (!fs::is_directory(given, ignored) || holds_poses(given) || has_colmap_models(given) ||
-      has_colmap_models(given / "colmap" / "sparse"))
-    return given;
+  if (!fs::is_directory(given, ignored) || holds_poses(given)) return given;
   const std::ptrdiff_t photos = count_photos(given);
   fs::path above = (fs::absolute(given).lexically_normal() / "..").lexically_normal();
   if (photos > 0 && holds_poses(above)) return above;

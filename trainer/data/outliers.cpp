@@ -35,20 +35,16 @@ Bounds bounds_of(const std::vector<glm::dvec3>& positions, double factor) {
   return bounds;
 }
 
-glm::dvec3 position_of(const SourceFrame& frame) {
-  return -(glm::transpose(frame.rotation) * frame.translation);
-}
-
 void remove_stray_frames(Source& source) {
   std::vector<glm::dvec3> positions;
   for (const auto* frames : {&source.frames, &source.test_frames})
-    for (const SourceFrame& frame : *frames) positions.push_back(position_of(frame));
+    for (const SourceFrame& frame : *frames) positions.push_back(camera_position(frame));
   if (positions.size() < kFewest) return;
   const Bounds bounds = bounds_of(positions, kStrayCamera);
   if (bounds.radius <= 0) return;  // Most are in one place: no size to compare with
   FileList stray;
   const auto is_stray = [&](const SourceFrame& frame) {
-    if (bounds.holds(position_of(frame))) return false;
+    if (bounds.holds(camera_position(frame))) return false;
     stray.add(frame.name);
     return true;
   };

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <glm/vec2.hpp>
 
@@ -138,10 +139,15 @@ Expected<Rectification> make_rectification(const Lens& lens, const std::string& 
   if (!is_distorted(lens)) return result;
   const auto pinhole = inner_pinhole(lens);
   if (pinhole) result.pinhole = *pinhole;
-  if (!pinhole || !make_maps(lens, result))
-    return fail(file, "distortion",
-                "cannot be undone: it folds the image before its border; check the coefficients");
-  return result;
+  if (pinhole && make_maps(lens, result)) return result;
+  if (lens.cx < 0 || lens.cy < 0 || lens.cx > lens.width || lens.cy > lens.height)
+    return fail(
+        file, "principal point",
+        fmt::format("{:g}, {:g} lies outside of the image of {}x{}, and the distortion around "
+                    "it cannot be undone; check cx and cy",
+                    lens.cx, lens.cy, lens.width, lens.height));
+  return fail(file, "distortion",
+              "cannot be undone: it folds the image before its border; check the coefficients");
 }
 
 cv::Mat rectify(const cv::Mat& view, const Rectification& rectification) {

@@ -4,11 +4,16 @@
 
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
+#include <glm/matrix.hpp>
 
 #include "fluxgs/io/file.h"
 #include "fluxgs/io/ply_points.h"
 
 namespace fluxgs {
+
+glm::dvec3 camera_position(const SourceFrame& frame) {
+  return -(glm::transpose(frame.rotation) * frame.translation);
+}
 
 bool add_point(Source& source, const glm::dvec3& position, const glm::u8vec3& color) {
   const glm::vec3 p(position);  // A double may be finite and its float not.

@@ -25,6 +25,9 @@ struct SourceFrame {
   glm::dvec3 translation{0.0};  ///< as in Camera
 };
 
+/// Where the camera of a frame is, in the world.
+glm::dvec3 camera_position(const SourceFrame& frame);
+
 /// Names of images by split, as a file of the data set lists them.
 struct SplitLists {
   std::vector<std::string> train, test;

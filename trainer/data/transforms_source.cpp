@@ -47,14 +47,31 @@ std::string with_finite_numbers(const std::string& text) {
   return result;
 }
 
+/// What a text that is no JSON is instead.
+std::string json_fault(const std::string& text, std::size_t byte) {
+  if (text.find_first_not_of(" \t\r\n") == std::string::npos)
+    return "is empty, expected JSON with a list of frames";
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff") || text.find('\0') < 4)
+    return "is UTF-16 or UTF-32 text, expected UTF-8; save it as UTF-8";
+  const std::string_view before = std::string_view(text).substr(0, byte > 0 ? byte - 1 : 0);
+  if (byte > text.size())
+    return fmt::format("not valid JSON: it ends in line {}; is it cut off?",
+                       1 + std::ranges::count(before, '\n'));
+  return fmt::format("not valid JSON: line {}, column {}", 1 + std::ranges::count(before, '\n'),
+                     before.size() - (before.rfind('\n') + 1) + 1);
+}
+
 Expected<Json> parse_json(const fs::path& file) {
-  const auto text = read_text(file, kLargestJson);
-  if (!text) return std::unexpected(text.error());
+  const auto read = read_text(file, kLargestJson);
+  if (!read) return std::unexpected(read.error());
+  const std::string text = with_finite_numbers(*read);
   try {
-    Json json = Json::parse(with_finite_numbers(*text));
+    Json json = Json::parse(text);
     if (!json.is_object() || !json.contains("frames") || !json["frames"].is_array())
       return fail(file.string(), "frames", "missing, expected a list of frames");
     return json;
+  } catch (const Json::parse_error& e) {
+    return fail(file.string(), "", json_fault(text, e.byte));
   } catch (const Json::exception& e) {
     return fail(file.string(), "", "not valid JSON: " + one_line(e.what()));
   }
@@ -209,23 +226,20 @@ Expected<FrameList> read_frames(const Json& json, const fs::path& file) {
     const std::size_t before = list.frames.size();
     if (const auto ok = add_frame(frame, *global, file, field, images, list); !ok) {
       list.bad.add(fmt::format("frame {}", index - 1), ok.error());
-      if (2 * list.bad.size() >= json["frames"].size()) return std::unexpected(ok.error());
     }
     if (list.frames.size() > before)
       set_mask(frame, json, masks, list.frames.back(), list.missing_masks);
   }
   name_frames(list.frames);
   std::set<fs::path> files;
-  std::optional<Error> twice;
   std::erase_if(list.frames, [&](const SourceFrame& frame) {
     if (files.insert(frame.file).second) return false;
-    twice = fail(file.string(), fmt::format("frame \"{}\"", one_line(frame.name)),
-                 "listed twice, expected every image once")
-                .error();
-    list.bad.add(frame.name, *twice);
+    list.bad.add(frame.name, Error{file.string(), fmt::format("frame \"{}\"", one_line(frame.name)),
+                                   "listed twice, expected every image once"});
     return true;
   });
-  if (twice && 2 * list.bad.size() >= json["frames"].size()) return std::unexpected(*twice);
+  if (const std::size_t all = json["frames"].size(); all > 0 && 2 * list.bad.size() >= all)
+    return list.bad.failure(all);
   return list;
 }
 
@@ -279,25 +293,29 @@ SplitLists read_split(const Json& json, const fs::path& file) {
 
 }  // namespace
 
-bool has_transforms(const fs::path& folder) {
-  return is_file(folder / "transforms_train.json") || is_file(folder / "transforms.json");
+bool has_transforms(const fs::path& folder) { return is_file(transforms_file(folder)); }
+
+fs::path transforms_file(const fs::path& folder) {
+  const fs::path train = folder / "transforms_train.json";
+  return is_file(train) ? train : folder / "transforms.json";
 }
 
-Expected<Source> read_transforms_source(const fs::path& folder) {
-  const bool split = is_file(folder / "transforms_train.json");
-  const fs::path file = folder / (split ? "transforms_train.json" : "transforms.json");
+Expected<Source> read_transforms_source(const fs::path& file) {
+  const bool split = file.filename() == "transforms_train.json";
   const auto json = parse_json(file);
   if (!json) return std::unexpected(json.error());
   auto train = read_frames(*json, file);
   if (!train) return std::unexpected(train.error());
 
   Source source;
+  if ((*json)["frames"].empty())
+    source.warnings.push_back(file.string() + ": frames: the list is empty");
   note_warnings(*train, file, source);
   source.frames = std::move(train->frames);
   source.split = read_split(*json, file);
   if (const auto ok = read_ply(*json, file, source); !ok) return std::unexpected(ok.error());
 
-  const fs::path test_file = folder / "transforms_test.json";
+  const fs::path test_file = file.parent_path() / "transforms_test.json";
   if (!split || !is_file(test_file)) return source;
   const auto test_json = parse_json(test_file);
   if (!test_json) return std::unexpected(test_json.error());

@@ -8,14 +8,17 @@
 
 namespace fluxgs {
 
-/// Read `folder`/transforms_train.json, with transforms_test.json as the test frames if it exists,
-/// or else `folder`/transforms.json. Poses are camera → world with OpenGL axes (x right, y up, z
+/// Read a transforms.json, with the transforms_test.json beside it as the test frames if it is
+/// called transforms_train.json. Poses are camera → world with OpenGL axes (x right, y up, z
 /// backward); the world stays as it is, a uniform scale in a pose's rotation is dropped.
 /// Intrinsics for another resolution are scaled to the image files' real size, x and y each.
 /// Frames without an image file are skipped and counted.
-Expected<Source> read_transforms_source(const std::filesystem::path& folder);
+Expected<Source> read_transforms_source(const std::filesystem::path& file);
 
-/// True if the folder holds one of these files.
+/// The file to read in a folder: transforms_train.json if it exists, or else transforms.json.
+std::filesystem::path transforms_file(const std::filesystem::path& folder);
+
+/// True if that file exists.
 bool has_transforms(const std::filesystem::path& folder);
 
 }  // namespace fluxgs

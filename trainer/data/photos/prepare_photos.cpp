@@ -111,8 +111,8 @@ Expected<std::vector<PreparedPhoto>> prepare_photos(const std::vector<Photo>& ph
       prepared.push_back(std::move(*made[i]));
     else
       failed.add(photos[i].file.string(), made[i].error());
-    if (2 * failed.size() > photos.size()) return std::unexpected(made[i].error());
   }
+  if (2 * failed.size() > photos.size()) return failed.failure(photos.size());
   failed.warn(warnings);
   return prepared;
 }

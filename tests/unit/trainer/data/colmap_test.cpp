@@ -74,6 +74,67 @@ TEST(Colmap, ModelIsFoundInSparseAndInTheFolderItself) {
   }
 }
 
+// 3D Gaussian Splatting's tools keep the photos in input/ and their model in distorted/.
+TEST(Colmap, ModelBeforeUndistortionWithItsPhotosInInput) {
+  const TempFolder folder;
+  write_binary(folder.path() / "distorted" / "sparse" / "0", ten_images());
+  write_views(folder.path(), ten_images());
+  fs::rename(folder.path() / "images", folder.path() / "input");
+  for (const char* given : {".", "distorted/sparse/0"}) {
+    const auto data = load_dataset(folder.path() / given, {});
+    ASSERT_TRUE(data) << given << ": " << data.error().message();
+    EXPECT_EQ(data->train.size(), 8U);
+  }
+}
+
+TEST(Colmap, APartOfABinaryModelDoesNotHideATextModel) {
+  const TempFolder folder;
+  write_dataset(folder.path(), ten_images());
+  const fs::path model = folder.path() / "sparse" / "0";
+  remove_file(model / "images.bin");
+  expect_failure(load_dataset(folder.path(), {}), "images.bin");
+  write_text_model(model, ten_images());
+  const auto data = load_dataset(folder.path(), {});
+  ASSERT_TRUE(data) << data.error().message();
+  EXPECT_EQ(data->train.size(), 8U);
+}
+
+TEST(Colmap, AModelWithoutItsImagesDoesNotHideOtherPoses) {
+  const TempFolder folder;
+  write_binary(folder.path() / "sparse" / "0", ten_images());
+  write_image(folder.path() / "photo.png", pattern(16, 12));
+  const std::string frame = R"({"file_path": "photo.png", "transform_matrix":
+                             [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]})";
+  write_text(folder.path() / "transforms.json", R"({"fl_x": 20, "frames": [)" + frame + "]}");
+  const auto data = load_dataset(folder.path(), {});
+  ASSERT_TRUE(data) << data.error().message();
+  EXPECT_EQ(data->kind, "transforms.json");
+  EXPECT_THAT(data->warnings, testing::Contains(testing::AllOf(
+                                  testing::HasSubstr("sparse: none of its images is there"),
+                                  testing::HasSubstr("transforms.json is read"))));
+  // A file that is named is read although a model lies beside it
+  write_views(folder.path(), ten_images());
+  fs::rename(folder.path() / "transforms.json", folder.path() / "other.json");
+  EXPECT_EQ(load_dataset(folder.path(), {})->kind, "COLMAP");
+  EXPECT_EQ(load_dataset(folder.path() / "other.json", {})->kind, "other.json");
+}
+
+TEST(Colmap, ImagesWithoutTheirLinesOfPoints) {
+  const TempFolder folder;
+  auto model = ten_images();
+  for (auto& image : model.images) image.observations = 0;
+  write_text_model(folder.path() / "sparse" / "0", model);
+  write_views(folder.path(), model);
+  const fs::path file = folder.path() / "sparse" / "0" / "images.txt";
+  std::string text = read_all(file);
+  for (std::size_t at; (at = text.find("\n\n")) != std::string::npos;) text.erase(at, 1);
+  write_text(file, text);
+  const auto data = load_dataset(folder.path(), {});
+  ASSERT_TRUE(data) << data.error().message();
+  EXPECT_EQ(data->train.size() + data->test.size(), 10U);
+  EXPECT_TRUE(data->warnings.empty());
+}
+
 TEST(Colmap, ImagesMayLieInTheFolderItself) {
   const TempFolder folder;
   TinyModel model;

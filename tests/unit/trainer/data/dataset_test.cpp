@@ -123,6 +123,35 @@ TEST(Dataset, OneImageIsNoScene) {
   EXPECT_THAT(data->warnings, testing::Contains(testing::HasSubstr("one image only")));
 }
 
+TEST(Dataset, ImagesFromOnePlaceOrTwoShowLittle) {
+  const TempFolder folder;
+  write_views(folder.path(), {{40, 32}, {40, 32}});
+  EXPECT_THAT(load_dataset(folder.path(), {})->warnings,
+              testing::Contains(testing::HasSubstr("2 images only")));
+  write_views(folder.path(), std::vector<ImageSize>(6, {40, 32}));
+  EXPECT_TRUE(load_dataset(folder.path(), {})->warnings.empty());
+  std::string text = read_all(folder.path() / "transforms.json");
+  for (int i = 1; i < 6; ++i) {
+    const std::string place = fmt::format("[[1,0,0,{}]", i);
+    text.replace(text.find(place), place.size(), "[[1,0,0,0]");
+  }
+  write_text(folder.path() / "transforms.json", text);
+  EXPECT_THAT(load_dataset(folder.path(), {})->warnings,
+              testing::Contains(testing::HasSubstr("all cameras are in one place")));
+}
+
+TEST(Dataset, ImagesThatAllFailAreCountedAndNamed) {
+  const TempFolder folder;
+  write_views(folder.path(), std::vector<ImageSize>(5, {40, 32}));
+  for (int i = 0; i < 5; ++i) {
+    const fs::path file = folder.path() / fmt::format("{}.png", i);
+    const std::string whole = read_all(file);
+    write_text(file, whole.substr(0, whole.size() - 20));
+  }
+  expect_failure(load_dataset(folder.path(), {}), "5 of 5 images", "1.png", "3.png and 2 more",
+                 "truncated");
+}
+
 TEST(Dataset, AnyNumberOfThreadsLoadsTheSame) {
   const TempFolder folder;
   auto model = ten_images();

@@ -3,6 +3,7 @@
 
 #include "exif_support.h"
 #include "test_files.h"
+#include "tiny_colmap.h"
 #include "tools/capture/capture.h"
 #include "trainer/data/dataset.h"
 #include "trainer/data/exif.h"
@@ -105,6 +106,22 @@ TEST(Exif, ACaptureOnItsSideIsTheSameScene) {
     EXPECT_EQ(after->train[i].rgb.pixels, before->train[i].rgb.pixels);
     EXPECT_EQ(after->train[i].camera.fx, before->train[i].camera.fx);
   }
+}
+
+TEST(Exif, PhotosOnTheirHeadByExifAreUsedAsStoredAndNamed) {
+  const TempFolder folder;
+  write_binary(folder.path() / "sparse" / "0", ten_images());
+  write_views(folder.path(), ten_images());
+  const fs::path file = folder.path() / "images" / "b.png";
+  const auto stored = load_dataset(folder.path(), {});
+  ASSERT_TRUE(stored) << stored.error().message();
+  write_text(file, png_with_exif(read_all(file), orientation_tiff(3)));
+  const auto data = load_dataset(folder.path(), {});
+  ASSERT_TRUE(data) << data.error().message();
+  EXPECT_EQ(data->train[0].rgb.pixels, stored->train[0].rgb.pixels);
+  EXPECT_THAT(data->warnings,
+              testing::ElementsAre(testing::AllOf(testing::HasSubstr("used as stored"),
+                                                  testing::HasSubstr("b.png"))));
 }
 
 // Without w and h the principal point tells how the photo stands.

@@ -110,8 +110,10 @@ TEST_F(Holdout, FileNamesInTransforms) {
            "val_filenames": ["images/d.png"], "test_filenames": ["./images/e.png"],)");
   EXPECT_EQ(split(), "abc|de");
   EXPECT_THAT(warnings_, ElementsAre(HasSubstr("f.png, g.png, h.png and 2 more")));
-  write(R"("test_filenames": ["images/j.png"],)");
+  write(R"("test_filenames": ["images/j.png", "images/lost.png"],)");
   EXPECT_EQ(split(), "abcdefghi|j");
+  EXPECT_THAT(warnings_,
+              ElementsAre(HasSubstr("1 of 2 images for testing are not there: images/lost.png")));
   EXPECT_EQ(split({.test_every = 5}), "bcdeghij|af");
 }
 

@@ -295,7 +295,10 @@ TEST(TransformsBadInput, FieldsAreNamed) {
   expect_failure(load_changed([](Json& j) { j["frames"][0] = 7; }), "frame 0");
   expect_failure(load_changed([](Json& j) { j["frames"].push_back(j["frames"][0]); }), "a.png",
                  "listed twice");
-  expect_failure(load_changed([](Json& j) { j["frames"] = Json::array(); }), "no training images");
+  expect_failure(load_changed([](Json& j) { j["frames"] = Json::array(); }), "no training images",
+                 "frames: the list is empty");
+  expect_failure(load_changed([](Json& j) { j["cx"] = -500, j["k1"] = 0.5, j["k2"] = -3; }),
+                 "principal point: -500", "16x12", "check cx");
   expect_failure(load_changed([](Json& j) { j["frames"][0]["file_path"] = "nowhere.png"; }),
                  "no training images", "1 left out");
   expect_failure(load_changed([](Json& j) { j.erase("frames"); }), "transforms.json: frames");
@@ -311,6 +314,16 @@ TEST(TransformsBadInput, WhatIsNoJsonIsSaid) {
     write_text(file, whole.substr(0, length));
     expect_failure(load_dataset(folder.path(), {}), "transforms.json");
   }
+  const auto error_of = [&](const std::string& text) {
+    write_text(file, text);
+    return load_dataset(folder.path(), {}).error().message();
+  };
+  EXPECT_THAT(error_of(""), testing::HasSubstr("is empty"));
+  EXPECT_THAT(error_of(" \n"), testing::HasSubstr("is empty"));
+  EXPECT_THAT(error_of("{\n \"frames\": [\n  7,,\n]}"), testing::HasSubstr("line 3, column 5"));
+  EXPECT_THAT(error_of("{\n \"frames\": ["), testing::HasSubstr("ends in line 2"));
+  EXPECT_THAT(error_of(std::string("\xff\xfe{\0}\0", 6)), testing::HasSubstr("UTF-16"));
+  EXPECT_THAT(error_of(std::string("{\0}\0", 4)), testing::HasSubstr("UTF-16"));
   for (const std::string& text :
        {std::string("[]"), std::string("7"), std::string("{\"fl_x\": NaN, \"frames\": []}"),
         std::string("{\"fl_x\": 1e999, \"frames\": []}"), std::string(100'000, '[')}) {
