@@ -49,7 +49,8 @@ std::vector<std::string> names_of_commands(const CLI::App& command) {
 }
 
 /// "unknown option --iteratoins; did you mean --iterations?", or what CLI11 says of other errors.
-std::string usage_error(const CLI::App& app, const CLI::Error& error) {
+std::string usage_error(const CLI::App& app, const CLI::Error& error,
+                        const std::vector<std::string>& arguments) {
   const auto kind = static_cast<CLI::ExitCodes>(error.get_exit_code());
   if (kind != CLI::ExitCodes::ExtrasError && kind != CLI::ExitCodes::RequiredError)
     return error.what();
@@ -64,17 +65,12 @@ std::string usage_error(const CLI::App& app, const CLI::Error& error) {
   const std::string word = odd.substr(0, odd.find('='));
   const bool is_option = word.starts_with('-');
   const char* what = is_option ? "option" : subs.empty() ? "argument" : "sub-command";
+  if (const auto name = fluxgs::cli::switch_before(arguments, word); !is_option && !name.empty())
+    return fmt::format("unknown argument {}; {} takes on or off", word, name);
   const std::string nearest =
       fluxgs::cli::nearest_name(word, is_option ? names_of_options(command) : subs);
   return fmt::format("unknown {} {}{}", what, word,
                      nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest));
-}
-
-/// The arguments, last one first as CLI11 takes them.
-std::vector<std::string> arguments_of(int argc, char** argv) {
-  auto words = fluxgs::cli::plain_words({argv + std::min(argc, 1), argv + argc});
-  std::ranges::reverse(words);
-  return words;
 }
 
 /// Ends at once, but not without a word. Training takes the signal over to save first.
@@ -98,8 +94,9 @@ int main(int argc, char** argv) {
   CLI::App app("Train 3D Gaussian Splatting scenes from posed images and look at them.", "fluxgs");
   app.require_subcommand(1);
   app.set_version_flag("--version", FLUXGS_VERSION);
-  app.failure_message([](const CLI::App* program, const CLI::Error& error) {
-    return fmt::format("fluxgs: error: {} (see --help)\n", usage_error(*program, error));
+  const auto arguments = fluxgs::cli::plain_words({argv + std::min(argc, 1), argv + argc});
+  app.failure_message([&](const CLI::App* program, const CLI::Error& error) {
+    return fmt::format("fluxgs: error: {} (see --help)\n", usage_error(*program, error, arguments));
   });
   app.footer("Example: fluxgs train captures/garden -o garden.glb");
   fluxgs::cli::Action action;
@@ -114,7 +111,7 @@ int main(int argc, char** argv) {
   fluxgs::cli::add_doctor(app, action);
 
   try {
-    app.parse(arguments_of(argc, argv));
+    app.parse(std::vector(arguments.rbegin(), arguments.rend()));  // CLI11 takes the last one first
   } catch (const CLI::ParseError& e) {
     if (app.exit(e) != 0) return 2;
     const auto printed = fluxgs::cli::flush_standard_output();

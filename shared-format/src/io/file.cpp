@@ -133,6 +133,9 @@ Expected<AtomicFile> AtomicFile::create(const fs::path& path) {
         ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode_t{0666});
     if (descriptor >= 0)
       return AtomicFile(path, std::move(target), std::move(temporary), descriptor);
+    if (errno == ENOENT)
+      return fail(path.string(), "write",
+                  fmt::format("its folder {} does not exist", path.parent_path().string()));
     if (errno != EEXIST) return fail(path.string(), "write", reason(errno));
   }
   return fail(path.string(), "write", "no free name for a temporary file in its folder");

@@ -50,6 +50,9 @@ std::string describe_other_content(std::span<const std::byte> bytes) {
   const std::string begin = lower_case(text);
   for (const Kind& kind : kKinds)
     if (begin.starts_with(kind.begin)) return std::string(kind.clause);
+  if (begin.starts_with('{') && (begin.contains("\"frames\"") || begin.contains("camera_angle_x") ||
+                                 begin.contains("\"fl_x\"")))
+    return "is a list of photos with camera poses, from which a scene can be trained";
   return is_text(text) ? "is text" : "";
 }
 

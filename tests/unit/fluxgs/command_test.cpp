@@ -209,12 +209,17 @@ TEST(Command, WrongUsageIsStatusTwoAndHelpHasExamples) {
   EXPECT_EQ(fluxgs("train x -o y.glb --background nan,0,0").status, 2);
   for (const char* seed : {"-1", "18446744073709551616", "0x2", "1.5", "''"})
     EXPECT_EQ(fluxgs(fmt::format("train x -o y.glb --seed {}", seed)).status, 2) << seed;
-  EXPECT_EQ(fluxgs("train x -o y.glb --resume z.ckpt --seed 9").status, 2);
   EXPECT_EQ(fluxgs("train x -o y.glb --float-output ./y.glb").status, 2);
-  EXPECT_EQ(fluxgs("convert x.ply y.glb --threads 2").status, 2);
+  EXPECT_EQ(fluxgs("convert x.ply y.glb --background 1,1,1").status, 2);
   EXPECT_EQ(fluxgs("convert x.ply y.glb --min-psnr 40 --downscale 2").status, 2);
   EXPECT_EQ(fluxgs("render x.glb -o y.png --size 0x9").status, 2);
   EXPECT_EQ(fluxgs("render x.glb -o y.png --size 12").status, 2);
+  EXPECT_THAT(fluxgs("train x -o y.glb --downscale 2.5").err,
+              HasSubstr("--downscale: '2.5': expected a whole number from 1 to 64"));
+  EXPECT_THAT(fluxgs("train x -o y.glb --antialias maybe").err,
+              HasSubstr("unknown argument maybe; --antialias takes on or off"));
+  EXPECT_THAT(fluxgs("train x -o y.glb --checkpoint-every soon").err,
+              HasSubstr("error: --checkpoint-every: 'soon'"));
   EXPECT_NE(fluxgs("train x -o y.glb --iterations 0")
                 .err.find("expected a whole number from 1 to 1000000000"),
             std::string::npos);
@@ -364,7 +369,24 @@ TEST(Command, ResumingOnOtherViewsIsRefused) {
                              std::filesystem::copy_options::overwrite_existing);
   expect_error(fluxgs(fmt::format("train {} -o {} --resume {}", quoted(folder / "other"),
                                   quoted(folder / "b.ply"), quoted(folder / "a.ply.ckpt"))),
-               {"other", "a.ply.ckpt"});
+               {"other", "a.ply.ckpt", "have changed"});
+  std::filesystem::remove(folder / "other/train/r_001.png");
+  expect_error(fluxgs(fmt::format("train {} -o {} --resume {}", quoted(folder / "other"),
+                                  quoted(folder / "b.ply"), quoted(folder / "a.ply.ckpt"))),
+               {"other", "training images, expected the"});
+}
+
+TEST(Command, ResumingTakesItsOwnOptionsAgainAndNoOthers) {
+  const test::TempFolder folder;
+  const auto out = folder / "a.ply";
+  const std::string options = "--iterations 20 --checkpoint-every 10 --seed 7 ";
+  ASSERT_EQ(fluxgs(train(out, options)).status, 0);
+  const std::string resume = fmt::format("--resume {}.ckpt ", out.string());
+  EXPECT_EQ(fluxgs(train(out, options + resume)).status, 0);
+  for (const char* other : {"--seed 9", "--downscale 3", "--preset 3dgs", "--background 1,1,1"})
+    expect_error(fluxgs(train(out, resume + other)),
+                 {std::string(other).substr(0, std::string_view(other).find(' ')),
+                  "cannot be changed with --resume"});
 }
 
 TEST(Command, BadViews) {

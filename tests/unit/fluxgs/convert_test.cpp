@@ -91,7 +91,18 @@ TEST_F(Convert, ReplacesNothingUnlessForced) {
   expect_error(convert("missing.ply", "t.ply"), {"missing.ply"});
   EXPECT_EQ(files_in(folder_.path()), files);
   std::filesystem::create_directory(folder_ / "folder.ply");
-  expect_error(convert("s.ply", "folder.ply"), {"folder.ply", "exists already", "--force"});
+  expect_error(convert("s.ply", "folder.ply"), {"folder.ply", "is a folder", "name of a file"});
+}
+
+TEST_F(Convert, AFolderInPlaceOfASceneIsExplained) {
+  std::filesystem::create_directories(folder_ / "run/point_cloud/iteration_7000");
+  std::filesystem::copy(folder_ / "s.ply",
+                        folder_ / "run/point_cloud/iteration_7000/point_cloud.ply");
+  expect_error(convert("run", "t.ply"), {"run", "is a folder", "iteration_7000/point_cloud.ply"});
+  std::filesystem::create_directory(folder_ / "empty");
+  expect_error(convert("empty", "t.ply"), {"empty", "without a scene"});
+  expect_error(fluxgs(fmt::format("info {}", quoted(capture_folder()))),
+               {"is a folder of photos", "fluxgs train"});
 }
 
 TEST_F(Convert, CompactScenesStayCompact) {

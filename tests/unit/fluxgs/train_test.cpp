@@ -182,6 +182,9 @@ TEST(Train, FilesThatAreThereAreReplacedOnlyWhenForced) {
     EXPECT_EQ(*read_file(path), before);
     ASSERT_EQ(fluxgs(train(out, options + " --force")).status, 0);
   }
+  expect_error(fluxgs(train(folder.path(), options)), {"is a folder", "name of a file"});
+  expect_error(fluxgs(train(folder / "no/scene.glb", options + " --force")),
+               {"scene.glb", "no does not exist"});
   // Nor is the checkpoint of another training
   std::filesystem::remove(out);
   std::ofstream(folder / "scene.glb.ckpt") << "days of work";

@@ -106,7 +106,8 @@ TEST(WriteFile, FullDiskLeavesTheFormerFileAndNoOther) {
 
 TEST(WriteFile, NamesWhatIsWrong) {
   const TemporaryFolder folder;
-  expect_error(write_file_atomic(folder / "no/such/f", {}), {"no/such/f", "No such file"});
+  expect_error(write_file_atomic(folder / "no/such/f", {}),
+               {"no/such/f", "its folder", "no/such does not exist"});
   EXPECT_FALSE(std::filesystem::exists(folder / "no"));
   expect_error(write_file_atomic(folder.path(), {}), {"folder"});
   expect_error(write_file_atomic("/dev/full", {}), {"/dev/full", "not a regular file"});

@@ -269,6 +269,27 @@ TEST(Ply, MissingPropertiesAreNamed) {
   }
 }
 
+TEST(Ply, MeshesAndPointCloudsAreCalledThat) {
+  for (const std::vector<std::string>& properties :
+       {std::vector<std::string>{"x", "y", "z"}, {"x", "y", "z", "red", "green", "blue"}})
+    expect_error(read(header("binary_little_endian", vertex(0, properties))),
+                 {"element vertex", "a mesh or a point cloud", "3DGS .ply"});
+}
+
+TEST(Ply, BytesBehindTheLastSplatAreWarnedOf) {
+  const auto ply = encode_ply(random_cloud(3, 1), "x", {});
+  ASSERT_TRUE(ply);
+  auto longer = *ply;
+  longer.resize(longer.size() + 7);
+  EXPECT_TRUE(read_ply(*ply, "x")->warnings.empty());
+  EXPECT_THAT(read_ply(longer, "x")->warnings,
+              testing::ElementsAre(testing::HasSubstr("7 bytes behind the 3 splats")));
+  std::string text = "1 2 3 4 5 6 7 8 9 10 1 0 0 0 \n \n";
+  EXPECT_TRUE(read(header("ascii", vertex(1, kProperties)) + text)->warnings.empty());
+  EXPECT_THAT(read(header("ascii", vertex(1, kProperties)) + text + "8 9\n")->warnings,
+              testing::ElementsAre(testing::HasSubstr("4 bytes behind the 1 splats")));
+}
+
 TEST(Ply, CountOfRestPropertiesDecidesTheDegree) {
   for (int count = 0; count <= 50; ++count) {
     std::vector<std::string> properties = kProperties;

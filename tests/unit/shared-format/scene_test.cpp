@@ -74,12 +74,15 @@ TEST(Scene, UnknownContentAndMissingFilesAreExplained) {
   ASSERT_TRUE(write_file_atomic(folder / "b.ply", {}));
   expect_error(read_scene(folder / "b.ply"), {"b.ply", "empty"});
   expect_error(read_scene(folder.path()), {"folder"});
+  ASSERT_TRUE(write_file_atomic(folder / "transforms.json",
+                                bytes_of(R"({"camera_angle_x": 0.7, "frames": []})")));
+  expect_error(read_scene(folder / "transforms.json"), {"photos with camera poses"});
 }
 
 TEST(Scene, FailedWriteLeavesNothing) {
   const TemporaryFolder folder;
   const SplatCloud cloud = random_cloud(1, 0);
-  expect_error(write_scene(folder / "no/a.glb", cloud), {"no/a.glb", "No such file"});
+  expect_error(write_scene(folder / "no/a.glb", cloud), {"no/a.glb", "no does not exist"});
   SplatCloud broken = cloud;
   broken.rotations.clear();
   expect_error(write_scene(folder / "a.glb", broken), {"a.glb", "arrays disagree"});

@@ -232,10 +232,10 @@ void add_bench(CLI::App& app, Action& action) {
   command->add_option("scene", s->scene, "the scene file")->required();
   add_size_option(*command, s->size, "WIDTHxHEIGHT (default: 1280x720)");
   command->add_option("--frames", s->protocol.frames, "timed frames of each kind")
-      ->check(CLI::Range(1, 1'000'000))
+      ->check(whole_in(1, 1'000'000))
       ->capture_default_str();
   command->add_option("--warmup", s->protocol.warmup, "frames before the timing")
-      ->check(CLI::Range(0, 1'000'000))
+      ->check(whole_in(0, 1'000'000))
       ->capture_default_str();
   CLI::Option* data =
       command->add_option("--data", s->data.folder, "a data set: views along its images");

@@ -1,5 +1,6 @@
 #include "tools/fluxgs/commands/command.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -7,6 +8,7 @@
 #include <spdlog/spdlog.h>
 
 #include "fluxgs/io/file.h"
+#include "tools/fluxgs/commands/meant_scene.h"
 #include "tools/fluxgs/options/method_options.h"
 #include "trainer/train/checkpoint.h"
 
@@ -21,7 +23,18 @@ std::vector<std::string> plain_words(std::vector<std::string> words) {
   return words;
 }
 
-Expected<SceneFile> read_scene_or_checkpoint(const std::string& path) {
+std::string switch_before(const std::vector<std::string>& words, const std::string& word) {
+  const auto at = std::ranges::find(words, word);
+  if (at == words.end() || at == words.begin()) return "";
+  const std::string& before = *(at - 1);
+  return before.starts_with("--") && before.ends_with("=on") ? before.substr(0, before.size() - 3)
+                                                             : "";
+}
+
+Expected<SceneFile> read_scene_or_checkpoint(const std::string& given) {
+  const auto meant = meant_scene(given);
+  if (!meant) return std::unexpected(meant.error());
+  const std::string& path = *meant;
   if (!is_checkpoint(path)) return read_scene(path);
   const auto checkpoint = read_checkpoint(path);
   if (!checkpoint) return std::unexpected(checkpoint.error());

@@ -36,8 +36,11 @@ void add_doctor(CLI::App& app, Action& action);
 /// "train --antialias DATA" is "train --antialias=on DATA".
 std::vector<std::string> plain_words(std::vector<std::string> words);
 
-/// Reads a scene file, or the scene of a checkpoint of fluxgs train.
-Expected<SceneFile> read_scene_or_checkpoint(const std::string& path);
+/// The switch that a word follows in such words, "--antialias" before "maybe"; empty if none.
+std::string switch_before(const std::vector<std::string>& words, const std::string& word);
+
+/// Reads a scene file or folder (meant_scene.h), or the scene of a checkpoint of fluxgs train.
+Expected<SceneFile> read_scene_or_checkpoint(const std::string& given);
 
 /// The same; prints the reader's warnings, and warns of splats that were left out and of a
 /// scene without any.

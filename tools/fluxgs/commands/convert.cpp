@@ -181,8 +181,8 @@ Expected<void> write_out(const ConvertSettings& s) {
   const bool glb = (*format)->name == "glb";
   if ((s.compact || s.searches()) && !glb)
     return fail(s.out, "extension", "expected .glb, which a compact scene is written as");
-  if ((s.no_compact || s.glb.attribute_bits != 32) && !glb)
-    return fail(s.out, "extension", "expected .glb, whose attributes the options are about");
+  if (s.glb.attribute_bits != 32 && !glb)
+    return fail(s.out, "extension", "expected .glb, which --quantize-attributes is about");
   auto scene = load_cropped(s);
   if (!scene) return std::unexpected(scene.error());
   const int full_degree = scene->cloud.sh_degree;
@@ -205,6 +205,7 @@ Expected<void> write_out(const ConvertSettings& s) {
 
 /// Keeps a file that lay under the name of the result beside it.
 Expected<void> convert(const ConvertSettings& s) {
+  if (auto ok = check_no_folder(s.out); !ok) return ok;
   const auto kept = s.force ? Expected<std::filesystem::path>() : keep_old(s.out);
   if (!kept) return std::unexpected(kept.error());
   auto done = write_out(s);
@@ -220,9 +221,8 @@ Expected<void> convert(const ConvertSettings& s) {
 
 /// Refuses options that would do nothing.
 void check_use(const ConvertSettings& s, const CLI::App& command) {
-  for (const char* option : {"--threads", "--background"})
-    if (command.count(option) > 0 && !s.searches())
-      throw CLI::ValidationError(option, "is used only by --min-psnr and --max-bytes");
+  if (command.count("--background") > 0 && !s.searches())
+    throw CLI::ValidationError("--background", "is used only by --min-psnr and --max-bytes");
   if (command.count("--downscale") > 0 && s.data.folder.empty())
     throw CLI::ValidationError("--downscale", "is used only with --data");
   if (!s.data.folder.empty() && !s.searches())
@@ -246,7 +246,7 @@ void add_compact_options(CLI::App& command, ConvertSettings& s) {
   step_scale->check(in_range(0.001, 1000))->capture_default_str()->needs(compact);
   CLI::Option* bytes = command.add_option("--max-bytes", s.max_bytes,
                                           "search for the least error in a file of this size");
-  bytes->check(CLI::Range(std::size_t{1}, std::size_t{1} << 50));
+  bytes->check(whole_in(1, std::int64_t{1} << 50));
   CLI::Option* loss = command.add_option(
       "--min-psnr", s.min_psnr, "search for the smallest file whose renders have this PSNR (dB)");
   loss->check(in_range(1, 120))->excludes(bytes)->excludes(step_scale)->excludes(floats);
@@ -282,12 +282,12 @@ void add_convert(CLI::App& app, Action& action) {
   command->add_option("out", settings->out, "the scene to write: " + writable_extensions())
       ->required();
   command->add_option("--sh-degree", settings->sh_degree, "highest SH degree to keep")
-      ->check(CLI::Range(0, 3))
+      ->check(whole_in(0, 3))
       ->capture_default_str();
   command
       ->add_option("--spz-version", settings->spz_version,
                    "version of a .spz: 3, read everywhere, or 4, smaller")
-      ->check(CLI::Range(3, 4))
+      ->check(whole_in(3, 4))
       ->capture_default_str();
   command->add_flag("--force", settings->force,
                     "replace OUT if it exists, instead of keeping it as OUT.~1~");

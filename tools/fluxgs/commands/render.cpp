@@ -233,7 +233,7 @@ void add_render(CLI::App& app, Action& action) {
                            ->add_option("--orbit", s->orbit,
                                         "number of views around the scene, or with --data\n"
                                         "along the arc that its images cover")
-                           ->check(CLI::Range(1, 10000));
+                           ->check(whole_in(1, 10000));
   CLI::Option* camera = command->add_option("--camera", s->camera_file,
                                             "JSON list of {name, position, target, up, fovY}");
   view->excludes(orbit)->excludes(camera)->needs(data);
@@ -246,7 +246,7 @@ void add_render(CLI::App& app, Action& action) {
       ->check(CLI::IsMember(kFormatNames))
       ->capture_default_str();
   command->add_option("--sh-degree", s->sh_degree, "highest SH degree to evaluate")
-      ->check(CLI::Range(0, 3));
+      ->check(whole_in(0, 3));
   command->add_flag("--check", s->check, "measure each image against the float64 reference (slow)");
   command->add_flag("--json", s->as_json, "print one JSON object");
   command->callback([s, view, &action] {

@@ -296,7 +296,7 @@ void add_report_codec(CLI::App& app, Action& action) {
   command->add_option("--data", s->data.folder, "the data set with the images");
   command->add_option("--compare", s->compare, "other files of the same scene");
   command->add_option("--sh-degree", s->sh_degree, "highest SH degree to keep")
-      ->check(CLI::Range(0, 3))
+      ->check(whole_in(0, 3))
       ->capture_default_str();
   command->add_option("--plot", s->plot, "write a plot of size against error: .png or .svg");
   command->add_option("--json", s->report, "write the results as JSON (-: standard output)");

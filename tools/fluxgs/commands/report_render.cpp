@@ -377,10 +377,10 @@ void add_report_render(CLI::App& app, Action& action) {
   command->add_option("--data", s->data.folder, "a data set: views are those of its images");
   add_size_option(*command, s->size, "WIDTHxHEIGHT (default: 640x480)");
   command->add_option("--views", s->views, "number of views for the errors")
-      ->check(CLI::Range(1, 12))
+      ->check(whole_in(1, 12))
       ->capture_default_str();
   command->add_option("--rounds", s->rounds, "frames for each median time")
-      ->check(CLI::Range(1, 10000))
+      ->check(whole_in(1, 10000))
       ->capture_default_str();
   command->add_option("--only", s->only, "only these groups of settings, besides the defaults")
       ->delimiter(',')

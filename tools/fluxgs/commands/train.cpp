@@ -12,6 +12,7 @@
 #include "tools/fluxgs/commands/command.h"
 #include "tools/fluxgs/commands/train_run.h"
 #include "tools/fluxgs/commands/training.h"
+#include "tools/fluxgs/options/data_options.h"
 #include "tools/fluxgs/terminal/files.h"
 #include "tools/fluxgs/terminal/json_file.h"
 #include "tools/fluxgs/terminal/run_lock.h"
@@ -93,6 +94,8 @@ Expected<void> train(TrainSettings settings) {
   if (settings.plan) return print_plan(settings);
   if (settings.backend == "cuda")
     return fail("", "--backend cuda", "this build has no CUDA backend; use --backend cpu");
+  for (const std::string& file : {settings.out, settings.float_output, settings.report})
+    if (auto ok = check_no_folder(file); !ok) return ok;
   const auto format = scene_format_for(settings.out);
   if (!format) return std::unexpected(format.error());
   if (auto ok = check_outputs(settings); !ok) return ok;
@@ -110,15 +113,6 @@ Expected<void> train(TrainSettings settings) {
   if (auto written = training.write_results(); !written) return written;
   training.say_what_next();
   return {};
-}
-
-/// A checkpoint brings every option but these.
-bool stays_free_on_resume(const std::string& name) {
-  const std::string_view free[] = {"data",    "out",   "float-output", "resume",
-                                   "threads", "json",  "backend",      "checkpoint-every",
-                                   "preview", "force", "iterations",   "preview-every",
-                                   "holdout"};
-  return std::ranges::find(free, name) != std::end(free);
 }
 
 }  // namespace
@@ -142,7 +136,7 @@ void add_train(CLI::App& app, Action& action) {
                               "also write the uncompressed scene, for example as .ply"),
           kFiles);
   // Its name in version 0.1.0
-  grouped(command->add_option("--exact", settings->float_output)->excludes("--float-output"), "");
+  grouped(command->add_option("--exact", settings->float_output), "");
   grouped(command->add_option("--json", settings->report,
                               "write a report of the run as JSON (-: standard output)"),
           kFiles);
@@ -159,7 +153,7 @@ void add_train(CLI::App& app, Action& action) {
       ->capture_default_str()
       ->each([settings](const std::string& text) {
         const auto interval = parse_checkpoint_interval(text);
-        if (!interval) throw CLI::ValidationError("--checkpoint-every", interval.error().message());
+        if (!interval) throw CLI::ValidationError(interval.error().message());
         settings->checkpoint_every = *interval;
       });
   grouped(command->add_flag("--force", settings->force, "replace files that are there already"),
@@ -170,10 +164,10 @@ void add_train(CLI::App& app, Action& action) {
   grouped(command->add_option("--preview-every", settings->preview_every,
                               "iterations between pictures of one view, in OUT.preview/"),
           kRun)
-      ->check(CLI::Range(1, 1'000'000'000));
-  grouped(
-      command->add_option("--preset", settings->preset, "set of defaults for all training options"),
-      kRun)
+      ->check(whole_in(1, 1'000'000'000));
+  grouped(command->add_option("--preset", settings->preset,
+                              "set of defaults for all training options; those shown are flux's"),
+          kRun)
       ->check(CLI::IsMember(preset_names()))
       ->capture_default_str();
   grouped(command->add_flag("--plan", settings->plan,
@@ -189,16 +183,13 @@ void add_train(CLI::App& app, Action& action) {
   add_method_options(*command, settings->method);
   show_groups(*command, {kFiles, kRun, kCommonOptions});
   command->callback([settings, command, &action] {
-    for (const CLI::Option* option : command->get_options()) {
+    for (const CLI::Option* option : command->get_options())
       if (option->count() > 0) settings->given.insert(option->get_single_name());
-      if (!settings->resume.empty() && option->count() > 0 &&
-          !stays_free_on_resume(option->get_single_name()))
-        throw CLI::ValidationError("--" + option->get_single_name(),
-                                   "cannot be changed with --resume");
-    }
     if (!settings->plan)
       for (const char* name : {"data", "--out"})
         if (command->get_option(name)->count() == 0) throw CLI::RequiredError(name);
+    if (settings->given.contains("exact") && settings->given.contains("float-output"))
+      throw CLI::ValidationError("--exact", "is the old name of --float-output; give one of them");
     if (!settings->out.empty() && same_file(settings->float_output, settings->out))
       throw CLI::ValidationError("--float-output", "is the same file as --out");
     action = [settings] { return train(*settings); };

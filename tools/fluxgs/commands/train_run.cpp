@@ -48,6 +48,37 @@ void thin_out(PointCloud& points, std::size_t most) {
   points.colors.resize(most);
 }
 
+/// Refuses options with other values than those of the checkpoint, --iterations apart.
+Expected<void> check_unchanged(const TrainSettings& settings, const Checkpoint& checkpoint) {
+  std::vector<std::string> changed = changed_options(settings.method, checkpoint.options);
+  std::erase(changed, "iterations");
+  const auto note = [&](const char* name, bool same) {
+    if (settings.given.contains(name) && !same) changed.emplace_back(name);
+  };
+  note("preset", settings.preset == checkpoint.preset);
+  note("downscale", settings.data.downscale == checkpoint.downscale);
+  note("background", settings.data.background_color() == checkpoint.options.render.background);
+  if (changed.empty()) return {};
+  return fail(
+      "", "--" + changed.front(),
+      fmt::format("cannot be changed with --resume; {} has another value", settings.resume));
+}
+
+/// Refuses other images than those of the checkpoint.
+Expected<void> check_images(const TrainSettings& settings, const Dataset& data,
+                            const Checkpoint& checkpoint) {
+  if (data.train.size() != checkpoint.train_views)
+    return fail(settings.data.folder, "",
+                fmt::format("{} training images, expected the {} that {} was made with",
+                            data.train.size(), checkpoint.train_views, settings.resume));
+  if (hash_views(data.train) != checkpoint.views_hash)
+    return fail(settings.data.folder, "",
+                fmt::format("the images, their poses or which of them are for testing have changed "
+                            "since {} was made; without --resume a new training begins",
+                            settings.resume));
+  return {};
+}
+
 /// Lets a training go on beyond its end: what its length decided stays as it was.
 Expected<void> extend(TrainOptions& options, const MethodOptions& given) {
   TrainOptions asked = options;
@@ -107,6 +138,7 @@ Expected<Run> new_run(TrainSettings& settings, const Threads& threads) {
 Expected<Run> resume_run(TrainSettings& settings) {
   auto checkpoint = read_checkpoint(settings.resume);
   if (!checkpoint) return std::unexpected(checkpoint.error());
+  if (auto ok = check_unchanged(settings, *checkpoint); !ok) return std::unexpected(ok.error());
   settings.preset = checkpoint->preset;
   settings.data.downscale = checkpoint->downscale;
   settings.data.masks = checkpoint->options.get<MaskOptions>().masks;
@@ -114,11 +146,7 @@ Expected<Run> resume_run(TrainSettings& settings) {
   settings.data.background = {background.x, background.y, background.z};
   auto data = load(settings.data);
   if (!data) return std::unexpected(data.error());
-  if (data->train.size() != checkpoint->train_views ||
-      hash_views(data->train) != checkpoint->views_hash)
-    return fail(settings.data.folder, "",
-                fmt::format("{} training images, but not the {} that {} was made with",
-                            data->train.size(), checkpoint->train_views, settings.resume));
+  if (auto ok = check_images(settings, *data, *checkpoint); !ok) return std::unexpected(ok.error());
   if (auto ok = extend(checkpoint->options, settings.method); !ok)
     return std::unexpected(ok.error());
   if (checkpoint->state.iteration == checkpoint->options.iterations)

@@ -335,7 +335,7 @@ void add_view(CLI::App& app, Action& action) {
       ->capture_default_str();
   add_size_option(*command, s->size, "WIDTHxHEIGHT of the window (default: 1280x720)");
   command->add_option("--sh-degree", s->sh_degree, "highest SH degree to evaluate")
-      ->check(CLI::Range(0, 3));
+      ->check(whole_in(0, 3));
   command
       ->add_option("--memory", s->memory,
                    "limit of graphics memory, MB; splats of least contribution are left out")
@@ -343,7 +343,7 @@ void add_view(CLI::App& app, Action& action) {
   add_data_options(*command, s->data);
   CLI::Option* frames =
       command->add_option("--frames", s->frames, "show this many frames, 1/60 s each, then close")
-          ->check(CLI::Range(1, 1'000'000));
+          ->check(whole_in(1, 1'000'000));
   command->add_option("--screenshot", s->screenshot, "write the last frame as a PNG")
       ->needs(frames);
   command->add_flag("--follow", s->follow, "show the file anew whenever it is written again");

@@ -33,13 +33,23 @@ CLI::Validator in_range(double min, double max) {
           "FLOAT:" + name};
 }
 
+CLI::Validator whole_in(std::int64_t min, std::int64_t max) {
+  return {[=](const std::string& text) {
+            std::int64_t value = 0;
+            const bool number = CLI::detail::lexical_cast(text, value);
+            if (number && value >= min && value <= max) return std::string();
+            return fmt::format("'{}': expected a whole number from {} to {}", text, min, max);
+          },
+          fmt::format("{} to {}", min, max)};
+}
+
 void add_data_options(CLI::App& command, DataOptions& options) {
   command
       .add_option("--downscale", options.downscale,
                   fmt::format("reduce the images by this factor (default: only those above {} "
                               "pixels, to that size)",
                               kDefaultLongestSide))
-      ->check(CLI::Range(1, 64));
+      ->check(whole_in(1, 64));
   command.add_option("--holdout", options.holdout,
                      "images for testing: none, every-N, or a file of their names (default: as the "
                      "data set says, or every-8)");
@@ -47,10 +57,10 @@ void add_data_options(CLI::App& command, DataOptions& options) {
       .add_option("--video-frames", options.video_frames,
                   fmt::format("frames to take of a video (default: {}, or as many as before)",
                               kDefaultVideoFrames))
-      ->check(CLI::Range(2, 2000));
+      ->check(whole_in(2, 2000));
   add_background(command, options.background);
   command.add_option("--threads", options.threads, "0: all cores; does not change the result")
-      ->check(CLI::Range(0, 1024))
+      ->check(whole_in(0, 1024))
       ->capture_default_str();
 }
 

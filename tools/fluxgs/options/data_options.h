@@ -1,6 +1,7 @@
 // A data set on the command line: its options, and loading it.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,6 +29,9 @@ struct DataOptions {
 
 /// For options: a number from `min` to `max` and, unlike with CLI::Range, never NaN.
 CLI::Validator in_range(double min, double max);
+
+/// The same for whole numbers.
+CLI::Validator whole_in(std::int64_t min, std::int64_t max);
 
 /// --downscale, --holdout, --video-frames, --background ("r,g,b", each from 0 to 1) and --threads.
 void add_data_options(CLI::App& command, DataOptions& options);

@@ -77,7 +77,7 @@ void show_groups(CLI::App& command, std::vector<std::string> groups) {
 }
 
 void add_method_options(CLI::App& command, MethodOptions& given) {
-  TrainOptions defaults = default_options();
+  TrainOptions defaults = preset(preset_names().front()).value();
   for (const OptionField& f : defaults.fields()) {
     const std::string name = f.name;
     command
@@ -104,6 +104,16 @@ std::vector<std::string> with_switches_on(std::vector<std::string> words) {
     if (!has_value && std::ranges::count(switches, words[i]) > 0) words[i] += "=on";
   }
   return words;
+}
+
+std::vector<std::string> changed_options(const MethodOptions& given, const TrainOptions& options) {
+  TrainOptions before = options, after = options;
+  apply(given, after);
+  OptionFields fields = before.fields(), others = after.fields();
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < fields.size(); ++i)
+    if (text_of(fields[i]) != text_of(others[i])) names.emplace_back(fields[i].name);
+  return names;
 }
 
 void apply(const MethodOptions& given, TrainOptions& options) {

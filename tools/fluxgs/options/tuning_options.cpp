@@ -23,17 +23,17 @@ void add_tuning_options(CLI::App& command, TuningOptions& t) {
             .add_option("--sorter", t.sorter,
                         "gpu (radix sort), cpu (on a thread of its own) or exact (float64)")
             ->check(CLI::IsMember({"gpu", "cpu", "exact"})));
-  shown(command.add_option("--key-bits", t.key_bits, "bits of a depth key")
-            ->check(CLI::Range(10, 32)));
+  shown(
+      command.add_option("--key-bits", t.key_bits, "bits of a depth key")->check(whole_in(10, 32)));
   shown(command.add_option("--digit-bits", t.digit_bits, "bits sorted in each pass of the GPU")
-            ->check(CLI::Range(4, 8)));
+            ->check(whole_in(4, 8)));
   shown(command
             .add_option("--splat-precision", t.splat_precision,
                         "full (32 bytes a splat) or half (16)")
             ->check(CLI::IsMember({"full", "half"})));
-  shown(command.add_option("--batch", t.batch, "quads per instance")->check(CLI::Range(1, 128)));
+  shown(command.add_option("--batch", t.batch, "quads per instance")->check(whole_in(1, 128)));
   shown(command.add_option("--sh-degree", t.sh_degree, "highest SH degree to evaluate")
-            ->check(CLI::Range(0, 3)));
+            ->check(whole_in(0, 3)));
   shown(command.add_option("--format", t.format, "image format")
             ->check(CLI::IsMember({"rgba8", "rgba16f"})));
   shown(command

@@ -27,6 +27,12 @@ bool same_file(const fs::path& a, const fs::path& b) {
   return !a.empty() && !b.empty() && resolved(a) == resolved(b);
 }
 
+Expected<void> check_no_folder(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) return {};
+  return fail(path.string(), "", "is a folder; expected the name of a file to write");
+}
+
 Expected<void> check_overwrite(const fs::path& path, bool force) {
   std::error_code ignored;
   if (force || !fs::exists(path, ignored)) return {};

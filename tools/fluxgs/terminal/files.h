@@ -13,6 +13,9 @@ bool lies_in(const std::filesystem::path& inner, const std::filesystem::path& fo
 /// True for two paths of one file, which need not exist; false for an empty path.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
+/// An error where a folder lies in the place of a file that is to be written.
+Expected<void> check_no_folder(const std::filesystem::path& path);
+
 /// An error that names --force if something lies under `path` already, unless `force`. For results:
 /// asked before long work, so that nobody loses a scene to a habit.
 Expected<void> check_overwrite(const std::filesystem::path& path, bool force);

@@ -234,7 +234,9 @@ Expected<SceneFile> read(std::span<const std::byte> bytes, const NamedFiles& fil
   if (instances.empty() &&
       std::ranges::find(json.extensions_used, kSplatExtension) == json.extensions_used.end()) {
     return fail(name, "meshes",
-                fmt::format("no primitive has {}; expected splats", kSplatExtension));
+                fmt::format("no primitive has {}: it holds no splats, but the meshes of a model or "
+                            "nothing; expected splats",
+                            kSplatExtension));
   }
   const std::size_t size = document->buffers.bytes();
   const auto total = count_splats(instances, size, name);

@@ -47,10 +47,22 @@ std::string column_name(const SplatColumns& columns, std::size_t i) {
   return columns.flat && i == kLastScale ? kNames[kLastScale - 1] : kNames[i];
 }
 
+// True for the points of a mesh or a point cloud.
+bool is_without_splats(const PlyElement& vertex) {
+  constexpr std::array<const char*, 4> kOfSplats{"f_dc_0", "opacity", "scale_0", "rot_0"};
+  return has_ply_property(vertex, "x") && std::ranges::none_of(kOfSplats, [&](const char* n) {
+           return has_ply_property(vertex, n);
+         });
+}
+
 Expected<SplatColumns> find_splat_columns(const PlyElement& vertex, const std::string& name) {
   if (vertex.has_lists()) {
     return fail(name, "element vertex", "holds a list property; expected only scalars");
   }
+  if (is_without_splats(vertex))
+    return fail(name, "element vertex",
+                "has points without size, rotation and opacity: a mesh or a point cloud; expected "
+                "the splats of a 3DGS .ply (f_dc_0, opacity, scale_0, rot_0, ...)");
   const auto degree = ply_sh_degree(vertex, name);
   if (!degree) return std::unexpected(degree.error());
   SplatColumns columns;
@@ -95,7 +107,7 @@ void store(const SplatColumns& columns, const float* v, std::size_t i, SplatClou
 }
 
 Expected<SplatCloud> read_elements(std::span<const std::byte> bytes, const PlyHeader& header,
-                                   const std::string& name) {
+                                   const std::string& name, std::vector<std::string>& warnings) {
   const auto vertex = std::ranges::find(header.elements, "vertex", &PlyElement::name);
   if (vertex == header.elements.end()) {
     return fail(name, "header", "has no element \"vertex\"; expected one row of it per splat");
@@ -115,6 +127,10 @@ Expected<SplatCloud> read_elements(std::span<const std::byte> bytes, const PlyHe
     }
     if (!done) return std::unexpected(done.error());
   }
+  if (const std::size_t left = data.bytes_left(); left > 0)
+    warnings.push_back(
+        fmt::format("{} bytes behind the {} splats that its header promises are not read", left,
+                    cloud->size()));
   return cloud;
 }
 
@@ -130,9 +146,9 @@ bool is_ply(std::span<const std::byte> bytes) {
 Expected<SceneFile> read_ply(std::span<const std::byte> bytes, const std::string& name) {
   const auto header = parse_ply_header(bytes, name);
   if (!header) return std::unexpected(header.error());
-  auto cloud = read_elements(bytes, *header, name);
-  if (!cloud) return std::unexpected(cloud.error());
   SceneFile scene;
+  auto cloud = read_elements(bytes, *header, name, scene.warnings);
+  if (!cloud) return std::unexpected(cloud.error());
   scene.cloud = std::move(*cloud);
   scene.cloud.filter = filter_of_comments(header->comments);
   scene.start = view_of_comments(header->comments);

@@ -136,6 +136,11 @@ class TextCursor {
     return true;
   }
 
+  std::size_t bytes_left() const {
+    const std::size_t begin = text_.find_first_not_of(" \t\r\n");
+    return begin == std::string_view::npos ? 0 : text_.size() - begin;
+  }
+
  private:
   std::string_view text_;
 };
@@ -190,6 +195,9 @@ class PlyData {
     binary_.skip(element.count * row_bytes);
     return {};
   }
+
+  /// Bytes behind the last element that was read, but for blanks at the end of a text.
+  std::size_t bytes_left() const { return is_text() ? text_.bytes_left() : binary_.left().size(); }
 
  private:
   bool is_text() const { return encoding_ == PlyEncoding::ascii; }
