@@ -47,8 +47,8 @@ class Carving final : public Phase {
 
 OptionFields MaskOptions::fields(const TrainOptions&) {
   return {choice("masks",
-                 "use of masks, black where masked, and of transparency (auto: ignore what masks "
-                 "cover, carve what is transparent)",
+                 "what black in masks and transparency of photos mean (auto: ignore what is black, "
+                 "keep the scene empty where photos are transparent)",
                  masks, kMaskUseNames),
           real("alpha-loss", "weight of the difference of opacities where photos are carved",
                alpha_loss, 0, 10)};

@@ -72,8 +72,8 @@ void add_masks_option(CLI::App& command, MaskUse& masks) {
             masks = static_cast<MaskUse>(std::ranges::find(kMaskUseNames, name) -
                                          kMaskUseNames.begin());
           },
-          "use of masks, black where masked, and of transparency (auto: masked pixels do not "
-          "count, transparent ones show the background)")
+          "what black in masks and transparency of photos mean (auto: ignore what is black; "
+          "what is transparent shows the background)")
       ->check(CLI::IsMember(std::vector<std::string>(kMaskUseNames.begin(), kMaskUseNames.end())))
       ->default_str(std::string(kMaskUseNames[0]));
 }
