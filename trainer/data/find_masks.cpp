@@ -3,18 +3,16 @@
 #include <algorithm>
 #include <map>
 #include <string>
-#include <system_error>
 
 #include <fmt/format.h>
 
 #include "trainer/data/lower_case.h"
+#include "trainer/data/walk_folder.h"
 
 namespace fluxgs {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::size_t kMaxMasks = 1'000'000;  // files that are looked at
 
 /// A path in lower case, without its extension.
 std::string stem_of(const fs::path& name) {
@@ -26,17 +24,14 @@ std::string stem_of(const fs::path& name) {
 using Masks = std::map<std::string, fs::path>;
 
 void list_into(const fs::path& folder, Masks& masks) {
-  std::error_code error;
-  const auto options = fs::directory_options::skip_permission_denied;
-  std::size_t count = 0;
-  for (fs::recursive_directory_iterator at(folder, options, error), end;
-       !error && at != end && count < kMaxMasks; at.increment(error), ++count) {
+  walk_folder(folder, [&](const fs::directory_entry& entry, int) {
     std::error_code ignored;
-    if (!at->is_regular_file(ignored)) continue;
+    if (!entry.is_regular_file(ignored)) return true;
     const auto [known, is_new] =
-        masks.emplace(stem_of(at->path().lexically_relative(folder)), at->path());
-    if (!is_new) known->second = std::min(known->second, at->path());
-  }
+        masks.emplace(stem_of(entry.path().lexically_relative(folder)), entry.path());
+    if (!is_new) known->second = std::min(known->second, entry.path());
+    return true;
+  });
 }
 
 Masks list_masks(const fs::path& folder) {

@@ -1,17 +1,15 @@
 #include "trainer/data/image_finder.h"
 
 #include <algorithm>
-#include <system_error>
 
 #include "trainer/data/file_bytes.h"
 #include "trainer/data/lower_case.h"
+#include "trainer/data/walk_folder.h"
 
 namespace fluxgs {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::size_t kMaxListed = 1'000'000;  // files of the folders that are looked at
 
 std::string without_extension(const std::string& name) {
   return fs::path(name).replace_extension().generic_string();
@@ -52,19 +50,15 @@ std::optional<fs::path> ImageFinder::find_exactly(const std::string& name) const
 
 void ImageFinder::list() {
   listed_ = true;
-  std::size_t count = 0;
-  for (const fs::path& folder : folders_) {
-    std::error_code error;
-    const auto options = fs::directory_options::skip_permission_denied;
-    for (fs::recursive_directory_iterator at(folder, options, error), end;
-         !error && at != end && count < kMaxListed; at.increment(error), ++count) {
+  for (const fs::path& folder : folders_)
+    walk_folder(folder, [&](const fs::directory_entry& entry, int) {
       std::error_code ignored;
-      if (!at->is_regular_file(ignored)) continue;
-      const std::string name = lower_case(at->path().lexically_relative(folder).generic_string());
-      add(by_name_, name, at->path());
-      add(by_stem_, without_extension(name), at->path());
-    }
-  }
+      if (!entry.is_regular_file(ignored)) return true;
+      const std::string name = lower_case(entry.path().lexically_relative(folder).generic_string());
+      add(by_name_, name, entry.path());
+      add(by_stem_, without_extension(name), entry.path());
+      return true;
+    });
 }
 
 std::optional<fs::path> ImageFinder::find_listed(const std::string& name) {

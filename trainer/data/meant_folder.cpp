@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -11,6 +10,7 @@
 #include "trainer/data/file_list.h"
 #include "trainer/data/photos/photo_list.h"
 #include "trainer/data/pose_places.h"
+#include "trainer/data/walk_folder.h"
 
 namespace fluxgs {
 namespace {
@@ -33,20 +33,15 @@ bool holds_poses(const fs::path& folder) { return !pose_places(folder).empty(); 
 /// Folders with poses below a folder, in the order of their names; none below another one.
 std::vector<fs::path> data_sets_below(const fs::path& folder) {
   constexpr int kDeepest = 2;  // folders between
-  constexpr std::size_t kMost = 100'000;
   std::vector<fs::path> found;
-  std::error_code error;
-  const auto options = fs::directory_options::skip_permission_denied;
-  std::size_t count = 0;
-  for (fs::recursive_directory_iterator at(folder, options, error), end;
-       !error && at != end && count < kMost; at.increment(error), ++count) {
+  walk_folder(folder, [&](const fs::directory_entry& entry, int depth) {
     std::error_code ignored;
-    if (!at->is_directory(ignored)) continue;
-    const bool poses = holds_poses(at->path());
-    if (poses) found.push_back(at->path());
-    const bool hidden = at->path().filename().string().starts_with('.');
-    if (poses || hidden || at.depth() >= kDeepest) at.disable_recursion_pending();
-  }
+    if (!entry.is_directory(ignored)) return false;
+    const bool poses = holds_poses(entry.path());
+    if (poses) found.push_back(entry.path());
+    const bool hidden = entry.path().filename().string().starts_with('.');
+    return !poses && !hidden && depth < kDeepest;
+  });
   std::ranges::sort(found);
   return found;
 }

@@ -27,6 +27,7 @@
 #include "trainer/core/process.h"
 #include "trainer/data/heif.h"
 #include "trainer/data/photos/work_folder.h"
+#include "trainer/data/walk_folder.h"
 
 namespace fluxgs::cli {
 namespace {
@@ -72,18 +73,15 @@ json flip() {
 
 /// Reduced photos and poses that are kept for a next time.
 json work_kept() {
-  namespace fs = std::filesystem;
   const auto folder = work_folders();
   if (!folder) return nullptr;
-  std::error_code error;
   std::uintmax_t bytes = 0;
-  const auto options = fs::directory_options::skip_permission_denied;
-  for (fs::recursive_directory_iterator at(*folder, options, error), end; !error && at != end;
-       at.increment(error)) {
+  walk_folder(*folder, [&](const std::filesystem::directory_entry& entry, int) {
     std::error_code ignored;
-    const std::uintmax_t size = at->is_regular_file(ignored) ? at->file_size(ignored) : 0;
+    const std::uintmax_t size = entry.is_regular_file(ignored) ? entry.file_size(ignored) : 0;
     if (!ignored) bytes += size;
-  }
+    return true;
+  });
   return {{"path", folder->string()}, {"bytes", bytes}};
 }
 

@@ -13,6 +13,7 @@
 #include "trainer/data/file_list.h"
 #include "trainer/data/photos/photo_list.h"
 #include "trainer/data/pose_places.h"
+#include "trainer/data/walk_folder.h"
 
 namespace fluxgs::cli {
 namespace {
@@ -28,18 +29,14 @@ bool has_scene_name(const fs::path& file) {
 /// Scenes in a folder and the three levels below it, the largest first.
 FileList scenes_below(const fs::path& folder) {
   constexpr int kDeepest = 3;
-  constexpr std::size_t kMost = 100'000;
   std::vector<std::pair<std::uintmax_t, std::string>> found;
-  std::error_code error;
-  std::size_t count = 0;
-  const auto options = fs::directory_options::skip_permission_denied;
-  for (fs::recursive_directory_iterator at(folder, options, error), end;
-       !error && at != end && count < kMost; at.increment(error), ++count) {
+  walk_folder(folder, [&](const fs::directory_entry& entry, int depth) {
     std::error_code ignored;
-    if (at.depth() >= kDeepest) at.disable_recursion_pending();
-    if (at->is_regular_file(ignored) && has_scene_name(at->path()))
-      found.emplace_back(at->file_size(ignored), at->path().lexically_relative(folder).string());
-  }
+    if (entry.is_regular_file(ignored) && has_scene_name(entry.path()))
+      found.emplace_back(entry.file_size(ignored),
+                         entry.path().lexically_relative(folder).string());
+    return depth < kDeepest;
+  });
   std::ranges::sort(found, std::greater());
   FileList names;
   for (const auto& [bytes, name] : found) names.add(name);

@@ -45,7 +45,7 @@ Expected<fs::path> keep_old(const fs::path& path) {
   const fs::path old = resolved(path);  // a link's file, not the link
   constexpr int kMaxKept = 1000;
   for (int i = 1; i <= kMaxKept; ++i) {
-    const fs::path kept = old.string() + ".~" + std::to_string(i) + "~";
+    fs::path kept = old.string() + ".~" + std::to_string(i) + "~";
     fs::create_hard_link(old, kept, failed);
     if (!failed) return kept;
     if (failed != std::errc::file_exists) break;

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "trainer/data/walk_folder.h"
+
 namespace fluxgs {
 namespace {
 
@@ -69,18 +71,10 @@ void add_entry(const fs::directory_entry& entry, const fs::path& root, PhotoList
 void add_folder(const fs::path& folder, const fs::path& root, bool with_sub_folders,
                 PhotoList& list) {
   constexpr int kDeepest = 4;
-  constexpr std::size_t kMost = 1'000'000;
-  std::error_code error;
-  const auto options = fs::directory_options::skip_permission_denied;
-  std::size_t count = 0;
-  for (fs::recursive_directory_iterator at(folder, options, error), end;
-       !error && at != end && count < kMost; at.increment(error), ++count) {
-    std::error_code ignored;
-    if (at->is_directory(ignored) &&
-        (!with_sub_folders || at.depth() >= kDeepest || is_passed_over(at->path())))
-      at.disable_recursion_pending();
-    add_entry(*at, root, list);
-  }
+  walk_folder(folder, [&](const fs::directory_entry& entry, int depth) {
+    add_entry(entry, root, list);
+    return with_sub_folders && depth < kDeepest && !is_passed_over(entry.path());
+  });
 }
 
 }  // namespace
