@@ -17,6 +17,9 @@ namespace fluxgs {
 /// 8 or 15.
 constexpr int sh_rest_count(int degree) { return (degree + 1) * (degree + 1) - 1; }
 
+/// The highest SH degree that scenes hold here; readers leave out what is above.
+inline constexpr int kMaxShDegree = 3;
+
 /// A scene of 3D Gaussians. Frame: that of an INRIA 3DGS .ply (right-handed, y down, z forward for
 /// the first COLMAP camera); readers and writers of other conventions convert at the door.
 /// Every array has size() entries, sh_rest has size()·sh_rest_count(sh_degree).

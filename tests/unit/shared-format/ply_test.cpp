@@ -290,6 +290,21 @@ TEST(Ply, BytesBehindTheLastSplatAreWarnedOf) {
               testing::ElementsAre(testing::HasSubstr("4 bytes behind the 1 splats")));
 }
 
+TEST(Ply, TheFourthDegreeIsLeftOut) {
+  std::vector<std::string> properties = kProperties;
+  std::string row = "1 2 3 4 5 6 7 8 9 10 1 0 0 0";
+  for (int i = 0; i < 72; ++i) {
+    properties.push_back(fmt::format("f_rest_{}", i));
+    row += fmt::format(" {}", i);
+  }
+  const auto scene = read(header("ascii", vertex(1, properties)) + row + "\n");
+  ASSERT_TRUE(scene) << scene.error().message();
+  EXPECT_EQ(scene->cloud.sh_degree, 3);
+  EXPECT_EQ(scene->cloud.sh_rest[0], glm::vec3(0, 24, 48));
+  EXPECT_EQ(scene->cloud.sh_rest[14], glm::vec3(14, 38, 62));
+  EXPECT_THAT(scene->warnings, testing::ElementsAre(testing::HasSubstr("beyond degree 3")));
+}
+
 TEST(Ply, CountOfRestPropertiesDecidesTheDegree) {
   for (int count = 0; count <= 50; ++count) {
     std::vector<std::string> properties = kProperties;
@@ -299,7 +314,7 @@ TEST(Ply, CountOfRestPropertiesDecidesTheDegree) {
       ASSERT_TRUE(scene) << scene.error().message();
       EXPECT_EQ(3 * sh_rest_count(scene->cloud.sh_degree), count);
     } else {
-      expect_error(scene, {fmt::format("has {} properties f_rest_*", count), "0, 9, 24 or 45"});
+      expect_error(scene, {fmt::format("has {} properties f_rest_*", count), "0, 9, 24, 45, 72"});
     }
   }
   std::vector<std::string> gap = kProperties;

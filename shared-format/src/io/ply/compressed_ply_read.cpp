@@ -137,7 +137,7 @@ Expected<void> find_sh(const PlyHeader& header, std::span<const std::byte> bytes
                        const std::string& name) {
   const PlyElement* element = find_element(header, "sh");
   if (element == nullptr) return {};
-  const auto degree = ply_sh_degree(*element, name);
+  const auto degree = ply_sh_degree(*element, kMaxShDegree, name);
   if (!degree) return std::unexpected(degree.error());
   tables.sh_degree = *degree;
   tables.sh = table_of(header, *element, bytes);

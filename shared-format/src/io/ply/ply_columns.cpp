@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "fluxgs/splat_cloud.h"
 
@@ -13,15 +14,17 @@ bool has_ply_property(const PlyElement& element, std::string_view property) {
          element.properties.end();
 }
 
-Expected<int> ply_sh_degree(const PlyElement& element, const std::string& name) {
+Expected<int> ply_sh_degree(const PlyElement& element, int highest, const std::string& name) {
   const auto rest = std::ranges::count_if(
       element.properties, [](const auto& p) { return p.name.starts_with("f_rest_"); });
-  for (int degree = 0; degree <= 3; ++degree) {
-    if (rest == 3 * sh_rest_count(degree)) return degree;
+  std::vector<int> counts;
+  for (int degree = 0; degree <= highest; ++degree) {
+    counts.push_back(3 * sh_rest_count(degree));
+    if (rest == counts.back()) return degree;
   }
-  return fail(
-      name, "element " + element.name,
-      fmt::format("has {} properties f_rest_*; expected 0, 9, 24 or 45 (degrees 0 to 3)", rest));
+  return fail(name, "element " + element.name,
+              fmt::format("has {} properties f_rest_*; expected one of {} (degrees 0 to {})", rest,
+                          fmt::join(counts, ", "), highest));
 }
 
 Expected<std::size_t> find_ply_property(const PlyElement& element, std::string_view property,

@@ -12,8 +12,8 @@ namespace fluxgs::io {
 
 bool has_ply_property(const PlyElement& element, std::string_view property);
 
-/// The degree, 0…3, that the number of properties f_rest_* tells: 0, 9, 24 or 45.
-Expected<int> ply_sh_degree(const PlyElement& element, const std::string& name);
+/// The degree, 0…highest, that the number of properties f_rest_* tells: 0, 9, 24, 45 or 72.
+Expected<int> ply_sh_degree(const PlyElement& element, int highest, const std::string& name);
 
 /// The index of a property among those of its element; an error if it is missing or there twice.
 /// `format` says in errors whose properties are expected.

@@ -26,12 +26,14 @@ constexpr std::array<const char*, kPlain> kNames{
     "x",       "y",       "z",       "f_dc_0", "f_dc_1", "f_dc_2", "opacity",
     "scale_0", "scale_1", "scale_2", "rot_0",  "rot_1",  "rot_2",  "rot_3"};
 
+constexpr int kMaxStoredDegree = 4;                     // gsplat and Brush train as many
 constexpr std::size_t kFirstColor = 3, kLastScale = 9;  // of kNames
 constexpr float kFlat = -20;                            // log-scale of an axis without length
 
 // Where the values of a splat stand in a row of the file: kNames, then f_rest_0 ….
 struct SplatColumns {
-  int sh_degree = 0;
+  int sh_degree = 0;                  // as kept
+  int stored_degree = 0;              // of the file, which may be higher
   std::vector<std::size_t> property;  // index among the element's properties
   bool flat = false;                  // a 2D Gaussian: scale_2 is missing
   float color_unit = 0;  // of red, green, blue, which stand for f_dc_*; 0: f_dc_* are there
@@ -41,7 +43,12 @@ struct SplatColumns {
 // nerfstudio writes colours instead of SH on demand.
 std::string column_name(const SplatColumns& columns, std::size_t i) {
   constexpr std::array<const char*, 3> kColors{"red", "green", "blue"};
-  if (i >= kPlain) return fmt::format("f_rest_{}", i - kPlain);
+  if (i >= kPlain) {
+    const auto kept = static_cast<std::size_t>(sh_rest_count(columns.sh_degree));
+    const auto stored = static_cast<std::size_t>(sh_rest_count(columns.stored_degree));
+    const std::size_t channel = (i - kPlain) / kept, k = (i - kPlain) % kept;
+    return fmt::format("f_rest_{}", channel * stored + k);
+  }
   if (columns.color_unit > 0 && i >= kFirstColor && i < kFirstColor + 3)
     return kColors[i - kFirstColor];
   return columns.flat && i == kLastScale ? kNames[kLastScale - 1] : kNames[i];
@@ -63,17 +70,18 @@ Expected<SplatColumns> find_splat_columns(const PlyElement& vertex, const std::s
     return fail(name, "element vertex",
                 "has points without size, rotation and opacity: a mesh or a point cloud; expected "
                 "the splats of a 3DGS .ply (f_dc_0, opacity, scale_0, rot_0, ...)");
-  const auto degree = ply_sh_degree(vertex, name);
+  const auto degree = ply_sh_degree(vertex, kMaxStoredDegree, name);
   if (!degree) return std::unexpected(degree.error());
   SplatColumns columns;
-  columns.sh_degree = *degree;
+  columns.stored_degree = *degree;
+  columns.sh_degree = std::min(*degree, kMaxShDegree);
   columns.flat = has_ply_property(vertex, "scale_1") && !has_ply_property(vertex, "scale_2");
   const auto red = std::ranges::find(vertex.properties, "red", &PlyProperty::name);
   if (!has_ply_property(vertex, "f_dc_0") && red != vertex.properties.end())
     columns.color_unit = red->type == PlyType::uint8    ? 1 / 255.0F
                          : red->type == PlyType::uint16 ? 1 / 65535.0F
                                                         : 1.0F;
-  const std::size_t count = kPlain + 3 * static_cast<std::size_t>(sh_rest_count(*degree));
+  const std::size_t count = kPlain + 3 * static_cast<std::size_t>(sh_rest_count(columns.sh_degree));
   for (std::size_t i = 0; i < count; ++i) {
     const auto found = find_ply_property(vertex, column_name(columns, i), "3DGS .ply", name);
     if (!found) return std::unexpected(found.error());
@@ -114,6 +122,9 @@ Expected<SplatCloud> read_elements(std::span<const std::byte> bytes, const PlyHe
   }
   const auto columns = find_splat_columns(*vertex, name);
   if (!columns) return std::unexpected(columns.error());
+  if (columns->stored_degree > columns->sh_degree)
+    warnings.push_back(
+        fmt::format("spherical harmonics beyond degree {} are left out", columns->sh_degree));
   PlyData data(bytes.subspan(header.size), header.encoding, name);
   Expected<SplatCloud> cloud;
   for (auto element = header.elements.begin(); element != header.elements.end(); ++element) {

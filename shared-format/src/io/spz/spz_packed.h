@@ -36,7 +36,7 @@ struct SpzHeader {
   std::size_t streams = 0, contents = 0;  ///< version 4: number, and offset of their table
 
   /// The degree that a SplatCloud takes.
-  int kept_degree() const { return std::min(sh_degree, 3); }
+  int kept_degree() const { return std::min(sh_degree, kMaxShDegree); }
   /// The filter that the scene must be drawn with.
   ScreenFilter filter() const { return {.compensated = (flags & kSpzAntialiased) != 0}; }
 };
