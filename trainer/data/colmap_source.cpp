@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "fluxgs/sanitize.h"
 #include "trainer/data/colmap_model.h"
@@ -17,16 +19,6 @@ namespace fluxgs {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Where the images of a model are: images/, or input/ as the data sets of 3D Gaussian Splatting
-/// call the photos that are not undistorted yet; or the data set's own folder.
-std::vector<fs::path> folders_of_images(const fs::path& model, const fs::path& data) {
-  const fs::path below = model.lexically_relative(data);
-  const bool distorted = std::ranges::find(below, "distorted") != below.end();
-  std::vector<fs::path> folders{data / "images", data / "input", data};
-  if (distorted) std::swap(folders[0], folders[1]);
-  return folders;
-}
 
 /// Rotation and translation of an image; nothing if they are none.
 std::optional<SourceFrame> posed_frame(const ColmapImage& image) {
@@ -62,42 +54,80 @@ Expected<void> add_points(const ColmapModel& model, const fs::path& folder, Sour
   return {};
 }
 
-}  // namespace
+/// The files of the images; those that two images would share belong to neither.
+std::map<std::string, fs::path> find_files(const ColmapModel& model,
+                                           const std::vector<fs::path>& folders, FileList& shared) {
+  std::vector<std::string> names;
+  for (const ColmapImage& image : model.images) names.push_back(image.name);
+  const ImageFinder finder(folders, names);
+  std::map<std::string, fs::path> files;
+  std::map<fs::path, int> uses;
+  for (const std::string& name : names)
+    if (const auto file = finder.find(name)) files[name] = *file, ++uses[*file];
+  for (const std::string& name : names) {
+    const auto file = files.find(name);
+    if (file == files.end() || uses[file->second] == 1) continue;
+    shared.add(name);
+    files.erase(file);
+  }
+  return files;
+}
 
-Expected<Source> read_colmap_source(const fs::path& model_folder, const fs::path& data_folder) {
-  auto model = read_colmap_model(model_folder);
-  if (!model) return std::unexpected(model.error());
-  const bool binary = is_binary_model(model_folder);
-  const std::string file = (model_folder / (binary ? "images.bin" : "images.txt")).string();
-  ImageFinder images(folders_of_images(model_folder, data_folder));
-
-  Source source;
-  source.warnings = std::move(model->warnings);
-  if (model->images.empty()) source.warnings.push_back(file + ": lists no images");
+/// Those that an image must have, and have once.
+Expected<void> check_names(const ColmapModel& model, const std::string& file) {
   std::set<std::string> names;
-  FileList missing, without_pose;
-  for (const ColmapImage& image : model->images) {
+  for (const ColmapImage& image : model.images) {
     if (image.name.empty()) return fail(file, "", "an image without a name");
     if (!names.insert(image.name).second)
       return fail(file, fmt::format("image \"{}\"", one_line(image.name)),
                   "listed twice, expected every image once");
+  }
+  return {};
+}
+
+std::string text_of(const std::vector<fs::path>& folders) {
+  std::vector<std::string> names;
+  for (const fs::path& folder : folders) names.push_back(folder.string());
+  return fmt::format("{}", fmt::join(names, " or "));
+}
+
+}  // namespace
+
+Expected<Source> read_colmap_source(const fs::path& model_folder,
+                                    const std::vector<fs::path>& image_folders) {
+  auto model = read_colmap_model(model_folder);
+  if (!model) return std::unexpected(model.error());
+  const bool binary = is_binary_model(model_folder);
+  const std::string file = (model_folder / (binary ? "images.bin" : "images.txt")).string();
+  if (const auto ok = check_names(*model, file); !ok) return std::unexpected(ok.error());
+
+  Source source;
+  source.warnings = std::move(model->warnings);
+  if (model->images.empty()) source.warnings.push_back(file + ": lists no images");
+  FileList shared, missing, without_pose;
+  const auto files = find_files(*model, image_folders, shared);
+  for (const ColmapImage& image : model->images) {
     const auto lens = lens_of(image, *model, file);
     if (!lens) return std::unexpected(lens.error());
     auto frame = posed_frame(image);
-    const auto path = images.find(image.name);
-    if (!frame || !path) {
+    const auto path = files.find(image.name);
+    if (!frame || path == files.end()) {
       (frame ? missing : without_pose).add(image.name);
       continue;
     }
-    frame->file = *path;
+    frame->file = path->second;
     frame->lens = *lens;
     source.frames.push_back(std::move(*frame));
   }
   source.skipped_images = missing.size() + without_pose.size();
-  if (!missing.empty())
+  if (!shared.empty())
+    source.warnings.push_back(fmt::format(
+        "{}: {} images would have the same file as another; which one has it is not known: {}",
+        file, shared.size(), shared.text()));
+  if (missing.size() > shared.size())
     source.warnings.push_back(
-        fmt::format("{}: {} of {} images have no file below {} and are skipped: {}", file,
-                    missing.size(), model->images.size(), data_folder.string(), missing.text()));
+        fmt::format("{}: {} of {} images have no file in {} and are skipped: {}", file,
+                    missing.size(), model->images.size(), text_of(image_folders), missing.text()));
   if (!without_pose.empty())
     source.warnings.push_back(fmt::format(
         "{}: {} images have no pose (not finite, or a rotation of zeros) and are skipped: {}", file,

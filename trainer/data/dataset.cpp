@@ -35,35 +35,24 @@ constexpr std::size_t kFewImages = 5;
 struct Found {
   std::string kind;
   Source source;
+  fs::path folder;  ///< where masks and lists of test images may lie, too
 };
 
-Expected<Found> named(std::string kind, Expected<Source> source) {
+Expected<Found> named(std::string kind, Expected<Source> source, const fs::path& folder) {
   if (!source) return std::unexpected(source.error());
-  return Found{std::move(kind), std::move(*source)};
+  return Found{std::move(kind), std::move(*source), folder};
 }
 
-/// The folder with the images of a model that is itself given as the data set: the nearest of those
-/// above it that has a folder images/ or input/.
-fs::path folder_of_images(const fs::path& model) {
-  fs::path folder = fs::absolute(model).lexically_normal();
-  for (int up = 0; up < 4; ++up, folder = folder.parent_path()) {
-    std::error_code ignored;
-    for (const char* name : {"images", "input"})
-      if (fs::is_directory(folder / name, ignored)) return folder;
-  }
-  return model;
-}
-
-/// The poses of one place; of several COLMAP models those of the one with most images.
+/// The poses of one place of a folder; of several COLMAP models those of the one with most images.
 Expected<Found> read_place(const PosePlace& place, const fs::path& folder) {
   if (place.kind == PosePlace::Kind::transforms)
-    return named(place.path.filename().string(), read_transforms_source(place.path));
-  const fs::path data = place.path == folder ? folder_of_images(folder) : folder;
+    return named(place.path.filename().string(), read_transforms_source(place.path, place.images),
+                 folder);
   if (place.kind == PosePlace::Kind::colmap_model)
-    return named("COLMAP", read_colmap_source(place.path, data));
+    return named("COLMAP", read_colmap_source(place.path, place.images), folder);
   const auto models = colmap_models(place.path);
   if (models.empty()) return fail(place.path.string(), "", "holds no COLMAP model");
-  auto found = named("COLMAP", read_colmap_source(models.front().folder, data));
+  auto found = named("COLMAP", read_colmap_source(models.front().folder, place.images), folder);
   if (found && models.size() > 1)
     found->source.warnings.push_back(fmt::format(
         "{}: the largest of {} models, with {} images; the next has {}",
@@ -90,15 +79,54 @@ Expected<Found> read_places(const std::vector<PosePlace>& places, const fs::path
   return first;
 }
 
+/// Poses above a folder of photos, of half of them or more. Nothing if there are none; an error of
+/// theirs where the folder is called as that of a data set's images.
+Expected<std::optional<Found>> read_poses_of_photos(const fs::path& given) {
+  const fs::path photos = fs::absolute(given / "").lexically_normal().parent_path();
+  const std::size_t count = list_photos(photos).photos.size();
+  for (const PosePlace& place : pose_places_of_photos(photos)) {
+    auto found = read_place(place, photos.parent_path());
+    if (!found && has_name_of_images(photos)) return std::unexpected(found.error());
+    const std::size_t posed =
+        found ? found->source.frames.size() + found->source.test_frames.size() : 0;
+    if (posed == 0 || 2 * posed < count) continue;
+    spdlog::info("{}: poses of {}", given.string(), place.path.string());
+    return std::move(*found);
+  }
+  return std::nullopt;
+}
+
+/// One line where something looks like a data set whose poses cannot be read, before COLMAP looks
+/// for them anew.
+void tell_of_other_poses(const fs::path& folder) {
+  for (const char* name :
+       {"sparse/0/images.bin", "sparse/0/images.txt", "sparse/images.bin", "sparse/images.txt",
+        "transforms_test.json", "transforms_val.json", "poses_bounds.npy",
+        "keyframes/corrected_cameras", "keyframes/cameras", "cameras.json", "cameras.xml"}) {
+    std::error_code ignored;
+    if (!fs::exists(folder / name, ignored)) continue;
+    spdlog::warn(
+        "warning: {}: {} is no complete set of poses that can be read (COLMAP's cameras and "
+        "images, "
+        "or transforms.json); they are looked for anew",
+        folder.string(), name);
+    return;
+  }
+}
+
 /// `given` is the folder, or a .json file in it.
 Expected<Found> read_source(const fs::path& folder, const fs::path& given,
                             const LoadOptions& options) {
   if (is_file(given) && given.extension() == ".json")
-    return read_place({PosePlace::Kind::transforms, given}, folder);
+    return read_place(transforms_place(given), folder);
   if (const auto places = pose_places(folder); !places.empty()) return read_places(places, folder);
+  auto above = read_poses_of_photos(folder);
+  if (!above) return std::unexpected(above.error());
+  if (*above) return std::move(**above);
+  tell_of_other_poses(folder);
   auto photos = read_photos_source(folder, options.video_frames, options.steps);
   if (!photos) return std::unexpected(photos.error());
-  return Found{std::move(photos->kind), std::move(photos->source)};
+  return Found{std::move(photos->kind), std::move(photos->source), folder};
 }
 
 struct LoadedViews {
@@ -236,12 +264,13 @@ Expected<Dataset> load_dataset(const fs::path& given, const LoadOptions& options
   auto found = read_source(folder, given, options);
   if (!found) return std::unexpected(found.error());
   Source& source = found->source;
-  if (options.masks != MaskUse::off) find_masks(source, folder);
+  if (options.masks != MaskUse::off) find_masks(source, found->folder);
   fit_to_images(source);
   remove_outliers(source);
   if (const auto ok = remove_too_small(source, options.downscale); !ok)
     return std::unexpected(ok.error());
-  if (const auto ok = hold_out(source, folder, options); !ok) return std::unexpected(ok.error());
+  if (const auto ok = hold_out(source, found->folder, options); !ok)
+    return std::unexpected(ok.error());
   if (source.frames.empty())
     return fail(folder.string(), "",
                 fmt::format("no training images: {} left out, {} for testing{}{}",

@@ -52,10 +52,7 @@ Expected<fs::path> meant_folder(const fs::path& given) {
   std::error_code ignored;
   if (is_file(given) && given.extension() == ".json") return given.parent_path();
   if (!fs::is_directory(given, ignored) || holds_poses(given)) return given;
-  const std::ptrdiff_t photos = count_photos(given);
-  fs::path above = (fs::absolute(given).lexically_normal() / "..").lexically_normal();
-  if (photos > 0 && holds_poses(above)) return above;
-  if (photos >= kFewPhotos || count_photos(given / "images") > 0) return given;
+  if (count_photos(given) >= kFewPhotos || count_photos(given / "images") > 0) return given;
   const auto below = data_sets_below(given);
   if (below.empty()) return given;
   if (below.size() == 1) return below.front();

@@ -7,8 +7,8 @@
 
 namespace fluxgs {
 
-/// The folder that was meant: that of a transforms.json, the one above images/ that has the poses,
-/// or the only one with poses up to three levels below. Otherwise `given`. Errors: several data
+/// The folder that was meant: that of a transforms.json, or the only one with poses up to three
+/// levels below one with hardly any photos. Otherwise `given`. Errors: several data
 /// sets lie below; they are named.
 Expected<std::filesystem::path> meant_folder(const std::filesystem::path& given);
 

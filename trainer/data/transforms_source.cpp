@@ -161,7 +161,7 @@ struct FrameList {
 
 /// The mask that nerfstudio names: of the frame, or of the whole file. The photo itself is none,
 /// where only that has the mask's name.
-void set_mask(const Json& json, const Json& all, ImageFinder& files, SourceFrame& frame,
+void set_mask(const Json& json, const Json& all, const ImageFinder& files, SourceFrame& frame,
               FileList& missing) {
   const auto own = json.find("mask_path");
   const Json& path = own != json.end() ? *own : all.value("mask_path", Json());
@@ -186,7 +186,7 @@ ImageSize size_for(const TransformsIntrinsics& in, const ImageOutline& image) {
 
 /// One frame appended to the list, or counted as left out.
 Expected<void> add_frame(const Json& json, const TransformsIntrinsics& global, const fs::path& file,
-                         const std::string& field, ImageFinder& images, FrameList& list) {
+                         const std::string& field, const ImageFinder& images, FrameList& list) {
   const auto path = file_path_of(json, file.string(), field);
   if (!path) return std::unexpected(path.error());
   const auto image = images.find(*path);
@@ -214,12 +214,26 @@ Expected<void> add_frame(const Json& json, const TransformsIntrinsics& global, c
   return {};
 }
 
-Expected<FrameList> read_frames(const Json& json, const fs::path& file) {
+/// The texts under a key of the frames, and of the whole file.
+std::vector<std::string> texts_of(const Json& json, const char* key) {
+  std::vector<std::string> texts;
+  const auto add = [&](const Json& object) {
+    const auto found = object.find(key);
+    if (found != object.end() && found->is_string()) texts.push_back(found->get<std::string>());
+  };
+  add(json);
+  for (const Json& frame : json["frames"])
+    if (frame.is_object()) add(frame);
+  return texts;
+}
+
+Expected<FrameList> read_frames(const Json& json, const fs::path& file,
+                                const std::vector<fs::path>& image_folders) {
   const auto global = parse_intrinsics(json, {}, file.string(), "");
   if (!global) return std::unexpected(global.error());
   FrameList list;
-  ImageFinder images({file.parent_path(), file.parent_path() / "images"});
-  ImageFinder masks({file.parent_path()});
+  const ImageFinder images(image_folders, texts_of(json, "file_path"));
+  const ImageFinder masks({file.parent_path()}, texts_of(json, "mask_path"));
   std::size_t index = 0;
   for (const Json& frame : json["frames"]) {
     const std::string field = fmt::format("frame {}: ", index++);
@@ -261,18 +275,31 @@ void note_warnings(const FrameList& list, const fs::path& file, Source& source) 
                     file.string(), list.missing_masks.size(), list.missing_masks.text()));
 }
 
+/// Points that nothing names are not read: the 3DGS trainer leaves random ones there.
+void tell_of_ply_beside(const fs::path& file, Source& source) {
+  for (const char* name : {"points3d.ply", "points3D.ply"})
+    if (is_file(file.parent_path() / name))
+      source.warnings.push_back(fmt::format(
+          "{}: {} beside it is not read; \"ply_file_path\": \"{}\" would begin with its points",
+          file.string(), name, name));
+}
+
 /// nerfstudio's sparse points, which its exporter has already moved into the frames' world.
 Expected<void> read_ply(const Json& json, const fs::path& file, Source& source) {
-  const auto found = json.find("ply_file_path");
-  if (found == json.end() || !found->is_string()) return {};
-  const fs::path ply = file.parent_path() / found->get<std::string>();
-  if (!is_file(ply)) {
-    source.warnings.push_back(
-        fmt::format("{}: ply_file_path: no such file: {}", file.string(), one_line(ply.string())));
+  const auto path = json.find("ply_file_path");
+  if (path == json.end() || !path->is_string()) {
+    tell_of_ply_beside(file, source);
     return {};
   }
-  source.points_file = ply;
-  return add_ply_points(ply, source);
+  const std::string name = path->get<std::string>();
+  const auto ply = ImageFinder({file.parent_path()}, {name}).find(name);
+  if (!ply) {
+    source.warnings.push_back(
+        fmt::format("{}: ply_file_path: no such file: {}", file.string(), one_line(name)));
+    return {};
+  }
+  source.points_file = *ply;
+  return add_ply_points(*ply, source);
 }
 
 /// nerfstudio's lists of file paths; what it validates with is for testing, too.
@@ -300,11 +327,12 @@ fs::path transforms_file(const fs::path& folder) {
   return is_file(train) ? train : folder / "transforms.json";
 }
 
-Expected<Source> read_transforms_source(const fs::path& file) {
+Expected<Source> read_transforms_source(const fs::path& file,
+                                        const std::vector<fs::path>& image_folders) {
   const bool split = file.filename() == "transforms_train.json";
   const auto json = parse_json(file);
   if (!json) return std::unexpected(json.error());
-  auto train = read_frames(*json, file);
+  auto train = read_frames(*json, file, image_folders);
   if (!train) return std::unexpected(train.error());
 
   Source source;
@@ -319,7 +347,7 @@ Expected<Source> read_transforms_source(const fs::path& file) {
   if (!split || !is_file(test_file)) return source;
   const auto test_json = parse_json(test_file);
   if (!test_json) return std::unexpected(test_json.error());
-  auto test = read_frames(*test_json, test_file);
+  auto test = read_frames(*test_json, test_file, image_folders);
   if (!test) return std::unexpected(test.error());
   note_warnings(*test, test_file, source);
   source.test_frames = std::move(test->frames);

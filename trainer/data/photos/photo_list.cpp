@@ -49,14 +49,6 @@ bool natural_less(const std::string& a, const std::string& b) {
   return left_a != left_b ? left_a < left_b : a < b;
 }
 
-/// Not the photos themselves, but what programs made of them.
-bool is_passed_over(const fs::path& folder) {
-  const std::string name = folder.filename().string();
-  constexpr std::string_view kMade[] = {"masks", "mask", "depth", "depths", "sparse", "colmap"};
-  return name.starts_with('.') || name.starts_with("images_") ||
-         std::ranges::find(kMade, name) != std::end(kMade);
-}
-
 void add_entry(const fs::directory_entry& entry, const fs::path& root, PhotoList& list) {
   std::error_code error;
   const fs::path& file = entry.path();
@@ -73,11 +65,18 @@ void add_folder(const fs::path& folder, const fs::path& root, bool with_sub_fold
   constexpr int kDeepest = 4;
   walk_folder(folder, [&](const fs::directory_entry& entry, int depth) {
     add_entry(entry, root, list);
-    return with_sub_folders && depth < kDeepest && !is_passed_over(entry.path());
+    return with_sub_folders && depth < kDeepest && !is_made_of_photos(entry.path());
   });
 }
 
 }  // namespace
+
+bool is_made_of_photos(const fs::path& folder) {
+  const std::string name = folder.filename().string();
+  constexpr std::string_view kMade[] = {"masks", "mask", "depth", "depths", "sparse", "colmap"};
+  return name.starts_with('.') || name.starts_with("images_") ||
+         std::ranges::find(kMade, name) != std::end(kMade);
+}
 
 bool is_photo_name(const fs::path& file) {
   constexpr std::string_view kPhotos[] = {".jpg", ".jpeg", ".png",  ".webp", ".tif", ".tiff",

@@ -24,6 +24,10 @@ struct PhotoList {
 /// (DCIM/100APPLE). Masks, reduced copies (images_2), and hidden folders are passed over.
 PhotoList list_photos(const std::filesystem::path& folder);
 
+/// True for names of folders with what programs make of photos: masks, depths, reduced copies; and
+/// for hidden ones.
+bool is_made_of_photos(const std::filesystem::path& folder);
+
 /// True for names that end like those of images that can be read, or of videos.
 bool is_photo_name(const std::filesystem::path& file);
 bool is_video_name(const std::filesystem::path& file);

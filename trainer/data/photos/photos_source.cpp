@@ -149,7 +149,7 @@ void use_photos(const std::vector<PreparedPhoto>& prepared, Source& source) {
 Expected<Source> read_poses(const std::vector<PreparedPhoto>& prepared, const fs::path& work) {
   const auto models = colmap_models(work / "sparse");
   if (models.empty()) return fail((work / "sparse").string(), "", "holds no COLMAP model");
-  auto source = read_colmap_source(models.front().folder, work);
+  auto source = read_colmap_source(models.front().folder, {work / "images"});
   if (!source) return source;
   use_photos(prepared, *source);
   if (models.size() > 1)

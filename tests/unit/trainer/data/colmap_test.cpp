@@ -4,6 +4,7 @@
 #include "tiny_colmap.h"
 #include "trainer/data/colmap_model.h"
 #include "trainer/data/dataset.h"
+#include "trainer/data/pose_places.h"
 
 namespace fluxgs {
 namespace {
@@ -117,6 +118,65 @@ TEST(Colmap, AModelWithoutItsImagesDoesNotHideOtherPoses) {
   fs::rename(folder.path() / "transforms.json", folder.path() / "other.json");
   EXPECT_EQ(load_dataset(folder.path(), {})->kind, "COLMAP");
   EXPECT_EQ(load_dataset(folder.path() / "other.json", {})->kind, "other.json");
+}
+
+TEST(Colmap, PhotosGivenAloneAreThoseOfTheModelAboveOnlyIfItHasThem) {
+  const TempFolder folder;
+  const fs::path data = folder.path() / "garden";
+  write_dataset(data, ten_images());
+  EXPECT_EQ(load_dataset(data / "images", {})->train.size(), 8U);
+  // A reduced copy is read itself
+  fs::create_directories(data / "images_2");
+  for (const TinyImage& image : ten_images().images)
+    write_image(data / "images_2" / image.name, pattern(8, 6));
+  const auto reduced = load_dataset(data / "images_2", {});
+  ASSERT_TRUE(reduced) << reduced.error().message();
+  EXPECT_EQ(reduced->train.at(0).camera.width, 8);
+  EXPECT_EQ(reduced->train.at(0).camera.fx, 10);
+  // Other photos have no poses here, even where names are the same
+  EXPECT_TRUE(pose_places_of_photos(data / "new").empty());
+  write_binary(folder.path() / "kitchen", ten_images());
+  EXPECT_TRUE(pose_places_of_photos(folder.path() / "hall").empty());
+  fs::rename(data / "images", data / "photos");
+  fs::remove_all(data / "images_2");
+  EXPECT_EQ(load_dataset(data / "photos", {})->train.size(), 8U);
+}
+
+TEST(Colmap, DeletedImagesDoNotComeBackFromElsewhere) {
+  const TempFolder folder;
+  write_dataset(folder.path(), ten_images());
+  fs::copy(folder.path() / "images", folder.path() / "input");
+  remove_file(folder.path() / "images" / "c.png");
+  remove_file(folder.path() / "images" / "d.png");
+  write_text(folder.path() / "images" / "c.jpg", "a depth map, say");
+  const auto data = load_dataset(folder.path(), {});
+  ASSERT_TRUE(data) << data.error().message();
+  EXPECT_EQ(data->train.size() + data->test.size(), 8U);
+  EXPECT_THAT(data->warnings,
+              testing::ElementsAre(testing::HasSubstr("2 of 10 images have no file")));
+}
+
+TEST(Colmap, OneFileIsNotTwoImages) {
+  const TempFolder folder;
+  TinyModel model = ten_images();
+  write_views(folder.path(), model);
+  model.images[3].name = "left/a.png";
+  model.images[0].name = "right/a.png";
+  write_binary(folder.path() / "sparse" / "0", model);
+  const auto data = load_dataset(folder.path(), {});
+  ASSERT_TRUE(data) << data.error().message();
+  EXPECT_EQ(data->train.size() + data->test.size(), 8U);
+  EXPECT_THAT(data->warnings, testing::Contains(testing::HasSubstr("right/a.png, left/a.png")));
+}
+
+TEST(Colmap, ImagesMayLieDeeperThanTheyAreNamed) {
+  const TempFolder folder;
+  write_dataset(folder.path(), ten_images());
+  fs::create_directories(folder.path() / "Photos" / "day 1");
+  fs::rename(folder.path() / "images", folder.path() / "Photos" / "day 1" / "x");
+  const auto data = load_dataset(folder.path(), {});
+  ASSERT_TRUE(data) << data.error().message();
+  EXPECT_EQ(data->train.size(), 8U);
 }
 
 TEST(Colmap, ImagesWithoutTheirLinesOfPoints) {

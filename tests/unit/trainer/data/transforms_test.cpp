@@ -127,6 +127,18 @@ TEST(Transforms, ImagesAreFoundAsTheyAreUsuallyNamed) {
   }
 }
 
+TEST(Transforms, APathWithoutExtensionIsAPngFirst) {
+  const TempFolder folder;
+  Json json = one_frame();
+  json["frames"][0]["file_path"] = "images/a";
+  write_text(folder.path() / "transforms.json", json.dump());
+  write_image(folder.path() / "images" / "a.png", pattern(16, 12));
+  write_text(folder.path() / "images" / "a.jpg", "");
+  const auto data = load_dataset(folder.path(), {});
+  ASSERT_TRUE(data) << data.error().message();
+  EXPECT_EQ(data->train.at(0).camera.name, "a.png");
+}
+
 TEST(Transforms, MissingImagesAreSkippedWithOneWarning) {
   Json json = one_frame();
   for (const char* name : {"images/x.png", "images/y.png"}) json["frames"].push_back(frame(name));
