@@ -15,12 +15,14 @@
 #include "trainer/data/find_masks.h"
 #include "trainer/data/fit_images.h"
 #include "trainer/data/holdout.h"
+#include "trainer/data/lens_check.h"
 #include "trainer/data/load_views.h"
 #include "trainer/data/meant_folder.h"
 #include "trainer/data/outliers.h"
 #include "trainer/data/photos/photo_list.h"
 #include "trainer/data/photos/photos_source.h"
 #include "trainer/data/pose_places.h"
+#include "trainer/data/recentre.h"
 #include "trainer/data/reduction.h"
 #include "trainer/data/source.h"
 #include "trainer/data/transforms_source.h"
@@ -172,7 +174,7 @@ void warn_of_no_parallax(Source& source) {
   for (const auto* frames : {&source.frames, &source.test_frames})
     for (const SourceFrame& frame : *frames) places.push_back(camera_position(frame));
   const auto is_here = [&](const glm::dvec3& p) {
-    constexpr double kRounding = 1e-6;
+    constexpr double kRounding = 1e-9;
     return glm::distance(p, places[0]) <= kRounding * (1 + glm::length(places[0]));
   };
   if (places.size() == 1)
@@ -267,6 +269,8 @@ Expected<Dataset> load_dataset(const fs::path& given, const LoadOptions& options
   if (options.masks != MaskUse::off) find_masks(source, found->folder);
   fit_to_images(source);
   remove_outliers(source);
+  warn_of_lenses(source);
+  recentre(source);
   if (const auto ok = remove_too_small(source, options.downscale); !ok)
     return std::unexpected(ok.error());
   if (const auto ok = hold_out(source, found->folder, options); !ok)
@@ -284,7 +288,7 @@ Expected<Dataset> load_dataset(const fs::path& given, const LoadOptions& options
   Dataset dataset{.kind = found->kind,
                   .train = std::move(views->train),
                   .test = std::move(views->test),
-                  .points = std::move(source.points),
+                  .points = {source.points.begin(), source.points.end()},
                   .point_colors = std::move(source.point_colors),
                   .points_file = std::move(source.points_file),
                   .skipped_images = source.skipped_images,

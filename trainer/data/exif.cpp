@@ -10,6 +10,8 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
+constexpr std::uint32_t kOrientation = 274;
+
 std::size_t tiff_size_of(std::uint32_t type) {
   switch (type) {
     case 1:  // byte
@@ -134,9 +136,9 @@ double Exif::focal_pixels(int width, int height) const {
 }
 
 Exif parse_exif(Bytes tiff) {
-  constexpr std::uint32_t kMake = 271, kModel = 272, kOrientation = 274, kExifDirectory = 34665,
-                          kGpsDirectory = 34853, kFocal = 37386, kFocal35 = 41989, kWidth = 40962,
-                          kHeight = 40963, kPlaneResolution = 41486, kPlaneUnit = 41488;
+  constexpr std::uint32_t kMake = 271, kModel = 272, kExifDirectory = 34665, kGpsDirectory = 34853,
+                          kFocal = 37386, kFocal35 = 41989, kWidth = 40962, kHeight = 40963,
+                          kPlaneResolution = 41486, kPlaneUnit = 41488;
   const TiffDirectory main(tiff);
   const TiffDirectory detail = main.sub_directory(kExifDirectory);
   Exif exif;
@@ -152,6 +154,13 @@ Exif parse_exif(Bytes tiff) {
       std::max(positive(detail.first_number(kWidth)), positive(detail.first_number(kHeight)));
   exif.position = position_of(main.sub_directory(kGpsDirectory));
   return exif;
+}
+
+void remove_orientation(std::span<std::uint8_t> tiff) {
+  const auto value = TiffDirectory(tiff).find(kOrientation);
+  if (value.count != 1) return;
+  std::ranges::fill(tiff.subspan(value.at, value.size), std::uint8_t{0});
+  tiff[tiff[0] == 'I' ? value.at : value.at + value.size - 1] = 1;
 }
 
 }  // namespace fluxgs

@@ -58,6 +58,9 @@ struct Exif {
   double focal_pixels(int width, int height) const;
 };
 
+/// Sets the orientation of a TIFF file to upright, if it has one.
+void remove_orientation(std::span<std::uint8_t> tiff);
+
 /// Exif data, which are a TIFF file, from their byte order mark on.
 Exif parse_exif(std::span<const std::uint8_t> tiff);
 

@@ -14,7 +14,7 @@ namespace fluxgs {
 /// True if a path names a regular file that exists; false, too, for names no file can have.
 bool is_file(const std::filesystem::path& path);
 
-/// The content of a file as text; the errors of read_file().
+/// The content of a file as text, without a byte order mark. Errors: those of read_file(); UTF-16.
 Expected<std::string> read_text(const std::filesystem::path& file,
                                 std::uint64_t max_bytes = UINT64_MAX);
 

@@ -19,13 +19,14 @@ std::string FileList::text() const {
 }
 
 void FailedImages::add(const std::string& file, const Error& error) {
-  if (files_.empty()) first_error_ = error;
+  if (files_.empty()) first_error_ = error, first_ = file;
   files_.add(file);
 }
 
 void FailedImages::warn(std::vector<std::string>& warnings) const {
   if (files_.size() == 1)
-    warnings.push_back(first_error_.message() + "; it is left out");
+    warnings.push_back(fmt::format("{}; {} is left out", first_error_.message(),
+                                   first_error_.file == first_ ? "it" : one_line(first_)));
   else if (!files_.empty())
     warnings.push_back(fmt::format("{} images are left out: {}; the first: {}", files_.size(),
                                    files_.text(), first_error_.message()));

@@ -34,6 +34,7 @@ class FailedImages {
 
  private:
   FileList files_;
+  std::string first_;
   Error first_error_;
 };
 

@@ -84,6 +84,9 @@ Expected<Image<std::uint8_t>> decode_by_opencv(std::vector<std::byte>& bytes,
 Expected<Image<std::uint8_t>> decode(std::vector<std::byte>& bytes, const ImageHeader& header,
                                      const std::string& file) {
   Expected<Image<std::uint8_t>> image;
+  // OpenCV turns these alone, and not in all versions
+  if (header.format == ImageFormat::kTiff)
+    remove_orientation({reinterpret_cast<std::uint8_t*>(bytes.data()), bytes.size()});
   if (header.format != ImageFormat::kJpeg) {
     image = decode_by_opencv(bytes, file);
   } else {

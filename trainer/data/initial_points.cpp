@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "trainer/core/random.h"
 #include "trainer/data/scene_focus.h"
 #include "trainer/data/triangulate_features.h"
@@ -51,12 +53,18 @@ PointCloud random_points(const std::vector<View>& views, std::size_t count, std:
 
 Expected<PointCloud> initial_points(const Dataset& dataset, std::uint64_t seed,
                                     const Threads& threads, const ProgressReport& progress) {
-  constexpr std::size_t kFewest = 500, kRandom = 20'000;
-  if (!dataset.points.empty()) return sparse_points(dataset);
+  constexpr std::size_t kFewestSparse = 50, kFewest = 500, kRandom = 20'000;
+  const std::size_t sparse = dataset.points.size();
+  if (sparse >= kFewestSparse) return sparse_points(dataset);
   if (dataset.train.empty())
     return fail("", "initial points", "no training images, expected at least one");
   PointCloud cloud = triangulate_features(dataset.train, threads, progress);
-  return cloud.positions.size() >= kFewest ? cloud : random_points(dataset.train, kRandom, seed);
+  if (const std::size_t features = cloud.positions.size(); features < kFewest) {
+    cloud = random_points(dataset.train, kRandom, seed);
+    cloud.source += fmt::format("; only {} features of the images fit their poses", features);
+  }
+  if (sparse > 0) cloud.source += fmt::format("; {} sparse points are too few", sparse);
+  return cloud;
 }
 
 }  // namespace fluxgs

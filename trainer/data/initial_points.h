@@ -16,12 +16,12 @@ namespace fluxgs {
 struct PointCloud {
   std::vector<glm::vec3> positions;  ///< world, finite
   std::vector<glm::vec3> colors;     ///< sRGB as stored, 0…1, one per position
-  std::string source;                ///< "sparse points", "triangulated features" or "random"
+  std::string source;  ///< "sparse points", "triangulated features" or "random"; and why
 };
 
-/// The data set's sparse points; without any, image features triangulated from the training images'
-/// known poses; where fewer than 500 of those are found, random points in the cameras' frustums.
-/// Deterministic for a seed, whatever the number of threads. Errors: no training images.
+/// The data set's sparse points; with fewer than 50, image features triangulated from the training
+/// images' known poses; where fewer than 500 of those are found, random points in the cameras'
+/// frustums. Deterministic for a seed, whatever the number of threads. Errors: no training images.
 Expected<PointCloud> initial_points(const Dataset& dataset, std::uint64_t seed,
                                     const Threads& threads, const ProgressReport& progress = {});
 

@@ -14,14 +14,16 @@ namespace {
 
 using Plane = Image<std::uint8_t>;  // of one channel
 
+constexpr std::uint8_t kOpaque = 250;
 constexpr int kWhite = 128;  // from here on, a mask's pixel counts
 
-/// The fourth channel; empty if there is none, or nothing is transparent.
+/// The fourth channel; empty if there is none, or nothing is transparent but for rounding.
 Plane alpha_of(const Image<std::uint8_t>& image) {
   if (image.channels != 4) return {};
   Plane alpha(image.width, image.height, 1);
   for (std::size_t i = 0; i < alpha.pixels.size(); ++i) alpha.pixels[i] = image.pixels[4 * i + 3];
-  const bool opaque = std::ranges::all_of(alpha.pixels, [](std::uint8_t a) { return a == 255; });
+  const bool opaque =
+      std::ranges::all_of(alpha.pixels, [](std::uint8_t a) { return a >= kOpaque; });
   return opaque ? Plane() : alpha;
 }
 
@@ -108,10 +110,11 @@ Plane both(Plane a, const Plane& b) {
   return a;
 }
 
-/// Black or white.
+/// Black or white; empty where all is white.
 Plane decided(Plane mask) {
   for (std::uint8_t& v : mask.pixels) v = v >= kWhite ? 255 : 0;
-  return mask;
+  const bool white = std::ranges::all_of(mask.pixels, [](std::uint8_t v) { return v == 255; });
+  return white ? Plane() : mask;
 }
 
 Expected<Image<std::uint8_t>> read_photo(const SourceFrame& frame) {

@@ -59,7 +59,7 @@ void remove_stray_frames(Source& source) {
 
 void remove_stray_points(Source& source) {
   if (source.points.size() < kFewest) return;
-  const std::vector<glm::dvec3> positions(source.points.begin(), source.points.end());
+  const std::vector<glm::dvec3> positions = source.points;
   const Bounds bounds = bounds_of(positions, kStrayPoint);
   if (bounds.radius <= 0) return;
   std::size_t kept = 0;

@@ -18,7 +18,7 @@ glm::dvec3 camera_position(const SourceFrame& frame) {
 bool add_point(Source& source, const glm::dvec3& position, const glm::u8vec3& color) {
   const glm::vec3 p(position);  // A double may be finite and its float not.
   if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return false;
-  source.points.push_back(p);
+  source.points.push_back(position);
   source.point_colors.push_back(color);
   return true;
 }

@@ -38,8 +38,8 @@ struct Source {
   std::vector<SourceFrame> frames;
   bool has_split = false;  ///< the data set says itself which frames are for testing
   std::vector<SourceFrame> test_frames;
-  SplitLists split;               ///< names inside of the data set's own file
-  std::vector<glm::vec3> points;  ///< finite
+  SplitLists split;                ///< names inside of the data set's own file
+  std::vector<glm::dvec3> points;  ///< finite, also as float
   std::vector<glm::u8vec3> point_colors;
   std::filesystem::path points_file;  ///< the .ply that the points came from, if it was one
   std::size_t skipped_images = 0;

@@ -51,8 +51,6 @@ std::string with_finite_numbers(const std::string& text) {
 std::string json_fault(const std::string& text, std::size_t byte) {
   if (text.find_first_not_of(" \t\r\n") == std::string::npos)
     return "is empty, expected JSON with a list of frames";
-  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff") || text.find('\0') < 4)
-    return "is UTF-16 or UTF-32 text, expected UTF-8; save it as UTF-8";
   const std::string_view before = std::string_view(text).substr(0, byte > 0 ? byte - 1 : 0);
   if (byte > text.size())
     return fmt::format("not valid JSON: it ends in line {}; is it cut off?",

@@ -240,6 +240,20 @@ TEST(Colmap, TextEqualsBinary) {
   }
 }
 
+TEST(Colmap, TextMayBeginWithAByteOrderMark) {
+  const TempFolder folder;
+  write_text_model(folder.path() / "sparse", ten_images());
+  write_views(folder.path(), ten_images());
+  const fs::path file = folder.path() / "sparse" / "cameras.txt";
+  const std::string text = read_all(file);
+  write_text(file, "\xef\xbb\xbf" + text);
+  EXPECT_TRUE(load_dataset(folder.path(), {}));
+  std::string wide = "\xff\xfe";
+  for (const char c : text) (wide += c) += '\0';
+  write_text(file, wide);
+  expect_failure(load_dataset(folder.path(), {}), "cameras.txt", "UTF-16", "save it as UTF-8");
+}
+
 TEST(Colmap, TextTakesWindowsLineEnds) {
   const TempFolder folder;
   write_text(folder.path() / "cameras.txt", "1 SIMPLE_PINHOLE 16 12 20 8 6\r\n");
@@ -441,8 +455,9 @@ TEST(ColmapBadInput, ImageOfAnotherShapeThanItsCameraIsWarnedOf) {
   const auto data = load_dataset(folder.path(), {});
   ASSERT_TRUE(data) << data.error().message();
   ASSERT_EQ(data->warnings.size(), 1u);
-  EXPECT_THAT(data->warnings[0], testing::AllOf(testing::HasSubstr("shape of their camera"),
-                                                testing::HasSubstr("d.png")));
+  EXPECT_THAT(data->warnings[0],
+              testing::AllOf(testing::HasSubstr("width to height differs from their camera's"),
+                             testing::HasSubstr("d.png")));
 }
 
 TEST(ColmapBadInput, MissingImagesAreSkippedAndCounted) {

@@ -140,6 +140,44 @@ TEST(Dataset, ImagesFromOnePlaceOrTwoShowLittle) {
               testing::Contains(testing::HasSubstr("all cameras are in one place")));
 }
 
+// Far from the origin, 32 bits are too few for what lies between the cameras.
+TEST(Dataset, CapturesInMetresOfAMapAreMovedToTheOrigin) {
+  const TempFolder folder;
+  write_views(folder.path(), std::vector<ImageSize>(6, {40, 32}));
+  const auto near = load_dataset(folder.path(), {.test_every = 0});
+  std::string text = read_all(folder.path() / "transforms.json");
+  for (int i = 0; i < 6; ++i) {
+    const std::string place = fmt::format("[[1,0,0,{}],[0,1,0,0]", i);
+    text.replace(text.find(place), place.size(),
+                 fmt::format("[[1,0,0,{}.25],[0,1,0,5400000]", 60'000'000 + i));
+  }
+  write_text(folder.path() / "transforms.json", text);
+  const auto far = load_dataset(folder.path(), {.test_every = 0});
+  ASSERT_TRUE(far) << far.error().message();
+  EXPECT_THAT(far->warnings, testing::ElementsAre(testing::HasSubstr("moved to the origin")));
+  for (std::size_t i = 1; i < 6; ++i) {
+    const auto step = [&](const Dataset& data) {
+      return data.train[i].camera.center() - data.train[0].camera.center();
+    };
+    EXPECT_LT(glm::distance(step(*far), step(*near)), 1e-6);
+    EXPECT_LT(glm::length(far->train[i].camera.center()), 1024);
+  }
+}
+
+TEST(Dataset, IntrinsicsThatNoCameraHasAreNamed) {
+  const TempFolder folder;
+  write_views(folder.path(), std::vector<ImageSize>(6, {40, 32}));
+  std::string text = read_all(folder.path() / "transforms.json");
+  text.replace(text.find("\"fl_x\": 80"), 10, "\"fl_x\": 0.9, \"cx\": 0.5, \"cy\": 0.5");
+  write_text(folder.path() / "transforms.json", text);
+  EXPECT_THAT(load_dataset(folder.path(), {})->warnings,
+              testing::Contains(testing::HasSubstr("expected pixels, not a fraction")));
+  text.replace(text.find("\"cx\": 0.5"), 9, "\"cx\": 0  ");
+  write_text(folder.path() / "transforms.json", text);
+  EXPECT_THAT(load_dataset(folder.path(), {})->warnings,
+              testing::Contains(testing::HasSubstr("principal points in the corner")));
+}
+
 TEST(Dataset, ImagesThatAllFailAreCountedAndNamed) {
   const TempFolder folder;
   write_views(folder.path(), std::vector<ImageSize>(5, {40, 32}));

@@ -1,6 +1,9 @@
 // Exif data, and photos that lie on their side.
 #include <span>
 
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
 #include "exif_support.h"
 #include "test_files.h"
 #include "tiny_colmap.h"
@@ -120,8 +123,55 @@ TEST(Exif, PhotosOnTheirHeadByExifAreUsedAsStoredAndNamed) {
   ASSERT_TRUE(data) << data.error().message();
   EXPECT_EQ(data->train[0].rgb.pixels, stored->train[0].rgb.pixels);
   EXPECT_THAT(data->warnings,
-              testing::ElementsAre(testing::AllOf(testing::HasSubstr("used as stored"),
+              testing::ElementsAre(testing::AllOf(testing::HasSubstr("are not turned"),
                                                   testing::HasSubstr("b.png"))));
+}
+
+// What is known of some poses holds for those of photos whose shape tells nothing.
+TEST(Exif, PhotosOnTheirHeadAreTurnedAmongOthersThatAre) {
+  const TempFolder folder;
+  write_binary(folder.path() / "sparse" / "0", ten_images());
+  write_views(folder.path(), ten_images());
+  const auto before = load_dataset(folder.path(), {});
+  ASSERT_TRUE(before) << before.error().message();
+  const auto store = [&](const std::string& name, int orientation, int inverse) {
+    const fs::path file = folder.path() / "images" / name;
+    write_image(file, upright(*read_image(file), inverse));
+    write_text(file, png_with_exif(read_all(file), orientation_tiff(orientation)));
+  };
+  store("b.png", 6, 8);
+  store("c.png", 3, 3);
+  const auto after = load_dataset(folder.path(), {});
+  ASSERT_TRUE(after) << after.error().message();
+  for (std::size_t i = 0; i < after->train.size(); ++i)
+    EXPECT_EQ(after->train[i].rgb.pixels, before->train[i].rgb.pixels);
+  EXPECT_THAT(after->warnings,
+              testing::ElementsAre(testing::AllOf(testing::HasSubstr("turned as EXIF says"),
+                                                  testing::HasSubstr("c.png"))));
+}
+
+TEST(Exif, TiffIsReadAsStored) {
+  const TempFolder folder;
+  const Image<std::uint8_t> image = pattern(16, 12);
+  const cv::Mat rgb(12, 16, CV_8UC3, const_cast<std::uint8_t*>(image.pixels.data()));
+  cv::Mat bgr;
+  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
+  const fs::path file = folder.path() / "a.tif";
+  for (std::uint8_t orientation = 1; orientation <= 8; ++orientation) {
+    ASSERT_TRUE(cv::imwrite(file.string(), bgr));
+    std::string bytes = read_all(file);
+    // An entry of the directory that OpenCV writes: its tag becomes the orientation's
+    const std::string planar("\x1c\x01\x03\x00\x01\x00\x00\x00\x01\x00\x00\x00", 12);
+    const std::size_t at = bytes.find(planar);
+    ASSERT_NE(at, std::string::npos);
+    bytes[at] = '\x12';
+    bytes[at + 8] = static_cast<char>(orientation);
+    write_text(file, bytes);
+    EXPECT_EQ(read_image_outline(file)->exif.orientation, orientation);
+    const auto read = read_image(file);
+    ASSERT_TRUE(read) << read.error().message();
+    EXPECT_EQ(read->pixels, image.pixels) << int{orientation};
+  }
 }
 
 // Without w and h the principal point tells how the photo stands.

@@ -37,13 +37,25 @@ Dataset captured(int count) {
 
 TEST(InitialPoints, SparsePointsComeFirst) {
   Dataset dataset;
-  dataset.points = {{1, 2, 3}, {4, 5, 6}};
-  dataset.point_colors = {{255, 0, 51}, {0, 255, 0}};
+  for (int i = 0; i < 50; ++i) {
+    dataset.points.emplace_back(1, 2, i);
+    dataset.point_colors.emplace_back(255, 0, 51);
+  }
   const auto cloud = initial_points(dataset, 1, Threads(2));
   ASSERT_TRUE(cloud);
   EXPECT_EQ(cloud->source, "sparse points");
   EXPECT_EQ(cloud->positions, dataset.points);
   EXPECT_FLOAT_EQ(cloud->colors[0].z, 0.2F);
+}
+
+TEST(InitialPoints, AFewSparsePointsAreNoScene) {
+  Dataset dataset = captured(6);
+  dataset.points = {{0, 0, 0}};
+  dataset.point_colors = {{1, 2, 3}};
+  const auto cloud = initial_points(dataset, 1, Threads(2));
+  ASSERT_TRUE(cloud);
+  EXPECT_GT(cloud->positions.size(), 100U);
+  EXPECT_THAT(cloud->source, testing::EndsWith("; 1 sparse points are too few"));
 }
 
 TEST(InitialPoints, NothingToSeeIsAnError) {
@@ -57,7 +69,7 @@ TEST(InitialPoints, BlankViewsGetRandomPointsInTheirFrustums) {
     dataset.train.push_back(blank_view(target + from, target));
   const auto cloud = initial_points(dataset, 7, Threads(2));
   ASSERT_TRUE(cloud);
-  EXPECT_EQ(cloud->source, "random");
+  EXPECT_EQ(cloud->source, "random; only 0 features of the images fit their poses");
   ASSERT_EQ(cloud->positions.size(), 20'000U);
   ASSERT_EQ(cloud->colors.size(), 20'000U);
   for (const glm::vec3& color : cloud->colors) ASSERT_EQ(color, glm::vec3(0.5F));

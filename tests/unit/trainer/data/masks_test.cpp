@@ -109,8 +109,9 @@ TEST(Masks, WithoutAnExtensionOfThePhotoOrWithAnotherOne) {
   write_colmap(folder.path(), {"a.png", "b.png"});
   write_image(folder.path() / "masks" / "a.png", left_half());
   const std::vector<int> fine{cv::IMWRITE_JPEG_QUALITY, 100};
-  cv::imwrite((folder.path() / "masks" / "b.jpg").string(), cv::Mat(kHeight, kWidth, CV_8UC1, 255),
-              fine);
+  cv::Mat half(kHeight, kWidth, CV_8UC1, 255);
+  half.colRange(0, kWidth / 2).setTo(0);
+  cv::imwrite((folder.path() / "masks" / "b.jpg").string(), half, fine);
   EXPECT_THAT(masked(loaded(folder.path())), testing::ElementsAre("a.png", "b.png"));
 }
 
