@@ -20,6 +20,7 @@
 #include "tools/fluxgs/commands/command.h"
 #include "tools/fluxgs/terminal/console.h"
 #include "tools/fluxgs/terminal/nearest_name.h"
+#include "tools/fluxgs/terminal/run_lock.h"
 
 namespace {
 
@@ -76,6 +77,7 @@ std::string usage_error(const CLI::App& app, const CLI::Error& error,
 /// Ends at once, but not without a word. Training takes the signal over to save first.
 void say_interrupted(int signal) {
   constexpr char line[] = "\nfluxgs: interrupted\n";
+  fluxgs::cli::remove_held_lock();
   if (::write(STDERR_FILENO, line, sizeof line - 1) < 0) return;
   std::signal(signal, SIG_DFL);
   std::raise(signal);
@@ -85,7 +87,8 @@ void say_interrupted(int signal) {
 
 int main(int argc, char** argv) {
   fluxgs::cli::guard_standard_streams();
-  std::signal(SIGINT, say_interrupted);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+    if (std::signal(signal, say_interrupted) == SIG_IGN) std::signal(signal, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on file sizes shall be an error, not a death
   // Results belong to standard output, everything else to standard error.
   spdlog::set_default_logger(spdlog::stderr_logger_st("fluxgs"));
@@ -110,6 +113,15 @@ int main(int argc, char** argv) {
   fluxgs::cli::add_report(app, action);
   fluxgs::cli::add_doctor(app, action);
 
+  const std::vector<std::string> commands = names_of_commands(app);
+  if (argc > 2 && std::string(argv[1]) == "help" && argv[2][0] != '-' &&
+      std::ranges::count(commands, argv[2]) == 0) {
+    const std::string nearest = fluxgs::cli::nearest_name(argv[2], commands);
+    report({"", "",
+            fmt::format("unknown sub-command {}{}", argv[2],
+                        nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest))});
+    return 2;
+  }
   try {
     app.parse(std::vector(arguments.rbegin(), arguments.rend()));  // CLI11 takes the last one first
   } catch (const CLI::ParseError& e) {

@@ -44,8 +44,8 @@ Expected<void> remove_too_small(Source& source, int factor) {
   const ImageSize stored{first->lens.width, first->lens.height};
   const ImageSize reduced = reduced_size(stored, factor);
   const std::string what =
-      fmt::format("{} leaves {}x{} of {}x{} pixels, expected at most {}", factor, reduced.width,
-                  reduced.height, stored.width, stored.height,
+      fmt::format("{} leaves {}x{} of {}x{} pixels, less than {}; expected at most {}", factor,
+                  reduced.width, reduced.height, stored.width, stored.height, kSmallestSide,
                   std::max(1, std::min(stored.width, stored.height) / kSmallestSide));
   if (2 * small.size() >= all) return fail(first->file.string(), "downscale", what);
   for (auto* frames : {&source.frames, &source.test_frames}) std::erase_if(*frames, too_small);

@@ -133,7 +133,8 @@ Expected<AtomicFile> AtomicFile::create(const fs::path& path) {
         ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode_t{0666});
     if (descriptor >= 0)
       return AtomicFile(path, std::move(target), std::move(temporary), descriptor);
-    if (errno == ENOENT)
+    if (std::error_code ignored; errno == ENOENT && !path.parent_path().empty() &&
+                                 !fs::is_directory(path.parent_path(), ignored))
       return fail(path.string(), "write",
                   fmt::format("its folder {} does not exist", path.parent_path().string()));
     if (errno != EEXIST) return fail(path.string(), "write", reason(errno));

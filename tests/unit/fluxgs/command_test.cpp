@@ -214,6 +214,9 @@ TEST(Command, WrongUsageIsStatusTwoAndHelpHasExamples) {
   EXPECT_EQ(fluxgs("convert x.ply y.glb --min-psnr 40 --downscale 2").status, 2);
   EXPECT_EQ(fluxgs("render x.glb -o y.png --size 0x9").status, 2);
   EXPECT_EQ(fluxgs("render x.glb -o y.png --size 12").status, 2);
+  EXPECT_EQ(fluxgs("help trian").status, 2);
+  EXPECT_THAT(fluxgs("help trian").err,
+              HasSubstr("unknown sub-command trian; did you mean train?"));
   EXPECT_THAT(fluxgs("train x -o y.glb --downscale 2.5").err,
               HasSubstr("--downscale: '2.5': expected a whole number from 1 to 64"));
   EXPECT_THAT(fluxgs("train x -o y.glb --antialias maybe").err,

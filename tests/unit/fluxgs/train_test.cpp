@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <csignal>
@@ -23,6 +24,7 @@
 #include "tools/fluxgs/options/checkpoint_interval.h"
 #include "tools/fluxgs/terminal/interrupt.h"
 #include "tools/fluxgs/terminal/run_lock.h"
+#include "trainer/train/checkpoint.h"
 
 namespace fluxgs {
 namespace {
@@ -66,6 +68,63 @@ TEST(Train, TwoInterruptsOfOnePressLeaveACheckpoint) {
     EXPECT_TRUE(std::filesystem::exists(folder / "scene.glb.ckpt"));
     EXPECT_FALSE(std::filesystem::exists(folder / "scene.glb.lock"));
   }
+}
+
+TEST(Train, AClosedPipeLeavesACheckpoint) {
+  const test::TempFolder folder;
+  const auto out = folder / "scene.glb";
+  const Outcome run = interrupted(train(out, "--iterations 1M"), "grep -q 'initial splats' {err}",
+                                  "sleep 0.5; kill -PIPE $pid; sleep 0.7; kill -PIPE $pid");
+  EXPECT_EQ(run.status, 1) << run.err;
+  EXPECT_TRUE(std::filesystem::exists(folder / "scene.glb.ckpt"));
+}
+
+TEST(Train, NoLockStaysBehindWhenLoadingIsInterrupted) {
+  const test::TempFolder folder;
+  const std::string lock = quoted(folder / "scene.glb.lock");
+  const Outcome run = interrupted(train(folder / "scene.glb", "--iterations 1M"),
+                                  fmt::format("test -e {}", lock), "kill -TERM $pid");
+  EXPECT_NE(run.status, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder / "scene.glb.lock"));
+}
+
+// The disk of the result is full or was taken away.
+TEST(Train, ATrainingThatCannotBeStoredIsSavedElsewhere) {
+  const test::TempFolder folder;
+  std::filesystem::create_directory(folder / "gone");
+  const auto out = folder / "gone" / fmt::format("scene-{}.ply", ::getpid());
+  const Outcome run = interrupted(train(out, "--iterations 150 --checkpoint-every 0"),
+                                  "grep -q 'initial splats' {err}",
+                                  fmt::format("rm -r {}", quoted(folder / "gone")));
+  EXPECT_EQ(run.status, 1);
+  const std::regex advice(
+      "is saved as (.*\\.ckpt)\\. Resume with: fluxgs train .* --resume (.*\\.ckpt)");
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(run.err, found, advice)) << run.err;
+  EXPECT_TRUE(is_checkpoint(found[1].str()));
+  EXPECT_EQ(found[1], found[2]);
+  std::filesystem::remove(found[1].str());
+}
+
+TEST(Train, PlanOfAResumedTrainingIsThatOfItsCheckpoint) {
+  const test::TempFolder folder;
+  const auto out = folder / "scene.glb";
+  ASSERT_EQ(fluxgs(train(out, "--iterations 60")).status, 0);
+  const Outcome plan =
+      fluxgs(fmt::format("train --plan --resume {}.ckpt --iterations 90", out.string()));
+  ASSERT_EQ(plan.status, 0) << plan.err;
+  EXPECT_THAT(plan.out, HasSubstr("1-90 "));
+  EXPECT_THAT(plan.out, HasSubstr("\n54-90 "));  // quantization, from where it was
+}
+
+TEST(Train, BothResultsSayWhatTheirFormatsLose) {
+  const test::TempFolder folder;
+  const Outcome run =
+      fluxgs(train(folder / "scene.glb",
+                   fmt::format("--iterations 40 --float-output {}", quoted(folder / "s.splat"))));
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("s.splat: a .splat stores spherical harmonics up to degree 0"));
+  EXPECT_THAT(run.err, HasSubstr("screen filter"));
 }
 
 TEST(Train, TheSecondInterruptEndsTheProgramWithASecondLine) {
@@ -188,8 +247,12 @@ TEST(Train, FilesThatAreThereAreReplacedOnlyWhenForced) {
   // Nor is the checkpoint of another training
   std::filesystem::remove(out);
   std::ofstream(folder / "scene.glb.ckpt") << "days of work";
-  expect_error(fluxgs(train(out, "--iterations 5")), {"scene.glb.ckpt", "--resume", "--force"});
+  expect_error(fluxgs(train(out, "--iterations 5")), {"scene.glb.ckpt", "exists", "--force"});
   EXPECT_EQ(text_of(folder / "scene.glb.ckpt"), "days of work");
+  std::filesystem::remove(folder / "scene.glb.ckpt");
+  ASSERT_EQ(fluxgs(train(out, "--iterations 5")).status, 0);
+  std::filesystem::remove(out);
+  expect_error(fluxgs(train(out, "--iterations 5")), {"scene.glb.ckpt", "--resume", "--force"});
 }
 
 TEST(Train, TwoRunsOfOneOutputAreRefused) {

@@ -14,6 +14,7 @@
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/io/file.h"
 #include "fluxgs/io/gltf.h"
+#include "fluxgs/io/stray_splats.h"
 #include "fluxgs/sanitize.h"
 #include "tools/fluxgs/cameras/orbit.h"
 #include "tools/fluxgs/commands/command.h"
@@ -53,8 +54,19 @@ void warn_of_outliers(const ConvertSettings& s, const SplatCloud& cloud) {
   if (cloud.size() > 0 && step <= finest_position_step(cloud))
     spdlog::warn(
         "warning: {}: the scene is so much larger than its splats that positions are rounded to "
-        "{:.3g}",
+        "{:.3g}; --crop or --crop-sphere leaves out what is far away",
         s.in, step);
+}
+
+/// Moves a few splats nearer that lie so far away that the steps of all positions would be coarse.
+void pull_in_stray(const ConvertSettings& s, double extent, SplatCloud& cloud) {
+  const std::size_t moved = extent > 0 ? pull_in_stray_splats(cloud, extent) : 0;
+  if (moved > 0)
+    spdlog::warn(
+        "warning: {}: {} of {} splats lie so far away that the positions of others would be "
+        "rounded "
+        "coarsely; they are moved nearer and made as much smaller (--crop leaves them out)",
+        shown(s.in), moved, cloud.size());
 }
 
 /// Says what the file lost, having read it again.
@@ -195,6 +207,10 @@ Expected<void> write_out(const ConvertSettings& s) {
   map_scene(s.map, *scene);
   warn_of_lost_degrees(s.out, **format, scene->cloud.sh_degree);
   const bool compact = s.compact || s.searches() || stays_compact;
+  constexpr double kRadii = 40;  // of a chunk of compressed .ply: its step is then 2% of a radius
+  if (compact) pull_in_stray(s, largest_fine_extent(scene->cloud, s.step_scale), scene->cloud);
+  if ((*format)->name == "compressed.ply")
+    pull_in_stray(s, kRadii * median_distance(scene->cloud), scene->cloud);
   if (compact) warn_of_outliers(s, scene->cloud);
   if (s.searches()) return write_searched(s, *scene, full_degree);
   if (compact) return write_compact(s, *scene);

@@ -32,7 +32,7 @@ struct RenderSettings {
   ImageSize size;
   RendererChoice choice;
   int orbit = 0, sh_degree = 3;  // orbit 0: not given
-  bool check = false, as_json = false, view_given = false;
+  bool check = false, as_json = false, view_given = false, split_given = false;
 };
 
 /// An image to take, and the image taken from the same place if there is one.
@@ -42,6 +42,8 @@ struct Shot {
 };
 
 Expected<std::vector<Shot>> shots_of_data(const RenderSettings& s, const Dataset& data) {
+  if (s.split == "test" && s.split_given && data.test.empty())
+    return fail(s.data.folder, "", "has no test images; --split train shows the others");
   const std::vector<View>& views = s.split == "train" || data.test.empty() ? data.train : data.test;
   std::vector<Shot> shots;
   if (s.view == "all") {
@@ -223,7 +225,10 @@ void add_render(CLI::App& app, Action& action) {
       "Example: fluxgs render garden.glb --data captures/garden --view 0 -o view.png\n"
       "Example: fluxgs render garden.glb --data captures/garden --orbit 8 -o orbit.png");
   command->add_option("scene", s->scene, "the scene file")->required();
-  command->add_option("-o,--out", s->out, "the PNG to write; several become OUT_000.png and so on")
+  command
+      ->add_option("-o,--out", s->out,
+                   "the PNG to write; several become OUT_000.png and so on, or OUT_<name>.png with "
+                   "--camera")
       ->required();
   CLI::Option* data = command->add_option("--data", s->data.folder,
                                           "a data set: its views, or an orbit along them");
@@ -249,8 +254,9 @@ void add_render(CLI::App& app, Action& action) {
       ->check(whole_in(0, 3));
   command->add_flag("--check", s->check, "measure each image against the float64 reference (slow)");
   command->add_flag("--json", s->as_json, "print one JSON object");
-  command->callback([s, view, &action] {
+  command->callback([s, view, command, &action] {
     s->view_given = view->count() > 0;
+    s->split_given = command->count("--split") > 0;
     action = [s] { return render(*s); };
   });
 }

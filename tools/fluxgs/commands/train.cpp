@@ -43,6 +43,7 @@ Expected<void> check_checkpoint(const TrainSettings& settings) {
   if (settings.force || settings.checkpoint_every.never() ||
       !std::filesystem::exists(path, ignored))
     return {};
+  if (!is_checkpoint(path)) return check_overwrite(path, false);
   return fail(path, "",
               fmt::format("holds a training; --resume {} goes on with it, --force starts anew",
                           typed(path)));
@@ -83,7 +84,7 @@ Expected<void> check_inputs_stay(const TrainSettings& settings, const Dataset& d
 
 /// --plan: the schedule of the options, without data. With --json the options themselves.
 Expected<void> print_plan(const TrainSettings& settings) {
-  const auto options = options_from(settings);
+  const auto options = settings.resume.empty() ? options_from(settings) : resumed_options(settings);
   if (!options) return std::unexpected(options.error());
   const Schedule schedule = plan_schedule(*options);
   return give_report(settings.report, {{"options", options_json(schedule.options)}},
@@ -107,6 +108,8 @@ Expected<void> train(TrainSettings settings) {
   if (!run) return std::unexpected(run.error());
   if (auto ok = check_inputs_stay(settings, run->data); !ok) return ok;
   warn_of_lost_degrees(settings.out, **format, final_sh_degree(run->options));
+  if (const auto other = scene_format_for(settings.float_output); other)
+    warn_of_lost_degrees(settings.float_output, **other, final_sh_degree(run->options));
 
   TrainWork training(settings, std::move(*run), threads);
   if (auto done = training.to_end(); !done) return done;

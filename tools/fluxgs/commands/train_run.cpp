@@ -50,18 +50,21 @@ void thin_out(PointCloud& points, std::size_t most) {
 
 /// Refuses options with other values than those of the checkpoint, --iterations apart.
 Expected<void> check_unchanged(const TrainSettings& settings, const Checkpoint& checkpoint) {
-  std::vector<std::string> changed = changed_options(settings.method, checkpoint.options);
-  std::erase(changed, "iterations");
-  const auto note = [&](const char* name, bool same) {
-    if (settings.given.contains(name) && !same) changed.emplace_back(name);
+  MethodOptions changed = changed_options(settings.method, checkpoint.options);
+  std::erase_if(changed, [](const auto& option) { return option.first == "iterations"; });
+  const auto note = [&](const char* name, bool same, const std::string& value) {
+    if (settings.given.contains(name) && !same) changed.emplace_back(name, value);
   };
-  note("preset", settings.preset == checkpoint.preset);
-  note("downscale", settings.data.downscale == checkpoint.downscale);
-  note("background", settings.data.background_color() == checkpoint.options.render.background);
+  const glm::dvec3& background = checkpoint.options.render.background;
+  note("preset", settings.preset == checkpoint.preset, checkpoint.preset);
+  note("downscale", settings.data.downscale == checkpoint.downscale,
+       fmt::format("{}", checkpoint.downscale));
+  note("background", settings.data.background_color() == background,
+       fmt::format("{:g},{:g},{:g}", background.x, background.y, background.z));
   if (changed.empty()) return {};
-  return fail(
-      "", "--" + changed.front(),
-      fmt::format("cannot be changed with --resume; {} has another value", settings.resume));
+  return fail("", "--" + changed.front().first,
+              fmt::format("cannot be changed with --resume; it is {} in {}", changed.front().second,
+                          settings.resume));
 }
 
 /// Refuses other images than those of the checkpoint.
@@ -135,6 +138,15 @@ Expected<Run> new_run(TrainSettings& settings, const Threads& threads) {
   return Run{*options, std::move(*data), std::move(state), views_hash};
 }
 
+Expected<TrainOptions> resumed_options(const TrainSettings& settings) {
+  auto checkpoint = read_checkpoint(settings.resume);
+  if (!checkpoint) return std::unexpected(checkpoint.error());
+  if (auto ok = check_unchanged(settings, *checkpoint); !ok) return std::unexpected(ok.error());
+  if (auto ok = extend(checkpoint->options, settings.method); !ok)
+    return std::unexpected(ok.error());
+  return checkpoint->options;
+}
+
 Expected<Run> resume_run(TrainSettings& settings) {
   auto checkpoint = read_checkpoint(settings.resume);
   if (!checkpoint) return std::unexpected(checkpoint.error());
@@ -159,22 +171,22 @@ Expected<Run> resume_run(TrainSettings& settings) {
 
 std::string checkpoint_of(const TrainSettings& settings) { return settings.out + ".ckpt"; }
 
-Expected<void> save_checkpoint(const TrainSettings& settings, const Run& run,
-                               const TrainHistory& history, const Trainer& trainer) {
-  return write_checkpoint(
-      checkpoint_of(settings),
-      {run.options, settings.preset, settings.data.downscale, run.data.train.size(), run.views_hash,
-       trainer.saved_state(), text_of(history), initial_view_of(run.data.train)});
+Expected<void> save_checkpoint(const std::string& path, const TrainSettings& settings,
+                               const Run& run, const TrainHistory& history,
+                               const Trainer& trainer) {
+  return write_checkpoint(path, {run.options, settings.preset, settings.data.downscale,
+                                 run.data.train.size(), run.views_hash, trainer.saved_state(),
+                                 text_of(history), initial_view_of(run.data.train)});
 }
 
 std::string how_to_resume(const TrainSettings& settings, int iteration) {
   return fmt::format("Checkpoint of iteration {} saved. Resume with: {}", iteration,
-                     resume_command(settings));
+                     resume_command(settings, checkpoint_of(settings)));
 }
 
-std::string resume_command(const TrainSettings& settings) {
+std::string resume_command(const TrainSettings& settings, const std::string& checkpoint) {
   std::string line = fmt::format("fluxgs train {} -o {} --resume {}", typed(settings.data.folder),
-                                 typed(settings.out), typed(checkpoint_of(settings)));
+                                 typed(settings.out), typed(checkpoint));
   // What a checkpoint does not hold
   if (!settings.float_output.empty()) line += " --float-output " + typed(settings.float_output);
   if (settings.report == "-")

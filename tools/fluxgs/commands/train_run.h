@@ -42,6 +42,9 @@ Expected<TrainOptions> options_from(const TrainSettings& settings);
 /// cannot be read or take too much memory. Leaves in settings.data what the options say of it.
 Expected<Run> new_run(TrainSettings& settings, const Threads& threads);
 
+/// The options of the run in settings.resume, with more iterations if these are asked for.
+Expected<TrainOptions> resumed_options(const TrainSettings& settings);
+
 /// The run in settings.resume; its options replace those of the settings. Errors: not a checkpoint,
 /// or one of other images, fewer iterations than it has. More iterations come after those of its
 /// schedule, in which nothing moves.
@@ -49,11 +52,11 @@ Expected<Run> resume_run(TrainSettings& settings);
 
 std::string checkpoint_of(const TrainSettings& settings);  ///< OUT.ckpt
 /// `history`: of all parts up to now.
-Expected<void> save_checkpoint(const TrainSettings& settings, const Run& run,
-                               const TrainHistory& history, const Trainer& trainer);
+Expected<void> save_checkpoint(const std::string& path, const TrainSettings& settings,
+                               const Run& run, const TrainHistory& history, const Trainer& trainer);
 
 /// "fluxgs train … --resume OUT.ckpt", with the options that a checkpoint does not hold.
-std::string resume_command(const TrainSettings& settings);
+std::string resume_command(const TrainSettings& settings, const std::string& checkpoint);
 
 /// "Checkpoint of iteration 300 saved. Resume with: fluxgs train …", as one would type it.
 std::string how_to_resume(const TrainSettings& settings, int iteration);

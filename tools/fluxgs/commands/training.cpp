@@ -108,7 +108,7 @@ Expected<void> TrainWork::interrupted(const Expected<void>& saved, const std::st
 Expected<void> TrainWork::save() {
   const HoldInterrupts hold;
   const double before = wall_seconds();
-  auto saved = save_checkpoint(settings_, run_, history(), trainer_);
+  auto saved = save_checkpoint(checkpoint_of(settings_), settings_, run_, history(), trainer_);
   saved_at_ = wall_seconds();
   saving_seconds_ += saved_at_ - before;
   ++saves_;
@@ -230,10 +230,29 @@ void TrainWork::tell(const std::string& line) const {
 Expected<void> TrainWork::keep_training(const Error& error) {
   Expected<void> saved;
   if (saved_iteration_ != trainer_.state.iteration) saved = save();
-  return fail(
-      error.file, error.field,
-      error.what + (saved ? ". " + how_to_resume(settings_, trainer_.state.iteration)
-                          : "; the training cannot be saved either: " + saved.error().message()));
+  if (saved)
+    return fail(error.file, error.field,
+                error.what + ". " + how_to_resume(settings_, trainer_.state.iteration));
+  if (const auto elsewhere = save_elsewhere())
+    return fail(error.file, error.field,
+                fmt::format("{}. The training is saved as {}. Resume with: {}", error.what,
+                            *elsewhere, resume_command(settings_, *elsewhere)));
+  return fail(error.file, error.field,
+              error.what + "; the training cannot be saved either: " + saved.error().message());
+}
+
+/// A checkpoint in another folder, where the disk of the result is full or gone.
+std::optional<std::string> TrainWork::save_elsewhere() {
+  namespace fs = std::filesystem;
+  const HoldInterrupts hold;
+  std::error_code ignored;
+  const fs::path name = fs::path(checkpoint_of(settings_)).filename();
+  for (const fs::path& folder : {fs::current_path(ignored), fs::temp_directory_path(ignored)}) {
+    const fs::path path = folder / name;
+    if (folder.empty() || fs::exists(path, ignored)) continue;
+    if (save_checkpoint(path.string(), settings_, run_, history(), trainer_)) return path.string();
+  }
+  return std::nullopt;
 }
 
 Expected<StoredScene> TrainWork::store() {
@@ -260,6 +279,16 @@ WriteOptions TrainWork::from_start() const {
   return options;
 }
 
+/// Reads a scene again that was written, and says what its format does not hold.
+Expected<SceneFile> TrainWork::tell_lost_parts(const SceneFile& trained,
+                                               const std::string& path) const {
+  auto stored = read_scene(path);
+  if (!stored) return stored;
+  for (const std::string& lost : lost_parts(trained, *stored))
+    spdlog::warn("warning: {}: {}", shown(path), lost);
+  return stored;
+}
+
 /// Writes a compact .glb or another format. Returns the scene that the file holds where it is not
 /// the trainer's to the bit and there are images to compare it with.
 Expected<std::optional<SplatCloud>> TrainWork::write_out() {
@@ -282,10 +311,8 @@ Expected<std::optional<SplatCloud>> TrainWork::write_out() {
     return std::unexpected(written.error());
   report_["bytes"] = json_size_of(settings_.out);
   if (format == "ply") return std::nullopt;
-  auto stored = read_scene(settings_.out);
+  auto stored = tell_lost_parts(trained, settings_.out);
   if (!stored) return std::unexpected(stored.error());
-  for (const std::string& lost : lost_parts(trained, *stored))
-    spdlog::warn("warning: {}: {}", settings_.out, lost);
   return std::move(stored->cloud);
 }
 
@@ -323,8 +350,14 @@ Expected<void> TrainWork::write_scene_and_score() {
 Expected<void> TrainWork::write_float_output() {
   if (settings_.float_output.empty()) return {};
   const HoldInterrupts hold;
-  if (auto written = write_scene(settings_.float_output, trainer_.cloud(), from_start()); !written)
+  SceneFile trained;
+  trained.cloud = trainer_.cloud();
+  const WriteOptions options = from_start();
+  trained.start = options.start;
+  if (auto written = write_scene(settings_.float_output, trained.cloud, options); !written)
     return written;
+  if (auto told = tell_lost_parts(trained, settings_.float_output); !told)
+    return std::unexpected(told.error());
   report_["float_bytes"] = json_size_of(settings_.float_output);
   return {};
 }
@@ -369,7 +402,8 @@ void TrainWork::say_what_next() const {
         "Train it further: {} --iterations {}\n"
         "                  (it gets no new splats; a much longer training is better begun anew. "
         "{:.1f} MB; delete it otherwise)\n",
-        resume_command(settings_), 2 * trainer_.state.iteration, static_cast<double>(*bytes) / 1e6);
+        resume_command(settings_, checkpoint_of(settings_)), 2 * trainer_.state.iteration,
+        static_cast<double>(*bytes) / 1e6);
   if (run_.options.render.background != glm::dvec3(0))
     lines += fmt::format(
         "A scene file has no background: eval, render and view need --background {}, too\n",

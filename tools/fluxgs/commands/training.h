@@ -45,11 +45,13 @@ class TrainWork {
   void say_expected();
   Expected<void> write_scene_and_score();
   WriteOptions from_start() const;
+  Expected<SceneFile> tell_lost_parts(const SceneFile& trained, const std::string& path) const;
   Expected<std::optional<SplatCloud>> write_out();
   Expected<StoredScene> store();
   Expected<void> score(const std::optional<SplatCloud>& stored);
   Expected<void> write_float_output();
   Expected<void> keep_training(const Error& error);
+  std::optional<std::string> save_elsewhere();
   void tell(const std::string& line) const;
   void set_interrupt_lines(const std::string& first);
 

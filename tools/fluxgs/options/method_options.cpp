@@ -106,14 +106,15 @@ std::vector<std::string> with_switches_on(std::vector<std::string> words) {
   return words;
 }
 
-std::vector<std::string> changed_options(const MethodOptions& given, const TrainOptions& options) {
+MethodOptions changed_options(const MethodOptions& given, const TrainOptions& options) {
   TrainOptions before = options, after = options;
   apply(given, after);
   OptionFields fields = before.fields(), others = after.fields();
-  std::vector<std::string> names;
+  MethodOptions changed;
   for (std::size_t i = 0; i < fields.size(); ++i)
-    if (text_of(fields[i]) != text_of(others[i])) names.emplace_back(fields[i].name);
-  return names;
+    if (text_of(fields[i]) != text_of(others[i]))
+      changed.emplace_back(fields[i].name, text_of(fields[i]));
+  return changed;
 }
 
 void apply(const MethodOptions& given, TrainOptions& options) {

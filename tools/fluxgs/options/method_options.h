@@ -29,8 +29,8 @@ std::vector<std::string> with_switches_on(std::vector<std::string> words);
 /// Lets --help show these groups of options only, and --help-all all of them.
 void show_groups(CLI::App& command, std::vector<std::string> groups);
 
-/// Names of the options whose values would change by apply().
-std::vector<std::string> changed_options(const MethodOptions& given, const TrainOptions& options);
+/// The options whose values would change by apply(), with the values that they have.
+MethodOptions changed_options(const MethodOptions& given, const TrainOptions& options);
 
 /// Sets the options, which have been checked.
 void apply(const MethodOptions& given, TrainOptions& options);

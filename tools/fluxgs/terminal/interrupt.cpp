@@ -9,10 +9,12 @@
 #include <cstring>
 #include <ctime>
 
+#include "tools/fluxgs/terminal/run_lock.h"
+
 namespace fluxgs::cli {
 namespace {
 
-constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
+constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP, SIGPIPE};
 constexpr double kSamePress = 0.5;  // seconds
 
 /// A line that a signal handler may read at any time: it sees the old or the new one, whole.
@@ -50,6 +52,7 @@ double seconds() {
 
 void end_by(int signal) {
   second_line.say();
+  remove_held_lock();
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }
@@ -60,7 +63,7 @@ void handle(int signal) {
     first_at = seconds();
     interrupts = 1;
     first_line.say();
-  } else if (seconds() - first_at >= kSamePress) {
+  } else if (signal != SIGPIPE && seconds() - first_at >= kSamePress) {
     if (held > 0)
       waiting = signal;
     else

@@ -1,4 +1,5 @@
-// Ctrl-C, kill and a closed terminal, noticed by work that wants to end in its own way.
+// Ctrl-C, kill, a closed terminal and a closed pipe, noticed by work that wants to end in its own
+// way.
 #pragma once
 
 #include <array>
@@ -8,8 +9,8 @@ namespace fluxgs::cli {
 
 /// While it lives, the first of these signals says a line and is counted; a second one says another
 /// and ends the program. Signals within half a second are one: people press twice. Signals that are
-/// ignored (nohup) stay so. After a signal, that goes on when this is gone. One at a time in a
-/// process.
+/// ignored (nohup) stay so. A closed pipe counts once only. After a signal, that goes on when this
+/// is gone. One at a time in a process.
 class Interrupts {
  public:
   /// The lines of set_lines(), said from the start.

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <system_error>
@@ -14,6 +15,13 @@
 
 namespace fluxgs::cli {
 namespace {
+
+/// The path of the lock that is held, for signal handlers; empty: none.
+std::array<char, 4096> held_path{};
+
+void hold(const std::string& path) {
+  if (path.size() < held_path.size()) std::ranges::copy(path + '\0', held_path.begin());
+}
 
 /// The number in a lock file, for the message.
 std::string holder(int descriptor) {
@@ -58,6 +66,7 @@ Expected<RunLock> RunLock::take(const std::string& out) {
       if (::ftruncate(file, 0) != 0 || ::pwrite(file, text.data(), text.size(), 0) < 0) {
         // A full disk: the lock holds without the number
       }
+      hold(path);
       return RunLock(path, file);
     }
     ::close(file);
@@ -69,8 +78,13 @@ RunLock::RunLock(RunLock&& other) noexcept
 
 RunLock::~RunLock() {
   if (descriptor_ < 0) return;
+  held_path[0] = '\0';
   ::unlink(path_.c_str());
   ::close(descriptor_);
+}
+
+void remove_held_lock() {
+  if (held_path[0] != '\0') ::unlink(held_path.data());
 }
 
 }  // namespace fluxgs::cli

@@ -28,4 +28,8 @@ class RunLock {
   int descriptor_ = -1;
 };
 
+/// Removes the file of the lock that this process holds, if any: for the handler of a signal that
+/// ends it.
+void remove_held_lock();
+
 }  // namespace fluxgs::cli

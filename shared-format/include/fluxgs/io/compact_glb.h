@@ -39,6 +39,10 @@ QuantizationSteps default_quantization_steps(const SplatCloud& cloud, double ste
 /// The finest step of positions that a file can have: it counts fewer than 2²⁴ along an axis.
 double finest_position_step(const SplatCloud& cloud);
 
+/// The extent along an axis up to which default_quantization_steps() quantizes positions as the
+/// size of the splats asks.
+double largest_fine_extent(const SplatCloud& cloud, double step_scale = 1);
+
 /// Every step times `factor`.
 QuantizationSteps scaled(const QuantizationSteps& steps, double factor);
 

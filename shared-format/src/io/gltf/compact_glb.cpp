@@ -278,6 +278,8 @@ Expected<std::vector<std::byte>> make_file(const std::vector<Part>& parts,
 
 }  // namespace
 
+constexpr double kFinestPart = 0x1p-23;  // of the extent: the finest step
+
 double finest_position_step(const SplatCloud& cloud) {
   glm::dvec3 low(std::numeric_limits<double>::max()), high(-low);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -286,7 +288,11 @@ double finest_position_step(const SplatCloud& cloud) {
     high = glm::max(high, glm::dvec3(cloud.positions[i]));
   }
   const glm::dvec3 extent = high - low;
-  return std::max(std::max({extent.x, extent.y, extent.z}) * 0x1p-23, 1e-30);
+  return std::max(std::max({extent.x, extent.y, extent.z}) * kFinestPart, 1e-30);
+}
+
+double largest_fine_extent(const SplatCloud& cloud, double step_scale) {
+  return kPositionPerSize * median_size(cloud) * step_scale / kFinestPart;
 }
 
 QuantizationSteps default_quantization_steps(const SplatCloud& cloud, double step_scale) {

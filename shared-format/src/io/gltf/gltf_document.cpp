@@ -213,6 +213,11 @@ std::vector<int> root_nodes(const tinygltf::Model& model) {
   return roots;
 }
 
+bool has_splat_attributes(const tinygltf::Primitive& primitive) {
+  return primitive.attributes.contains(kScale.semantic) &&
+         primitive.attributes.contains(kRotation.semantic);
+}
+
 // Walks the nodes, parents first, and collects what their meshes hold.
 class Walk {
  public:
@@ -257,7 +262,14 @@ class Walk {
     }
     const auto& primitives = model_.meshes[mesh].primitives;
     for (std::size_t i = 0; i < primitives.size(); ++i) {
-      if (!primitives[i].extensions.contains(kSplatExtension)) continue;
+      if (!primitives[i].extensions.contains(kSplatExtension)) {
+        if (has_splat_attributes(primitives[i]))
+          return fail(name_, fmt::format("meshes[{}].primitives[{}]", mesh, i),
+                      fmt::format("has attributes of splats without the extension {}; expected it "
+                                  "in \"extensions\"",
+                                  kSplatExtension));
+        continue;
+      }
       auto splats = reader_.read(primitives[i], fmt::format("meshes[{}].primitives[{}]", mesh, i));
       if (!splats) return std::unexpected(splats.error());
       const auto transform = affine_map(matrix, name_, field);
