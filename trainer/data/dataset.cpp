@@ -1,6 +1,7 @@
 #include "trainer/data/dataset.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include <fmt/format.h>
@@ -32,6 +33,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kLargestFactor = 64;  // times, for the images of a scene's training
 constexpr std::size_t kFewImages = 5;
 
 struct Found {
@@ -222,6 +224,22 @@ void tell_of_masks(Dataset& data, MaskUse use) {
         "the photos, with photo.jpg.png or photo.png for photo.jpg");
 }
 
+/// The factor to reduce images by; of a scene's training, where nothing else is asked for.
+int reduction_factor(const Source& source, const LoadOptions& options) {
+  const bool asked = options.downscale != 0 || options.trained_side <= 0;
+  if (asked || source.frames.empty()) return options.downscale;
+  const Lens& lens = source.frames.front().lens;
+  const ImageSize unasked = reduced_size({lens.width, lens.height}, 0);
+  const int side = std::max(unasked.width, unasked.height);
+  const double factor =
+      std::round(std::max(lens.width, lens.height) / static_cast<double>(options.trained_side));
+  if (std::abs(side - options.trained_side) <= side / 10 || factor < 1 || factor > kLargestFactor)
+    return 0;
+  spdlog::info("images reduced by {}, as the scene was trained (--downscale 1 for all pixels)",
+               factor);
+  return static_cast<int>(factor);
+}
+
 Expected<void> check_options(const LoadOptions& options) {
   if (options.downscale < 0)
     return fail("", "downscale", fmt::format("{}, expected 0 or more", options.downscale));
@@ -271,7 +289,9 @@ Expected<Dataset> load_dataset(const fs::path& given, const LoadOptions& options
   remove_outliers(source);
   warn_of_lenses(source);
   recentre(source);
-  if (const auto ok = remove_too_small(source, options.downscale); !ok)
+  LoadOptions how = options;
+  how.downscale = reduction_factor(source, options);
+  if (const auto ok = remove_too_small(source, how.downscale); !ok)
     return std::unexpected(ok.error());
   if (const auto ok = hold_out(source, found->folder, options); !ok)
     return std::unexpected(ok.error());
@@ -281,9 +301,9 @@ Expected<Dataset> load_dataset(const fs::path& given, const LoadOptions& options
                             source.skipped_images, source.test_frames.size(),
                             source.warnings.empty() ? "" : "; ", fmt::join(source.warnings, "; ")));
   warn_of_no_parallax(source);
-  tell_of_reduction(source, options.downscale);
+  tell_of_reduction(source, how.downscale);
 
-  auto views = load_all(source, options);
+  auto views = load_all(source, how);
   if (!views) return std::unexpected(views.error());
   Dataset dataset{.kind = found->kind,
                   .train = std::move(views->train),

@@ -32,6 +32,9 @@ struct LoadOptions {
   /// Integer factor ≥ 1, area-averaged, sizes rounded down; 0: the longer side is limited to
   /// kDefaultLongestSide (reduction.h).
   int downscale = 1;
+  /// Pixels of the longer side that a scene was trained with: where `downscale` is 0, images are
+  /// reduced by the whole factor that comes nearest to it. 0: not known.
+  int trained_side = 0;
   /// Every n-th image, sorted by name, is for testing; 0: none. Without a value as the data set
   /// says, or every eighth (holdout.h).
   std::optional<int> test_every = {};

@@ -55,6 +55,29 @@ double parallel_spread(const std::vector<Camera>& cameras) {
   return spread > kRounding * (1 + glm::length(cameras[0].center())) ? spread : 0.0;
 }
 
+/// Share of some points, evenly spread, that a camera sees.
+double share_in_view(const Camera& camera, const std::vector<glm::vec3>& points) {
+  const std::size_t stride = points.size() / kMaxPoints + 1;
+  double seen = 0, all = 0;
+  for (std::size_t i = 0; i < points.size(); i += stride, ++all) {
+    const glm::dvec3 p = camera.rotation * glm::dvec3(points[i]) + camera.translation;
+    const double x = camera.fx * p.x / p.z + camera.cx, y = camera.fy * p.y / p.z + camera.cy;
+    seen += p.z > 0 && x >= 0 && y >= 0 && x < camera.width && y < camera.height;
+  }
+  return seen / all;
+}
+
+/// True if most cameras look past the sparse points, which were found in their images.
+bool looks_past_points(const Dataset& data) {
+  constexpr std::size_t kFewest = 100;
+  constexpr double kLeastShare = 0.003;
+  if (data.points.size() < kFewest) return false;
+  std::vector<double> shares;
+  for (const Camera& camera : spread_cameras(cameras_of(data.train), kMaxCameras))
+    shares.push_back(share_in_view(camera, data.points));
+  return median(std::move(shares)).value() < kLeastShare;
+}
+
 /// Largest error of a position by rounding to 32 bits.
 double rounding_at(double distance) { return std::ldexp(distance, -24); }
 
@@ -84,6 +107,10 @@ std::vector<std::string> scale_warnings(const Dataset& data) {
         "the cameras are {:.3g} units from the origin, where numbers of 32 bits are wrong by up to "
         "{:.2g} pixels of an image; move poses and points to the origin",
         distance, pixels));
+  if (looks_past_points(data))
+    lines.emplace_back(
+        "most images show none of the sparse points; are the poses world to camera, as COLMAP has "
+        "them, or camera to world with y up and z backward, as transforms.json has them?");
   const double near = RenderOptions().near_plane;
   if (depth && *depth < kMinNearPlanes * near)
     lines.push_back(fmt::format(

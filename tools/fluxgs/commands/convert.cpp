@@ -239,6 +239,8 @@ Expected<void> convert(const ConvertSettings& s) {
 void check_use(const ConvertSettings& s, const CLI::App& command) {
   if (command.count("--background") > 0 && !s.searches())
     throw CLI::ValidationError("--background", "is used only by --min-psnr and --max-bytes");
+  if (command.count("--spz-version") > 0 && !s.out.ends_with(".spz"))
+    throw CLI::ValidationError("--spz-version", "is used only for a .spz");
   if (command.count("--downscale") > 0 && s.data.folder.empty())
     throw CLI::ValidationError("--downscale", "is used only with --data");
   if (!s.data.folder.empty() && !s.searches())

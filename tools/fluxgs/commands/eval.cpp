@@ -1,21 +1,17 @@
 // fluxgs eval: a scene against images.
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "fluxgs/io/file.h"
 #include "tools/fluxgs/commands/command.h"
 #include "tools/fluxgs/commands/flip.h"
 #include "tools/fluxgs/options/data_options.h"
 #include "tools/fluxgs/options/renderers.h"
 #include "tools/fluxgs/terminal/json_file.h"
 #include "tools/fluxgs/terminal/progress.h"
-#include "trainer/data/image_header.h"
 
 namespace fluxgs::cli {
 namespace {
@@ -24,7 +20,7 @@ struct EvalSettings {
   std::string scene, split = "test";
   DataOptions data;
   RendererChoice choice{.renderer = "cpu"};
-  bool as_json = false, flip = false, downscale_given = false;
+  bool as_json = false, flip = false;
 };
 
 double mean_of(const std::vector<double>& values) {
@@ -59,24 +55,9 @@ void print_scores(const Evaluation& score, const std::vector<double>& flip,
              score.ssim, flip.empty() ? "" : shown(mean_of(flip)), scene.cloud.size(), scene.bytes);
 }
 
-/// The images at the size that the scene was trained with, where it tells.
-Expected<Dataset> as_trained(DataOptions options, Dataset data, const SceneFile& scene) {
-  if (!scene.start || scene.start->image_width == 0 || data.train.empty()) return data;
-  const Camera& camera = data.train[0].camera;
-  const int loaded = std::max(camera.width, camera.height);
-  const int trained = std::max(scene.start->image_width, scene.start->image_height);
-  // The size of the files says how they were reduced; they were cut by little
-  const auto file = read_file(data.train[0].path);
-  const auto header = file ? parse_image_header(*file) : std::nullopt;
-  const double all = header && header->width > 0
-                         ? static_cast<double>(std::max(header->width, header->height))
-                         : loaded;
-  const int downscale = static_cast<int>(std::round(all / trained));
-  if (std::abs(loaded - trained) <= loaded / 10 || downscale < 1) return data;
-  options.downscale = downscale;
-  spdlog::info("{}: images reduced by {}, as the scene was trained (--downscale 1 for all pixels)",
-               options.folder, downscale);
-  return load(options);
+/// The longer side of the images that the scene was trained with; 0: not known.
+int trained_side(const SceneFile& scene) {
+  return scene.start ? std::max(scene.start->image_width, scene.start->image_height) : 0;
 }
 
 Expected<void> eval(const EvalSettings& s) {
@@ -84,8 +65,9 @@ Expected<void> eval(const EvalSettings& s) {
     if (auto ok = check_flip(); !ok) return ok;
   const auto scene = load_scene(s.scene);
   if (!scene) return std::unexpected(scene.error());
-  auto data = load(s.data);
-  if (data && !s.downscale_given) data = as_trained(s.data, std::move(*data), *scene);
+  DataOptions options_of_data = s.data;
+  options_of_data.trained_side = trained_side(*scene);
+  const auto data = load(options_of_data);
   if (!data) return std::unexpected(data.error());
   const std::vector<View>& views = s.split == "train" ? data->train : data->test;
   if (views.empty())
@@ -130,10 +112,7 @@ void add_eval(CLI::App& app, Action& action) {
   add_renderer_options(*command, s->choice);
   command->add_flag("--flip", s->flip, "also measure FLIP, 0 to 1 (tools/deps/flip installs it)");
   command->add_flag("--json", s->as_json, "print one JSON object");
-  command->callback([s, command, &action] {
-    s->downscale_given = command->count("--downscale") > 0;
-    action = [s] { return eval(*s); };
-  });
+  command->callback([s, &action] { action = [s] { return eval(*s); }; });
 }
 
 }  // namespace fluxgs::cli

@@ -111,6 +111,7 @@ Expected<Dataset> load(const DataOptions& options) {
   LoadOptions how;
   if (const auto ok = set_holdout(options.holdout, how); !ok) return std::unexpected(ok.error());
   how.downscale = options.downscale;
+  how.trained_side = options.trained_side;
   how.threads = options.threads;
   how.masks = options.masks;
   how.progress = show_progress("images");
@@ -120,6 +121,8 @@ Expected<Dataset> load(const DataOptions& options) {
   auto data = load_dataset(options.folder, how);
   if (data)
     for (const std::string& warning : data->warnings) spdlog::warn("warning: {}", warning);
+  if (data && options.video_frames > 0 && !data->kind.starts_with("video"))
+    spdlog::warn("warning: --video-frames has no effect, {} is no video", options.folder);
   return data;
 }
 

@@ -20,6 +20,7 @@ struct DataOptions {
   int downscale = 0;  ///< 0: only images that are very large (LoadOptions)
   int threads = 0;
   std::string holdout = {};  ///< "none", "every-N", a file of names, or empty: as the data set says
+  int trained_side = 0;      ///< LoadOptions::trained_side
   int video_frames = 0;      ///< 0: as before, or the default
   std::vector<double> background{0, 0, 0};
   MaskUse masks = MaskUse::automatic;

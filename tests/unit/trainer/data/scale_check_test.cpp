@@ -49,6 +49,18 @@ TEST(ScaleCheck, DepthIsThatOfTheViewsOrOfThePoints) {
   EXPECT_THAT(scale_warnings(data), IsEmpty());
 }
 
+TEST(ScaleCheck, CamerasThatLookPastThePoints) {
+  Dataset data = around({0, 0, 0}, 3);
+  for (int i = 0; i < 200; ++i)
+    data.points.emplace_back(0.3 * std::sin(i), 0.3 * std::sin(3 * i), 0.3 * std::cos(i));
+  EXPECT_THAT(scale_warnings(data), IsEmpty());
+  for (View& view : data.train) {  // y up and z backward taken for y down and z forward
+    view.camera.rotation = glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1) * view.camera.rotation;
+    view.camera.translation = view.camera.translation * glm::dvec3(1, -1, -1);
+  }
+  EXPECT_THAT(scale_warnings(data), testing::Contains(HasSubstr("none of the sparse points")));
+}
+
 /// Cameras that look outward from about one place.
 Dataset panorama(const glm::dvec3& center, double shake) {
   Dataset data;
