@@ -14,7 +14,6 @@
 namespace fluxgs::cli {
 namespace {
 
-constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP, SIGPIPE};
 constexpr double kSamePress = 0.5;  // seconds
 
 /// A line that a signal handler may read at any time: it sees the old or the new one, whole.

@@ -3,9 +3,13 @@
 #pragma once
 
 #include <array>
+#include <csignal>
 #include <string>
 
 namespace fluxgs::cli {
+
+/// Of an end that is asked for.
+inline constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP, SIGPIPE};
 
 /// While it lives, the first of these signals says a line and is counted; a second one says another
 /// and ends the program. Signals within half a second are one: people press twice. Signals that are
@@ -25,7 +29,7 @@ class Interrupts {
   void set_lines(const std::string& first, const std::string& second);
 
  private:
-  std::array<void (*)(int), 3> before_{};
+  std::array<void (*)(int), kSignals.size()> before_{};
 };
 
 /// Lets what goes on end first, such as the writing of a file: a second signal ends the program
