@@ -71,9 +71,7 @@ Expected<LoadedViews> load_all(Source& source, const LoadOptions& options) {
 
 /// One line about a capture that shows no depth, or hardly any.
 void warn_of_no_parallax(Source& source) {
-  std::vector<glm::dvec3> places;
-  for (const auto* frames : {&source.frames, &source.test_frames})
-    for (const SourceFrame& frame : *frames) places.push_back(camera_position(frame));
+  const std::vector<glm::dvec3> places = camera_positions(source);
   const auto is_here = [&](const glm::dvec3& p) {
     constexpr double kRounding = 1e-9;
     return glm::distance(p, places[0]) <= kRounding * (1 + glm::length(places[0]));

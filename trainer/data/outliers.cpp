@@ -5,10 +5,9 @@
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
-#include <glm/matrix.hpp>
 
-#include "trainer/core/median.h"
 #include "trainer/data/file_list.h"
+#include "trainer/data/middle.h"
 
 namespace fluxgs {
 namespace {
@@ -23,22 +22,12 @@ struct Bounds {
 };
 
 Bounds bounds_of(const std::vector<glm::dvec3>& positions, double factor) {
-  Bounds bounds;
-  std::vector<double> values(positions.size());
-  for (int axis = 0; axis < 3; ++axis) {
-    std::ranges::transform(positions, values.begin(), [&](const auto& p) { return p[axis]; });
-    bounds.centre[axis] = *median(values);
-  }
-  std::ranges::transform(positions, values.begin(),
-                         [&](const auto& p) { return glm::distance(p, bounds.centre); });
-  bounds.radius = factor * *median(values);
-  return bounds;
+  const Middle middle = middle_of(positions);
+  return {middle.centre, factor * middle.radius};
 }
 
 void remove_stray_frames(Source& source) {
-  std::vector<glm::dvec3> positions;
-  for (const auto* frames : {&source.frames, &source.test_frames})
-    for (const SourceFrame& frame : *frames) positions.push_back(camera_position(frame));
+  const std::vector<glm::dvec3> positions = camera_positions(source);
   if (positions.size() < kFewest) return;
   const Bounds bounds = bounds_of(positions, kStrayCamera);
   if (bounds.radius <= 0) return;  // Most are in one place: no size to compare with

@@ -1,4 +1,4 @@
-// Where a data set keeps its camera poses, and the images of these poses.
+// The places of camera poses in a data set, and of their images.
 #pragma once
 
 #include <filesystem>

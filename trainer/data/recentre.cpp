@@ -1,56 +1,40 @@
 #include "trainer/data/recentre.h"
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "trainer/core/median.h"
+#include "trainer/data/middle.h"
 
 namespace fluxgs {
 namespace {
 
 constexpr double kMaxError = 2;  // pixels
 
-/// Where cameras are, how far apart, and with which focal length: medians.
-struct Place {
-  glm::dvec3 centre{0.0};
-  double spread = 0;  // from the centre
-  double focal_length = 0;
-};
-
-Place place_of(const Source& source) {
-  std::vector<glm::dvec3> positions;
-  std::vector<double> values;
+double median_focal_length(const Source& source) {
+  std::vector<double> lengths;
   for (const auto* frames : {&source.frames, &source.test_frames})
-    for (const SourceFrame& frame : *frames) {
-      positions.push_back(camera_position(frame));
-      values.push_back(frame.lens.fx);
-    }
-  Place place;
-  if (positions.empty()) return place;
-  place.focal_length = *median(values);
-  for (int axis = 0; axis < 3; ++axis) {
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = positions[i][axis];
-    place.centre[axis] = *median(values);
-  }
-  for (std::size_t i = 0; i < values.size(); ++i)
-    values[i] = glm::distance(positions[i], place.centre);
-  place.spread = *median(values);
-  return place;
+    for (const SourceFrame& frame : *frames) lengths.push_back(frame.lens.fx);
+  return median(std::move(lengths)).value_or(0);
 }
 
 }  // namespace
 
 void recentre(Source& source) {
-  const Place place = place_of(source);
-  const double rounding = std::ldexp(glm::length(place.centre), -24);
-  if (!(place.spread > 0) || !std::isfinite(rounding) ||
-      rounding / place.spread * place.focal_length <= kMaxError)
+  const std::vector<glm::dvec3> positions = camera_positions(source);
+  if (positions.empty()) return;
+  const Middle cameras = middle_of(positions);
+  const double rounding = std::ldexp(glm::length(cameras.centre), -24);
+  if (!(cameras.radius > 0) || !std::isfinite(rounding) ||
+      rounding / cameras.radius * median_focal_length(source) <= kMaxError)
     return;
-  const double grid = std::ldexp(1.0, std::ilogb(place.spread) + 8);
-  const glm::dvec3 moved = glm::round(place.centre / grid) * grid;
+  const double grid = std::ldexp(1.0, std::ilogb(cameras.radius) + 8);
+  const glm::dvec3 moved = glm::round(cameras.centre / grid) * grid;
   if (moved == glm::dvec3(0.0)) return;
   for (auto* frames : {&source.frames, &source.test_frames})
     for (SourceFrame& frame : *frames) frame.translation += frame.rotation * moved;

@@ -15,6 +15,13 @@ glm::dvec3 camera_position(const SourceFrame& frame) {
   return -(glm::transpose(frame.rotation) * frame.translation);
 }
 
+std::vector<glm::dvec3> camera_positions(const Source& source) {
+  std::vector<glm::dvec3> positions;
+  for (const auto* frames : {&source.frames, &source.test_frames})
+    for (const SourceFrame& frame : *frames) positions.push_back(camera_position(frame));
+  return positions;
+}
+
 bool add_point(Source& source, const glm::dvec3& position, const glm::u8vec3& color) {
   const glm::vec3 p(position);  // A double may be finite and its float not.
   if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return false;

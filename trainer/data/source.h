@@ -25,7 +25,7 @@ struct SourceFrame {
   glm::dvec3 translation{0.0};  ///< as in Camera
 };
 
-/// Where the camera of a frame is, in the world.
+/// Position of a frame's camera in the world.
 glm::dvec3 camera_position(const SourceFrame& frame);
 
 /// Names of images by split, as a file of the data set lists them.
@@ -45,6 +45,9 @@ struct Source {
   std::size_t skipped_images = 0;
   std::vector<std::string> warnings;
 };
+
+/// Those of all frames, the training ones first.
+std::vector<glm::dvec3> camera_positions(const Source& source);
 
 /// Add a point unless it is not finite; returns whether it was added.
 bool add_point(Source& source, const glm::dvec3& position, const glm::u8vec3& color);

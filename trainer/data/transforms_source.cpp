@@ -47,7 +47,7 @@ std::string with_finite_numbers(const std::string& text) {
   return result;
 }
 
-/// What a text that is no JSON is instead.
+/// The fault of a text that is no JSON.
 std::string json_fault(const std::string& text, std::size_t byte) {
   if (text.find_first_not_of(" \t\r\n") == std::string::npos)
     return "is empty, expected JSON with a list of frames";

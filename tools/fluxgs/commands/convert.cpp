@@ -64,8 +64,7 @@ void pull_in_stray(const ConvertSettings& s, double extent, SplatCloud& cloud) {
   if (moved > 0)
     spdlog::warn(
         "warning: {}: {} of {} splats lie so far away that the positions of others would be "
-        "rounded "
-        "coarsely; they are moved nearer and made as much smaller (--crop leaves them out)",
+        "rounded coarsely; they are moved nearer and made as much smaller (--crop leaves them out)",
         shown(s.in), moved, cloud.size());
 }
 

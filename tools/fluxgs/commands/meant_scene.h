@@ -1,4 +1,4 @@
-// What a folder that is given in place of a scene file means.
+// The scene file for a path that may be a folder.
 #pragma once
 
 #include <string>

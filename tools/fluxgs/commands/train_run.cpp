@@ -96,6 +96,16 @@ Expected<void> extend(TrainOptions& options, const MethodOptions& given) {
   return options.validate();
 }
 
+/// The checkpoint in settings.resume, with more iterations if these are asked for.
+Expected<Checkpoint> read_own_checkpoint(const TrainSettings& settings) {
+  auto checkpoint = read_checkpoint(settings.resume);
+  if (!checkpoint) return checkpoint;
+  if (auto ok = check_unchanged(settings, *checkpoint); !ok) return std::unexpected(ok.error());
+  if (auto ok = extend(checkpoint->options, settings.method); !ok)
+    return std::unexpected(ok.error());
+  return checkpoint;
+}
+
 }  // namespace
 
 // One that begins with a dash would be an option
@@ -139,18 +149,14 @@ Expected<Run> new_run(TrainSettings& settings, const Threads& threads) {
 }
 
 Expected<TrainOptions> resumed_options(const TrainSettings& settings) {
-  auto checkpoint = read_checkpoint(settings.resume);
+  auto checkpoint = read_own_checkpoint(settings);
   if (!checkpoint) return std::unexpected(checkpoint.error());
-  if (auto ok = check_unchanged(settings, *checkpoint); !ok) return std::unexpected(ok.error());
-  if (auto ok = extend(checkpoint->options, settings.method); !ok)
-    return std::unexpected(ok.error());
-  return checkpoint->options;
+  return std::move(checkpoint->options);
 }
 
 Expected<Run> resume_run(TrainSettings& settings) {
-  auto checkpoint = read_checkpoint(settings.resume);
+  auto checkpoint = read_own_checkpoint(settings);
   if (!checkpoint) return std::unexpected(checkpoint.error());
-  if (auto ok = check_unchanged(settings, *checkpoint); !ok) return std::unexpected(ok.error());
   settings.preset = checkpoint->preset;
   settings.data.downscale = checkpoint->downscale;
   settings.data.masks = checkpoint->options.get<MaskOptions>().masks;
@@ -159,8 +165,6 @@ Expected<Run> resume_run(TrainSettings& settings) {
   auto data = load(settings.data);
   if (!data) return std::unexpected(data.error());
   if (auto ok = check_images(settings, *data, *checkpoint); !ok) return std::unexpected(ok.error());
-  if (auto ok = extend(checkpoint->options, settings.method); !ok)
-    return std::unexpected(ok.error());
   if (checkpoint->state.iteration == checkpoint->options.iterations)
     spdlog::info("the training is finished; with more --iterations it would go on");
   spdlog::info("resuming at iteration {} with {} splats", checkpoint->state.iteration,

@@ -279,14 +279,22 @@ WriteOptions TrainWork::from_start() const {
   return options;
 }
 
-/// Reads a scene again that was written, and says what its format does not hold.
-Expected<SceneFile> TrainWork::tell_lost_parts(const SceneFile& trained,
-                                               const std::string& path) const {
+/// Writes the trained scene in the format of the name and says what that does not hold. Returns
+/// what the file holds; nothing for a .ply, which holds all of it.
+Expected<std::optional<SplatCloud>> TrainWork::write_trained(const std::string& path) const {
+  const HoldInterrupts hold;
+  const WriteOptions options = from_start();
+  SceneFile trained;
+  trained.cloud = trainer_.cloud();
+  trained.start = options.start;
+  if (auto written = write_scene(path, trained.cloud, options); !written)
+    return std::unexpected(written.error());
+  if ((*scene_format_for(path))->name == "ply") return std::nullopt;
   auto stored = read_scene(path);
-  if (!stored) return stored;
+  if (!stored) return std::unexpected(stored.error());
   for (const std::string& lost : lost_parts(trained, *stored))
     spdlog::warn("warning: {}: {}", shown(path), lost);
-  return stored;
+  return std::move(stored->cloud);
 }
 
 /// Writes a compact .glb or another format. Returns the scene that the file holds where it is not
@@ -302,18 +310,9 @@ Expected<std::optional<SplatCloud>> TrainWork::write_out() {
     report_["bytes"] = *bytes;
     return std::move(stored->cloud);
   }
-  const HoldInterrupts hold;
-  const WriteOptions options = from_start();
-  SceneFile trained;
-  trained.cloud = trainer_.cloud();
-  trained.start = options.start;
-  if (auto written = write_scene(settings_.out, trained.cloud, options); !written)
-    return std::unexpected(written.error());
-  report_["bytes"] = json_size_of(settings_.out);
-  if (format == "ply") return std::nullopt;
-  auto stored = tell_lost_parts(trained, settings_.out);
-  if (!stored) return std::unexpected(stored.error());
-  return std::move(stored->cloud);
+  auto stored = write_trained(settings_.out);
+  if (stored) report_["bytes"] = json_size_of(settings_.out);
+  return stored;
 }
 
 /// Scores the trainer's scene and, if it is another, the one in the file: against the test views,
@@ -349,15 +348,8 @@ Expected<void> TrainWork::write_scene_and_score() {
 /// --float-output, if there is one.
 Expected<void> TrainWork::write_float_output() {
   if (settings_.float_output.empty()) return {};
-  const HoldInterrupts hold;
-  SceneFile trained;
-  trained.cloud = trainer_.cloud();
-  const WriteOptions options = from_start();
-  trained.start = options.start;
-  if (auto written = write_scene(settings_.float_output, trained.cloud, options); !written)
-    return written;
-  if (auto told = tell_lost_parts(trained, settings_.float_output); !told)
-    return std::unexpected(told.error());
+  if (const auto written = write_trained(settings_.float_output); !written)
+    return std::unexpected(written.error());
   report_["float_bytes"] = json_size_of(settings_.float_output);
   return {};
 }

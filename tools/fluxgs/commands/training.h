@@ -45,7 +45,7 @@ class TrainWork {
   void say_expected();
   Expected<void> write_scene_and_score();
   WriteOptions from_start() const;
-  Expected<SceneFile> tell_lost_parts(const SceneFile& trained, const std::string& path) const;
+  Expected<std::optional<SplatCloud>> write_trained(const std::string& path) const;
   Expected<std::optional<SplatCloud>> write_out();
   Expected<StoredScene> store();
   Expected<void> score(const std::optional<SplatCloud>& stored);

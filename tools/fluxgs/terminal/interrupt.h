@@ -8,7 +8,7 @@
 
 namespace fluxgs::cli {
 
-/// Of an end that is asked for.
+/// Signals that ask the program to end.
 inline constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP, SIGPIPE};
 
 /// While it lives, the first of these signals says a line and is counted; a second one says another

@@ -276,9 +276,9 @@ Expected<std::vector<std::byte>> make_file(const std::vector<Part>& parts,
   return std::move(file->bytes);
 }
 
-}  // namespace
-
 constexpr double kFinestPart = 0x1p-23;  // of the extent: the finest step
+
+}  // namespace
 
 double finest_position_step(const SplatCloud& cloud) {
   glm::dvec3 low(std::numeric_limits<double>::max()), high(-low);

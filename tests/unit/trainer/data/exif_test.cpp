@@ -127,7 +127,7 @@ TEST(Exif, PhotosOnTheirHeadByExifAreUsedAsStoredAndNamed) {
                                                   testing::HasSubstr("b.png"))));
 }
 
-// What is known of some poses holds for those of photos whose shape tells nothing.
+// Photos of either shape are turned if the poses of others are for turned photos.
 TEST(Exif, PhotosOnTheirHeadAreTurnedAmongOthersThatAre) {
   const TempFolder folder;
   write_binary(folder.path() / "sparse" / "0", ten_images());
