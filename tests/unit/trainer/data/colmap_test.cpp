@@ -4,7 +4,6 @@
 #include "tiny_colmap.h"
 #include "trainer/data/colmap_model.h"
 #include "trainer/data/dataset.h"
-#include "trainer/data/pose_places.h"
 
 namespace fluxgs {
 namespace {
@@ -12,12 +11,6 @@ namespace {
 using namespace test;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-/// A complete data set in sparse/0 and images/.
-void write_dataset(const fs::path& folder, const TinyModel& model) {
-  write_binary(folder / "sparse" / "0", model);
-  write_views(folder, model);
-}
 
 std::vector<std::string> names(const std::vector<View>& views) {
   std::vector<std::string> result;
@@ -64,121 +57,6 @@ TEST(Colmap, PosesIntrinsicsPixelsAndPointsArriveAsStored) {
   EXPECT_EQ(data->point_colors[2], glm::u8vec3(10, 20, 30));
 }
 
-TEST(Colmap, ModelIsFoundInSparseAndInTheFolderItself) {
-  for (const char* place : {"sparse/0", "sparse", "."}) {
-    const TempFolder folder;
-    write_text_model(folder.path() / place, ten_images());
-    write_views(folder.path(), ten_images());
-    const auto data = load_dataset(folder.path(), {});
-    ASSERT_TRUE(data) << place << ": " << data.error().message();
-    EXPECT_EQ(data->train.size(), 8U);
-  }
-}
-
-// 3D Gaussian Splatting's tools keep the photos in input/ and their model in distorted/.
-TEST(Colmap, ModelBeforeUndistortionWithItsPhotosInInput) {
-  const TempFolder folder;
-  write_binary(folder.path() / "distorted" / "sparse" / "0", ten_images());
-  write_views(folder.path(), ten_images());
-  fs::rename(folder.path() / "images", folder.path() / "input");
-  for (const char* given : {".", "distorted/sparse/0"}) {
-    const auto data = load_dataset(folder.path() / given, {});
-    ASSERT_TRUE(data) << given << ": " << data.error().message();
-    EXPECT_EQ(data->train.size(), 8U);
-  }
-}
-
-TEST(Colmap, APartOfABinaryModelDoesNotHideATextModel) {
-  const TempFolder folder;
-  write_dataset(folder.path(), ten_images());
-  const fs::path model = folder.path() / "sparse" / "0";
-  remove_file(model / "images.bin");
-  expect_failure(load_dataset(folder.path(), {}), "images.bin");
-  write_text_model(model, ten_images());
-  const auto data = load_dataset(folder.path(), {});
-  ASSERT_TRUE(data) << data.error().message();
-  EXPECT_EQ(data->train.size(), 8U);
-}
-
-TEST(Colmap, AModelWithoutItsImagesDoesNotHideOtherPoses) {
-  const TempFolder folder;
-  write_binary(folder.path() / "sparse" / "0", ten_images());
-  write_image(folder.path() / "photo.png", pattern(16, 12));
-  const std::string frame = R"({"file_path": "photo.png", "transform_matrix":
-                             [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]})";
-  write_text(folder.path() / "transforms.json", R"({"fl_x": 20, "frames": [)" + frame + "]}");
-  const auto data = load_dataset(folder.path(), {});
-  ASSERT_TRUE(data) << data.error().message();
-  EXPECT_EQ(data->kind, "transforms.json");
-  EXPECT_THAT(data->warnings, testing::Contains(testing::AllOf(
-                                  testing::HasSubstr("sparse: none of its images is there"),
-                                  testing::HasSubstr("transforms.json is read"))));
-  // A file that is named is read although a model lies beside it
-  write_views(folder.path(), ten_images());
-  fs::rename(folder.path() / "transforms.json", folder.path() / "other.json");
-  EXPECT_EQ(load_dataset(folder.path(), {})->kind, "COLMAP");
-  EXPECT_EQ(load_dataset(folder.path() / "other.json", {})->kind, "other.json");
-}
-
-TEST(Colmap, PhotosGivenAloneAreThoseOfTheModelAboveOnlyIfItHasThem) {
-  const TempFolder folder;
-  const fs::path data = folder.path() / "garden";
-  write_dataset(data, ten_images());
-  EXPECT_EQ(load_dataset(data / "images", {})->train.size(), 8U);
-  // A reduced copy is read itself
-  fs::create_directories(data / "images_2");
-  for (const TinyImage& image : ten_images().images)
-    write_image(data / "images_2" / image.name, pattern(8, 6));
-  const auto reduced = load_dataset(data / "images_2", {});
-  ASSERT_TRUE(reduced) << reduced.error().message();
-  EXPECT_EQ(reduced->train.at(0).camera.width, 8);
-  EXPECT_EQ(reduced->train.at(0).camera.fx, 10);
-  // Other photos have no poses here, even where names are the same
-  EXPECT_TRUE(pose_places_of_photos(data / "new").empty());
-  write_binary(folder.path() / "kitchen", ten_images());
-  EXPECT_TRUE(pose_places_of_photos(folder.path() / "hall").empty());
-  fs::rename(data / "images", data / "photos");
-  fs::remove_all(data / "images_2");
-  EXPECT_EQ(load_dataset(data / "photos", {})->train.size(), 8U);
-}
-
-TEST(Colmap, DeletedImagesDoNotComeBackFromElsewhere) {
-  const TempFolder folder;
-  write_dataset(folder.path(), ten_images());
-  fs::copy(folder.path() / "images", folder.path() / "input");
-  remove_file(folder.path() / "images" / "c.png");
-  remove_file(folder.path() / "images" / "d.png");
-  write_text(folder.path() / "images" / "c.jpg", "a depth map, say");
-  const auto data = load_dataset(folder.path(), {});
-  ASSERT_TRUE(data) << data.error().message();
-  EXPECT_EQ(data->train.size() + data->test.size(), 8U);
-  EXPECT_THAT(data->warnings,
-              testing::ElementsAre(testing::HasSubstr("2 of 10 images have no file")));
-}
-
-TEST(Colmap, OneFileIsNotTwoImages) {
-  const TempFolder folder;
-  TinyModel model = ten_images();
-  write_views(folder.path(), model);
-  model.images[3].name = "left/a.png";
-  model.images[0].name = "right/a.png";
-  write_binary(folder.path() / "sparse" / "0", model);
-  const auto data = load_dataset(folder.path(), {});
-  ASSERT_TRUE(data) << data.error().message();
-  EXPECT_EQ(data->train.size() + data->test.size(), 8U);
-  EXPECT_THAT(data->warnings, testing::Contains(testing::HasSubstr("right/a.png, left/a.png")));
-}
-
-TEST(Colmap, ImagesMayLieDeeperThanTheyAreNamed) {
-  const TempFolder folder;
-  write_dataset(folder.path(), ten_images());
-  fs::create_directories(folder.path() / "Photos" / "day 1");
-  fs::rename(folder.path() / "images", folder.path() / "Photos" / "day 1" / "x");
-  const auto data = load_dataset(folder.path(), {});
-  ASSERT_TRUE(data) << data.error().message();
-  EXPECT_EQ(data->train.size(), 8U);
-}
-
 TEST(Colmap, ImagesWithoutTheirLinesOfPoints) {
   const TempFolder folder;
   auto model = ten_images();
@@ -193,17 +71,6 @@ TEST(Colmap, ImagesWithoutTheirLinesOfPoints) {
   ASSERT_TRUE(data) << data.error().message();
   EXPECT_EQ(data->train.size() + data->test.size(), 10U);
   EXPECT_TRUE(data->warnings.empty());
-}
-
-TEST(Colmap, ImagesMayLieInTheFolderItself) {
-  const TempFolder folder;
-  TinyModel model;
-  model.images = {{.name = "sub folder/x y.png"}};  // Names may hold spaces and folders.
-  write_text_model(folder.path() / "sparse", model);
-  write_image(folder.path() / model.images[0].name, pattern(16, 12));
-  const auto data = load_dataset(folder.path(), {});
-  ASSERT_TRUE(data) << data.error().message();
-  EXPECT_EQ(data->train.at(0).camera.name, "sub folder/x y.png");
 }
 
 TEST(Colmap, TextEqualsBinary) {
@@ -372,41 +239,6 @@ TEST(Colmap, CamerasThatNoImageUsesAreNotJudged) {
   });
   ASSERT_TRUE(data) << data.error().message();
   EXPECT_TRUE(data->warnings.empty());
-}
-
-TEST(Colmap, NamesOfOtherMachinesAreFound) {
-  const TempFolder folder;
-  auto model = ten_images();
-  for (auto& image : model.images) image.name = "left/" + image.name;
-  write_views(folder.path(), model);
-  model.images[0].name = "left\\a.png";
-  model.images[1].name = "C:\\captures\\left\\b.png";
-  model.images[2].name = "LEFT/C.PNG";
-  model.images[3].name = "left/d.jpg";
-  model.images[4].name = "/data/rig/images/left/e.png";
-  model.images[5].name = "../left/f.png";
-  write_binary(folder.path() / "sparse" / "0", model);
-  const auto data = load_dataset(folder.path(), {});
-  ASSERT_TRUE(data) << data.error().message();
-  EXPECT_EQ(data->train.size() + data->test.size(), 10u);
-  EXPECT_TRUE(data->warnings.empty());
-}
-
-TEST(Colmap, TheModelWithMostImagesIsTaken) {
-  const TempFolder folder;
-  auto model = ten_images();
-  write_views(folder.path(), model);
-  write_text_model(folder.path() / "sparse" / "1", model);
-  model.images.resize(2);
-  write_binary(folder.path() / "sparse" / "0", model);
-  for (const fs::path& given :
-       {folder.path(), folder.path() / "sparse", folder.path() / "images"}) {
-    const auto data = load_dataset(given, {});
-    ASSERT_TRUE(data) << data.error().message();
-    EXPECT_EQ(data->train.size() + data->test.size(), 10u) << given;
-    EXPECT_THAT(data->warnings, testing::ElementsAre(testing::HasSubstr("largest of 2 models")));
-  }
-  EXPECT_EQ(load_dataset(folder.path() / "sparse" / "0", {})->train.size(), 1u);
 }
 
 TEST(Colmap, PointsMayBeEmptyOrPly) {

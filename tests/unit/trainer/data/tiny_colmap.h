@@ -101,4 +101,10 @@ inline void write_views(const fs::path& folder, const TinyModel& model) {
                         static_cast<int>(model.cameras[0].height), 3, phase++));
 }
 
+/// A complete data set in sparse/0 and images/.
+inline void write_dataset(const fs::path& folder, const TinyModel& model) {
+  write_binary(folder / "sparse" / "0", model);
+  write_views(folder, model);
+}
+
 }  // namespace fluxgs::test
