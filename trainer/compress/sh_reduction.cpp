@@ -63,6 +63,9 @@ class ShReductionPhase final : public Phase {
     if (!reports(iteration)) return {};
     return {.renders = 2.5 * static_cast<double>(views), .files = 2};
   }
+  int sh_degree(int iteration, int degree) const override {
+    return iteration > options_.iteration ? std::min(degree, degree_) : degree;
+  }
 
   std::optional<PhaseReport> after_step(Training& t) override {
     if (!period().due(t.state.iteration)) return {};

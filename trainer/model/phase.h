@@ -155,6 +155,8 @@ class Phase {
   virtual PhaseWork work(int /*iteration*/, std::size_t /*views*/) const { return {}; }
   /// Pixels of the training images at this iteration, as a share of all.
   virtual double pixel_share(int /*iteration*/) const { return 1; }
+  /// SH degree in use at this iteration, out of `degree`, which the other phases leave.
+  virtual int sh_degree(int /*iteration*/, int degree) const { return degree; }
   /// True if a stop (Training::control) ends after_step() before it is done: the training can then
   /// only go on from a checkpoint of the iteration before.
   virtual bool can_be_stopped() const { return false; }

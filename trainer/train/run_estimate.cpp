@@ -10,6 +10,7 @@
 #include "trainer/compress/compact_search.h"
 #include "trainer/core/clock.h"
 #include "trainer/densify/densification.h"
+#include "trainer/raster/rasterizer.h"
 #include "trainer/train/memory_budget.h"
 
 namespace fluxgs {
@@ -17,11 +18,14 @@ namespace {
 
 /// Seconds for which a rate remembers: so long, and a share of what has passed.
 constexpr double kMemory = 20, kMemoryShare = 0.2;
-constexpr double kSettled = 3;           // seconds before files are measured
-constexpr double kFilesMeasured = 2000;  // splats from which a file says what larger ones take
-constexpr double kFileSeconds = 15e-6;   // of a splat, before it was measured
-/// Growth of the time of blending with pixels and with splats.
+constexpr double kSettled = 3;            // seconds before files are measured
+constexpr double kFilesMeasured = 2000;   // splats from which a file says what larger ones take
+constexpr double kFileSeconds = 0.25e-6;  // of a value of a splat, before it was measured
+/// Growth of the time of blending with pixels, before it was measured, and with splats.
 constexpr double kBlendPixels = 0.8, kBlendSplats = 0.25;
+constexpr std::size_t kBlendViews = 3;  // to measure it with
+/// Time of projecting a splat, and of its gradient, but for colour: in SH coefficients.
+constexpr double kGeometry = 11;
 constexpr int kSegments = 200;               // of the iterations between two items
 constexpr std::ptrdiff_t kGrowthEvents = 3;  // events whose growth is remembered
 /// Scenes seldom have more splats for each pixel of an image: no growth is expected beyond.
@@ -32,21 +36,15 @@ constexpr double kLimitedSplats = 30e3, kLimitedPixels = 6e6, kLimitedPower = 0.
 /// Share of the bound that training_memory() is: not all of it is needed at once.
 constexpr double kMemoryUsed = 0.8;
 
-/// Units of work of a stage of the profiler. All but the loss and the blending are for splats.
-double units_of(const std::string& stage, double pixels, double splats) {
-  if (stage == "loss") return pixels;
-  if (stage == "forward" || stage == "backward")
-    return std::pow(pixels, kBlendPixels) * std::pow(std::max(splats, 1.0), kBlendSplats);
-  return splats;
-}
-
 bool is_render_stage(const std::string& stage) {
   return stage == "project" || stage == "sort" || stage == "forward";
 }
 
+double pixels_of(const Camera& camera) { return static_cast<double>(camera.width) * camera.height; }
+
 double mean_pixels(const std::vector<View>& views) {
   double sum = 0;
-  for (const View& view : views) sum += static_cast<double>(view.camera.width) * view.camera.height;
+  for (const View& view : views) sum += pixels_of(view.camera);
   return sum / static_cast<double>(std::max<std::size_t>(views.size(), 1));
 }
 
@@ -65,14 +63,17 @@ double pixel_share(const Schedule& schedule, int iteration) {
   return share;
 }
 
-/// Time of writing and reading a compact file, for each splat; nothing of a scene too small.
-std::optional<double> measured_file_seconds(const SplatCloud& cloud) {
+/// Values of the splats that training has changed.
+double values_of(double splats, int sh_degree) { return splats * row::count(sh_degree); }
+
+/// Seconds of writing and reading a compact file, for each value; nothing of a scene too small.
+std::optional<double> measured_file_seconds(const SplatCloud& cloud, int sh_degree) {
   if (static_cast<double>(cloud.size()) < kFilesMeasured) return {};
   const double start = wall_seconds();
   const auto file =
       encode_compact_glb(cloud, {.steps = default_quantization_steps(cloud)}, kCompactFileName);
   if (!file || !read_glb(*file, kCompactFileName)) return {};
-  return (wall_seconds() - start) / static_cast<double>(cloud.size());
+  return (wall_seconds() - start) / values_of(static_cast<double>(cloud.size()), sh_degree);
 }
 
 }  // namespace
@@ -119,8 +120,7 @@ void RunEstimate::add(double seconds) {
   }
   if (phase == nullptr) {
     learn_stages(seconds,
-                 static_cast<double>(trainer_.view->camera.width) * trainer_.view->camera.height,
-                 splats_before_);
+                 {pixels_of(trainer_.view->camera), splats_before_, trainer_.render.sh_degree});
   } else {
     Learned& learned = learned_[phase];
     learned.actual += std::max(seconds - plain_seconds(iteration, splats_before_), 0.0);
@@ -132,16 +132,62 @@ void RunEstimate::add(double seconds) {
   elapsed_ += seconds;
   splats_before_ = splats;
   if (file_seconds_ == 0 && elapsed_ > kSettled)
-    file_seconds_ = measured_file_seconds(trainer_.cloud()).value_or(0);
+    file_seconds_ = measured_file_seconds(trainer_.cloud(), trainer_.render.sh_degree).value_or(0);
+  if (!blend_power_ && elapsed_ > kSettled) blend_power_ = measured_blend_power();
 }
 
-void RunEstimate::learn_stages(double seconds, double pixels, double splats) {
+/// Units of work of a stage of the profiler. All but the loss and the blending are for splats.
+double RunEstimate::units_of(const std::string& stage, const Load& load) const {
+  const int coefficients = (load.sh_degree + 1) * (load.sh_degree + 1);
+  if (stage == "loss") return load.pixels;
+  if (stage == "forward" || stage == "backward")
+    return std::pow(load.pixels, blend_power_.value_or(kBlendPixels)) *
+           std::pow(std::max(load.splats, 1.0), kBlendSplats);
+  if (stage == "project" || stage == "gradient") return load.splats * (kGeometry + coefficients);
+  if (stage == "adam") return values_of(load.splats, load.sh_degree);
+  return load.splats;
+}
+
+/// Blends some views at the size of now and at the full size: where splats cover few pixels, the
+/// time is theirs more than that of the pixels.
+double RunEstimate::measured_blend_power() {
+  const std::vector<View>& now = *trainer_.views;
+  const std::vector<View>& full = trainer_.data.train;
+  if (&now == &full) return kBlendPixels;
+  const auto blend = [&](const Camera& camera) {
+    Profiler profiler;
+    const auto rasterizer = make_cpu_rasterizer(trainer_.threads, profiler);
+    rasterizer->forward(trainer_.state.parameters, camera, trainer_.render_options());
+    return profiler["forward"];
+  };
+  double pixels = 0, full_pixels = 0, seconds = 0, full_seconds = 0;
+  for (std::size_t i = 0; i < kBlendViews; ++i) {
+    const std::size_t at = i * full.size() / kBlendViews;
+    pixels += pixels_of(now[at].camera), full_pixels += pixels_of(full[at].camera);
+    seconds += blend(now[at].camera), full_seconds += blend(full[at].camera);
+  }
+  if (seconds <= 0 || full_pixels <= pixels) return kBlendPixels;
+  const double power =
+      std::clamp(std::log(full_seconds / seconds) / std::log(full_pixels / pixels), 0.0, 1.0);
+  // The units so far are of the other power
+  for (const char* stage : {"forward", "backward"})
+    rates_[stage].units *= std::pow(pixels / kBlendViews, power - kBlendPixels);
+  return power;
+}
+
+int RunEstimate::sh_degree(int iteration) const {
+  int degree = sh_degree_of(trainer_.state.parameters);
+  for (const auto& phase : trainer_.schedule().phases) degree = phase->sh_degree(iteration, degree);
+  return degree;
+}
+
+void RunEstimate::learn_stages(double seconds, const Load& load) {
   const double keep = std::exp(-seconds / (kMemory + kMemoryShare * elapsed_));
   double known = 0;
   const auto learn = [&](const std::string& stage, double spent) {
     Rate& rate = rates_[stage];
     rate.seconds = keep * rate.seconds + spent;
-    rate.units = keep * rate.units + units_of(stage, pixels, splats);
+    rate.units = keep * rate.units + units_of(stage, load);
   };
   for (const auto& [name, total] : trainer_.profiler.entries()) {
     double& before = stages_before_[name];
@@ -154,24 +200,26 @@ void RunEstimate::learn_stages(double seconds, double pixels, double splats) {
 }
 
 double RunEstimate::plain_seconds(int iteration, double splats) const {
-  const double pixels = pixels_ * pixel_share(trainer_.schedule(), iteration);
+  const Load load{pixels_ * pixel_share(trainer_.schedule(), iteration), splats,
+                  sh_degree(iteration)};
   double sum = 0;
-  for (const auto& [stage, rate] : rates_) sum += rate.value() * units_of(stage, pixels, splats);
+  for (const auto& [stage, rate] : rates_) sum += rate.value() * units_of(stage, load);
   return sum;
 }
 
-double RunEstimate::render_seconds(double splats) const {
+double RunEstimate::render_seconds(int iteration, double splats) const {
+  const Load load{pixels_, splats, sh_degree(iteration)};
   double sum = 0;
   for (const auto& [stage, rate] : rates_)
-    if (is_render_stage(stage)) sum += rate.value() * units_of(stage, pixels_, splats);
+    if (is_render_stage(stage)) sum += rate.value() * units_of(stage, load);
   return sum;
 }
 
 double RunEstimate::work_seconds(const Item& item, double splats) const {
   const auto learned = learned_.find(item.phase);
   const double file = file_seconds_ > 0 ? file_seconds_ : kFileSeconds;
-  const double seconds =
-      item.work.renders * render_seconds(splats) + item.work.files * file * splats;
+  const double seconds = item.work.renders * render_seconds(item.iteration, splats) +
+                         item.work.files * file * values_of(splats, sh_degree(item.iteration));
   return seconds * (learned == learned_.end() ? 1 : learned->second.factor());
 }
 
@@ -186,8 +234,8 @@ RunEstimate::Forecast RunEstimate::forecast() const {
     const int step = std::max(1, (until - at) / kSegments);
     while (at < until) {
       const int count = std::min(step, until - at);
-      result.seconds +=
-          count * (plain_seconds(at + count / 2 + 1, splats) + measuring * render_seconds(splats));
+      result.seconds += count * (plain_seconds(at + count / 2 + 1, splats) +
+                                 measuring * render_seconds(at, splats));
       at += count;
     }
   };

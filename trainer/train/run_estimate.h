@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,11 @@ class RunEstimate {
     double seconds = 0, units = 0;
     double value() const { return units > 0 ? seconds / units : 0; }
   };
+  /// Sizes that the time of an iteration depends on.
+  struct Load {
+    double pixels = 0, splats = 0;
+    int sh_degree = 0;
+  };
   struct Item {
     int iteration;
     const Phase* phase;
@@ -54,23 +60,27 @@ class RunEstimate {
     double seconds = 0, splats = 0;
   };
 
-  void learn_stages(double seconds, double pixels, double splats);
+  double units_of(const std::string& stage, const Load& load) const;
+  void learn_stages(double seconds, const Load& load);
+  double measured_blend_power();
+  int sh_degree(int iteration) const;
   double plain_seconds(int iteration, double splats) const;
-  double render_seconds(double splats) const;
+  double render_seconds(int iteration, double splats) const;
   double work_seconds(const Item& item, double splats) const;
   Forecast forecast() const;
 
   const Trainer& trainer_;
   LaterWork later_;
-  std::vector<Item> items_;  ///< by iteration
-  std::size_t next_ = 0;     ///< the first that is to come
-  double pixels_ = 0;        ///< of a training image, the mean
+  std::vector<Item> items_;            ///< by iteration
+  std::size_t next_ = 0;               ///< the first that is to come
+  double pixels_ = 0;                  ///< of a training image, the mean
+  std::optional<double> blend_power_;  ///< growth of the time of blending with pixels, measured
   double elapsed_ = 0;
   double splats_before_ = 0;
   std::map<std::string, double> stages_before_;
   std::map<std::string, Rate> rates_;
   std::map<const Phase*, Learned> learned_;
-  double file_seconds_ = 0;  ///< for a splat; 0 before it was measured
+  double file_seconds_ = 0;  ///< for a value of a splat; 0 before it was measured
 };
 
 }  // namespace fluxgs

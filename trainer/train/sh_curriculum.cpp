@@ -21,9 +21,13 @@ class ShCurriculum final : public Phase {
     return fmt::format("raises the SH degree by one every {} iterations, to {}", interval_,
                        degree_);
   }
+  int sh_degree(int iteration, int degree) const override {
+    const int done = iteration - 1;
+    if (reduced_at_ > 0 && done > reduced_at_) return degree;
+    return std::min(degree, done / interval_);
+  }
   void configure(RenderOptions& render, const TrainState& state) const override {
-    if (reduced_at_ > 0 && state.iteration > reduced_at_) return;
-    render.sh_degree = std::min(render.sh_degree, state.iteration / interval_);
+    render.sh_degree = sh_degree(state.iteration + 1, render.sh_degree);
   }
 
  private:

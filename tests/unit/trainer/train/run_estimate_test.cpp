@@ -3,8 +3,10 @@
 
 #include <cmath>
 
+#include "trainer/compress/sh_reduction.h"
 #include "trainer/train/progressive_resolution.h"
 #include "trainer/train/run_estimate.h"
+#include "trainer/train/sh_curriculum.h"
 #include "unit/trainer/train/short_run.h"
 
 namespace fluxgs {
@@ -58,6 +60,24 @@ TEST(RunEstimate, SmallerImagesAreCountedAsSuch) {
                 static_cast<double>(camera.width * camera.height) / (whole.width * whole.height),
                 0.02)
         << run.trainer.state.iteration;
+  }
+}
+
+TEST(RunEstimate, DegreesOfSphericalHarmonicsAreThoseOfTheRun) {
+  for (const ShTarget target : {ShTarget::degree_1, ShTarget::adaptive}) {
+    TrainOptions options = quiet_run(40);
+    options.sh_degree = 3;
+    options.get<ShCurriculumOptions>().interval = 5;
+    options.get<ShReductionOptions>().target = target;
+    options.get<ShReductionOptions>().iteration = 25;
+    Running run(options);
+    while (!run.trainer.done()) {
+      run.trainer.step();
+      int degree = 3;
+      for (const auto& phase : run.trainer.schedule().phases)
+        degree = phase->sh_degree(run.trainer.state.iteration, degree);
+      EXPECT_EQ(degree, run.trainer.render.sh_degree) << run.trainer.state.iteration;
+    }
   }
 }
 
