@@ -111,7 +111,10 @@ fluxgs_alias(hwy::hwy hwy)
 # Not by the name TBB: its project takes the variable TBB_DIR for "use the one over there"
 fluxgs_dependency(oneTBB ${_github}/oneapi-src/oneTBB v2021.13.0 NAMES TBB)
 fluxgs_dependency(nanoflann ${_github}/jlblancoc/nanoflann v1.5.5)
+fluxgs_dependency(utf8proc ${_github}/JuliaStrings/utf8proc v2.10.0)
+fluxgs_alias(utf8proc::utf8proc utf8proc)
 find_package(JPEG REQUIRED)
+find_package(PNG REQUIRED)
 set(_opencv_modules core imgproc imgcodecs features2d calib3d)
 list(JOIN _opencv_modules "," BUILD_LIST)
 foreach(unused BUILD_TESTS BUILD_PERF_TESTS BUILD_EXAMPLES BUILD_opencv_apps BUILD_JAVA

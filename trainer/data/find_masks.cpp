@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "trainer/data/lower_case.h"
+#include "trainer/data/name_key.h"
 #include "trainer/data/walk_folder.h"
 
 namespace fluxgs {
@@ -14,9 +14,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A path in lower case, without its extension.
+/// The key of a path without its extension.
 std::string stem_of(const fs::path& name) {
-  return lower_case(fs::path(name).replace_extension().generic_string());
+  return name_key(fs::path(name).replace_extension().generic_string());
 }
 
 /// Masks by their names below their folder, without extension; the first one in the order of names
@@ -39,7 +39,7 @@ Masks list_masks(const fs::path& folder) {
   std::error_code error;
   for (const fs::path& place : {folder, folder / "images"})
     for (const auto& entry : fs::directory_iterator(place, error)) {
-      const std::string name = lower_case(entry.path().filename().string());
+      const std::string name = name_key(entry.path().filename().string());
       std::error_code ignored;
       if ((name == "masks" || name == "mask") && entry.is_directory(ignored))
         list_into(entry.path(), masks);
@@ -49,7 +49,7 @@ Masks list_masks(const fs::path& folder) {
 
 /// The mask of a photo that has this name below its folder; empty if there is none.
 fs::path mask_of(const fs::path& name, const Masks& masks) {
-  for (const std::string& wanted : {lower_case(name.generic_string()), stem_of(name)})
+  for (const std::string& wanted : {name_key(name.generic_string()), stem_of(name)})
     if (const auto found = masks.find(wanted); found != masks.end()) return found->second;
   return {};
 }

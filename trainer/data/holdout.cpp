@@ -16,6 +16,7 @@
 
 #include "trainer/data/file_bytes.h"
 #include "trainer/data/file_list.h"
+#include "trainer/data/name_key.h"
 
 namespace fluxgs {
 namespace {
@@ -26,11 +27,9 @@ using Json = nlohmann::json;
 constexpr int kTestEvery = 8;
 constexpr std::uint64_t kLargestList = 1 << 26;  // bytes
 
-std::string normalized(std::string name) {
-  std::ranges::transform(name, name.begin(), [](unsigned char c) {
-    return c == '\\' ? '/' : static_cast<char>(std::tolower(c));
-  });
-  return name.starts_with("./") ? name.substr(2) : name;
+std::string normalized(const std::string& name) {
+  std::string key = name_key(name);
+  return key.starts_with("./") ? key.substr(2) : key;
 }
 
 std::string stem_of(const std::string& name) { return fs::path(name).stem().string(); }

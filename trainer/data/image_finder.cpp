@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "trainer/data/file_bytes.h"
-#include "trainer/data/lower_case.h"
+#include "trainer/data/name_key.h"
 #include "trainer/data/photos/photo_list.h"
 #include "trainer/data/walk_folder.h"
 
@@ -23,7 +23,7 @@ std::string with_slashes(std::string name) {
   return name;
 }
 
-std::string extension_of(const fs::path& file) { return lower_case(file.extension().string()); }
+std::string extension_of(const fs::path& file) { return name_key(file.extension().string()); }
 
 /// The extension that most of the files have.
 std::string usual_extension(const std::map<std::string, fs::path>& files) {
@@ -74,7 +74,7 @@ void ImageFinder::list() {
       std::error_code ignored;
       if (!entry.is_regular_file(ignored)) return true;
       const fs::path below = entry.path().lexically_relative(folder);
-      const std::string name = lower_case(below.generic_string());
+      const std::string name = name_key(below.generic_string());
       add(by_name_, name, entry.path());
       add(by_stem_, without_extension(name), entry.path());
       if (std::ranges::none_of(below.parent_path(), is_made_of_photos))
@@ -90,7 +90,7 @@ std::optional<fs::path> ImageFinder::find_as_named(const std::string& name) {
   if (auto found = first_tail(slashed, [&](const std::string& n) { return find_exactly(n); }))
     return found;
   list();
-  const std::string wanted = lower_case(slashed);
+  const std::string wanted = name_key(name);
   if (auto found = first_tail(wanted, [&](const std::string& n) { return get(by_name_, n); }))
     return found;
   return first_tail(wanted, [&](const std::string& n) {
@@ -112,15 +112,12 @@ ImageFinder::ImageFinder(std::vector<fs::path> folders, const std::vector<std::s
   const bool any_extension = too_few();
   const std::string usual = usual_extension(found_);
   find_rest([&](const std::string& name) {
-    auto file = first_tail(lower_case(with_slashes(name)), [&](const std::string& n) {
-      return get(by_stem_, without_extension(n));
-    });
+    auto file = first_tail(
+        name_key(name), [&](const std::string& n) { return get(by_stem_, without_extension(n)); });
     return file && (any_extension || extension_of(*file) == usual) ? file : std::nullopt;
   });
   if (too_few())
-    find_rest([&](const std::string& name) {
-      return get(by_last_, last_part(lower_case(with_slashes(name))));
-    });
+    find_rest([&](const std::string& name) { return get(by_last_, last_part(name_key(name))); });
 }
 
 std::optional<fs::path> ImageFinder::find(const std::string& name) const {

@@ -97,10 +97,11 @@ ImageHeader parse_bmp(Bytes bytes) {
 
 ImageHeader parse_webp(Bytes bytes) {
   ImageHeader header{.format = ImageFormat::kWebp};
-  int width = 0, height = 0;
-  if (!WebPGetInfo(bytes.data(), bytes.size(), &width, &height)) return header;
-  header.width = width;
-  header.height = height;
+  WebPBitstreamFeatures features{};
+  if (WebPGetFeatures(bytes.data(), bytes.size(), &features) != VP8_STATUS_OK) return header;
+  header.width = features.width;
+  header.height = features.height;
+  header.animated = features.has_animation != 0;
   header.complete = std::uint64_t{little_endian(bytes, 4, 4)} + 8 <= bytes.size();
   for (std::size_t at = 12; at + 8 <= bytes.size();) {
     const std::size_t length = little_endian(bytes, at + 4, 4);

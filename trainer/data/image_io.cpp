@@ -18,6 +18,7 @@
 #include "trainer/data/image_header.h"
 #include "trainer/data/jpeg.h"
 #include "trainer/data/lens.h"
+#include "trainer/data/png.h"
 
 namespace fluxgs {
 namespace {
@@ -31,6 +32,7 @@ Expected<ImageHeader> checked_header(std::span<const std::byte> bytes, const std
     return fail(file, "",
                 "not an image that can be read, expected JPEG, PNG, WebP, TIFF, BMP, HEIC or AVIF");
   if (header->width < 0) return fail(file, "", "the image is truncated: its header is incomplete");
+  if (header->animated) return fail(file, "", "is an animation, expected one image");
   // Neither product can overflow: JPEG has 16 bits for a side, PNG 32.
   if (header->width < 1 || header->height < 1 ||
       header->width > kMaxPixels / std::max<std::int64_t>(header->height, 1))
@@ -61,7 +63,7 @@ cv::Mat to_rgb8(cv::Mat decoded) {
   return rgb;
 }
 
-/// All formats but JPEG, by OpenCV.
+/// WebP, TIFF and BMP.
 Expected<Image<std::uint8_t>> decode_by_opencv(std::vector<std::byte>& bytes,
                                                const std::string& file) {
   try {
@@ -71,7 +73,10 @@ Expected<Image<std::uint8_t>> decode_by_opencv(std::vector<std::byte>& bytes,
     if (decoded.empty()) return fail(file, "", "the image is corrupt: it cannot be decoded");
     const cv::Mat rgb = to_rgb8(decoded);
     if (rgb.empty())
-      return fail(file, "", "its pixels are no integers of 8 or 16 bits with 1, 3 or 4 channels");
+      return fail(
+          file, "",
+          "its pixels have an unknown type, expected integers of 8 or 16 bits with 1, 3 or 4 "
+          "channels");
     Image<std::uint8_t> image(rgb.cols, rgb.rows, rgb.channels());
     rgb.copyTo(cv::Mat(rgb.rows, rgb.cols, rgb.type(), image.pixels.data()));
     return image;
@@ -87,12 +92,12 @@ Expected<Image<std::uint8_t>> decode(std::vector<std::byte>& bytes, const ImageH
   // OpenCV turns these alone, and not in all versions
   if (header.format == ImageFormat::kTiff)
     remove_orientation({reinterpret_cast<std::uint8_t*>(bytes.data()), bytes.size()});
-  if (header.format != ImageFormat::kJpeg) {
-    image = decode_by_opencv(bytes, file);
-  } else {
-    auto decoded = decode_jpeg(bytes);
+  if (header.format == ImageFormat::kJpeg || header.format == ImageFormat::kPng) {
+    auto decoded = header.format == ImageFormat::kJpeg ? decode_jpeg(bytes) : decode_png(bytes);
     if (!decoded) return fail(file, "", "the image is corrupt: " + decoded.error());
     image = std::move(*decoded);
+  } else {
+    image = decode_by_opencv(bytes, file);
   }
   if (image && (image->width != header.width || image->height != header.height))
     return fail(file, "",

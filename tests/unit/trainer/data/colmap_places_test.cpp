@@ -152,6 +152,40 @@ TEST(Colmap, NamesOfOtherMachinesAreFound) {
   EXPECT_TRUE(data->warnings.empty());
 }
 
+// Archives made on a Mac compose é of two characters; COLMAP's files come from elsewhere.
+TEST(Colmap, NamesMayDifferInUnicodeForm) {
+  const TempFolder folder;
+  auto model = ten_images();
+  model.images[0].name = "caf\u00e9 \ud55c.png";
+  model.images[1].name = "e\u0301te\u0301/b.png";
+  model.images[2].name = "\u00c5NGSTR\u00d6M.png";
+  write_views(folder.path(), model);
+  model.images[0].name = "cafe\u0301 \u1112\u1161\u11ab.png";
+  model.images[1].name = "\u00e9t\u00e9\\b.png";
+  model.images[2].name = "\u00e5ngstr\u00f6m.PNG";
+  write_binary(folder.path() / "sparse" / "0", model);
+  const auto data = load_dataset(folder.path(), {});
+  ASSERT_TRUE(data) << data.error().message();
+  EXPECT_EQ(data->train.size() + data->test.size(), 10u);
+  EXPECT_TRUE(data->warnings.empty());
+}
+
+TEST(Colmap, NamesThatAreNotUtf8AreFound) {
+  const TempFolder folder;
+  auto model = ten_images();
+  model.images[0].name =
+      "gr\xfc\xdf"
+      "e.png";
+  write_views(folder.path(), model);
+  model.images[0].name =
+      "left/GR\xfc\xdf"
+      "E.png";
+  write_binary(folder.path() / "sparse" / "0", model);
+  const auto data = load_dataset(folder.path(), {});
+  ASSERT_TRUE(data) << data.error().message();
+  EXPECT_EQ(data->train.size() + data->test.size(), 10u);
+}
+
 TEST(Colmap, TheModelWithMostImagesIsTaken) {
   const TempFolder folder;
   auto model = ten_images();

@@ -55,6 +55,14 @@ TEST_F(Holdout, NamesAreFoundWithOrWithoutFolderAndExtension) {
   EXPECT_TRUE(warnings_.empty());
 }
 
+TEST_F(Holdout, NamesMayDifferInUnicodeForm) {
+  auto model = ten_images();
+  model.images[1].name = "\u00e9.png";
+  write_binary(data_ / "sparse" / "0", model);
+  write_views(data_, model);
+  EXPECT_EQ(split({.test_list = list("e\u0301.png\n")}), "acdefghij|\u00e9");
+}
+
 TEST_F(Holdout, ListsInTheFolder) {
   for (const char* name : {"test.txt", "test_list.txt", "sparse/0/test.txt"}) {
     write_text(data_ / name, "b.png\nc.png\n");

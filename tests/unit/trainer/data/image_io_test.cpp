@@ -329,6 +329,18 @@ TEST(ImageIoBadInput, WhatIsNoImageIsNamed) {
   expect_failure(read_image_outline(pipe), "pipe.png");
 }
 
+TEST(ImageIoBadInput, AnimationsAreRefused) {
+  const TempFolder folder;
+  const fs::path file = folder.path() / "a.webp";
+  const std::string canvas("\x0a\0\0\0\x02\0\0\0\x1f\0\0\x0f\0\0", 14);
+  const std::string loop("ANIM\6\0\0\0\0\0\0\0\0\0", 14);
+  const std::string body = "WEBPVP8X" + canvas + loop;
+  write_text(file,
+             "RIFF" + std::string(1, static_cast<char>(body.size())) + std::string(3, '\0') + body);
+  expect_failure(read_image(file), "a.webp", "is an animation");
+  expect_failure(read_image_outline(file), "a.webp", "is an animation");
+}
+
 // The only images that can hold NaN; bytes, which training takes, cannot.
 TEST(ImageIoBadInput, ImagesOfFloatsAreRefused) {
   const TempFolder folder;

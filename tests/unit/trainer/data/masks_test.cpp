@@ -115,6 +115,13 @@ TEST(Masks, WithoutAnExtensionOfThePhotoOrWithAnotherOne) {
   EXPECT_THAT(masked(loaded(folder.path())), testing::ElementsAre("a.png", "b.png"));
 }
 
+TEST(Masks, NamesMayDifferInUnicodeForm) {
+  const TempFolder folder;
+  write_colmap(folder.path(), {"\u00e9.png", "b.png"});
+  write_image(folder.path() / "masks" / "E\u0301.png", left_half());
+  EXPECT_THAT(masked(loaded(folder.path())), testing::ElementsAre("\u00e9.png"));
+}
+
 TEST(Masks, NerfstudioNamesThemInItsFile) {
   const TempFolder folder;
   write_transforms(folder.path(), {{{"mask_path", "elsewhere/m.png"}},
