@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <regex>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -49,12 +50,21 @@ std::vector<std::string> names_of_commands(const CLI::App& command) {
   return names;
 }
 
+/// "--background: expected 3 values with commas between them, 1 given"
+std::string wrong_number_of_values(const std::string& text) {
+  static const std::regex pattern("(--[a-z-]+): .*?([0-9]+) required but received ([0-9]+)");
+  std::smatch parts;
+  if (!std::regex_match(text, parts, pattern)) return text;
+  return fmt::format("{}: expected {} values with commas between them, {} given", parts[1].str(),
+                     parts[2].str(), parts[3].str());
+}
+
 /// "unknown option --iteratoins; did you mean --iterations?", or what CLI11 says of other errors.
 std::string usage_error(const CLI::App& app, const CLI::Error& error,
                         const std::vector<std::string>& arguments) {
   const auto kind = static_cast<CLI::ExitCodes>(error.get_exit_code());
   if (kind != CLI::ExitCodes::ExtrasError && kind != CLI::ExitCodes::RequiredError)
-    return error.what();
+    return wrong_number_of_values(error.what());
   const CLI::App& command = parsed_command(app);
   const std::vector<std::string> words = command.remaining(), subs = names_of_commands(command);
   if (words.empty())

@@ -28,8 +28,11 @@ constexpr std::size_t kBlendViews = 3;  // to measure it with
 constexpr double kGeometry = 11;
 constexpr int kSegments = 200;               // of the iterations between two items
 constexpr std::ptrdiff_t kGrowthEvents = 3;  // events whose growth is remembered
-/// Scenes seldom have more splats for each pixel of an image: no growth is expected beyond.
+constexpr std::size_t kGrowthKnown = 2;      // events from which it counts alone
+/// Scenes seldom have more splats for each pixel of an image: no growth is expected beyond, or that
+/// which is seen, less with each event.
 constexpr double kSplatsPerPixel = 0.6;
+constexpr double kFade = 0.9;
 /// Limit to the number of splats of runs whose densifications each add a share only: splats that
 /// have a reason to grow run out. Captures of 3 to 13 megapixels in all stayed below by up to half.
 constexpr double kLimitedSplats = 30e3, kLimitedPixels = 6e6, kLimitedPower = 0.3;
@@ -86,8 +89,8 @@ double RunEstimate::Learned::factor() const {
 double RunEstimate::Learned::growth_or(double expected) const {
   const auto count = std::min(kGrowthEvents, static_cast<std::ptrdiff_t>(growth.size()));
   const double sum = std::accumulate(growth.end() - count, growth.end(), 0.0);
-  return count >= 2 ? sum / static_cast<double>(count)
-                    : (sum + expected) / static_cast<double>(count + 1);
+  return growth.size() >= kGrowthKnown ? sum / static_cast<double>(count)
+                                       : (sum + expected) / static_cast<double>(count + 1);
 }
 
 RunEstimate::RunEstimate(const Trainer& trainer, const LaterWork& later)
@@ -223,12 +226,24 @@ double RunEstimate::work_seconds(const Item& item, double splats) const {
   return seconds * (learned == learned_.end() ? 1 : learned->second.factor());
 }
 
+double RunEstimate::growth_of(const Item& item) const {
+  const auto learned = learned_.find(item.phase);
+  return learned == learned_.end() ? item.work.growth : learned->second.growth_or(item.work.growth);
+}
+
+/// True if the splats of this run have grown, not those of other captures alone.
+bool RunEstimate::grows_still(const Item& item) const {
+  const auto learned = learned_.find(item.phase);
+  return learned != learned_.end() && learned->second.growth.size() >= kGrowthKnown;
+}
+
 RunEstimate::Forecast RunEstimate::forecast() const {
   const int end = trainer_.options.iterations;
   int at = trainer_.state.iteration;
   double splats = static_cast<double>(trainer_.state.parameters.size());
   Forecast result{.splats = splats};
   const double most = most_splats(trainer_, pixels_);
+  double beyond = 1;  // share of the growth that is left beyond that number
   const double measuring = later_.measuring_renders / std::max(end, 1);
   const auto iterate = [&](int until) {
     const int step = std::max(1, (until - at) / kSegments);
@@ -243,10 +258,9 @@ RunEstimate::Forecast RunEstimate::forecast() const {
     const Item& item = items_[i];
     iterate(item.iteration);
     result.seconds += work_seconds(item, splats);
-    const auto learned = learned_.find(item.phase);
-    const double growth =
-        learned == learned_.end() ? item.work.growth : learned->second.growth_or(item.work.growth);
-    splats *= std::exp(splats < most ? growth : std::min(growth, 0.0));
+    double growth = growth_of(item);
+    if (splats >= most && growth > 0) growth = grows_still(item) ? growth * (beyond *= kFade) : 0;
+    splats *= std::exp(growth);
     if (trainer_.options.max_splats > 0)
       splats = std::min(splats, static_cast<double>(trainer_.options.max_splats));
     result.splats = std::max(result.splats, splats);

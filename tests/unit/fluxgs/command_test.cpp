@@ -184,6 +184,7 @@ TEST(Command, UnknownNamesSuggestTheNearest) {
       {"report codek x", "unknown sub-command codek; did you mean codec?"},
       {"train x -o y.glb --iteratoins 3",
        "unknown option --iteratoins; did you mean --iterations?"},
+      {"train x -o y.glb --background 1", "expected 3 values with commas between them, 1 given"},
       {"train x -o y.glb --late-prun-share=3", "did you mean --late-prune-share?"},
       {"train x -o y.glb 10 --iteration", "unknown option --iteration; did you mean --iterations?"},
       {"eval --dta x y.glb", "did you mean --data?"},

@@ -129,7 +129,7 @@ TEST_F(GltfJson, SeveralBuffersAreReadWhereTheyAreNeeded) {
   root["bufferViews"][0]["buffer"] = 4;
   expect_error(scene(root.dump()), {"buffers[4]", "does not exist"});
   root["bufferViews"][0]["buffer"] = 2;
-  expect_error(scene(root.dump()), {"missing.bin", "No such file"});
+  expect_error(scene(root.dump()), {"buffers[2].uri: ", "missing.bin", "No such file"});
 }
 
 TEST_F(GltfJson, FilesElsewhereAreRefused) {

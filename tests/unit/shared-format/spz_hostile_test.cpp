@@ -35,6 +35,8 @@ TEST(HostileSpz, CutAtAnyByteIsAnError) {
       const Bytes cut(bytes.begin(), bytes.begin() + std::ptrdiff_t(size));  // exactly sized
       EXPECT_FALSE(read_as_spz(cut)) << version << ' ' << size;
     }
+    const Bytes most(bytes.begin(), bytes.end() - 20);
+    expect_error(read_as_spz(most), {"the file is cut off"});
     // Cut before it was compressed.
     if (version == 4) continue;
     const Bytes plain = inflated(bytes);

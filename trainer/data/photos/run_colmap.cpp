@@ -297,8 +297,8 @@ Error ColmapRun::why_no_poses() const {
                 "sharp, well lit photos of things with a pattern",
                 *typical)
           : std::string(
-                "the photos have too little in common; expected photos that overlap by "
-                "two thirds, each taken a step away from the last");
+                "the photos have too little in common or are taken from one place; expected photos "
+                "that overlap by two thirds, each taken a step away from the last");
   return {log().string(), "",
           fmt::format("COLMAP found no poses for {} photos: {}", photos_.size(), why)};
 }

@@ -120,7 +120,8 @@ Expected<std::vector<std::byte>> GltfBuffers::read_uri(const GltfBuffer& buffer,
                             "expected all data inside",
                             sanitized(uri)));
   auto bytes = source_.files(*file, std::uint64_t{buffer.bytes} + kPadding);
-  if (bytes) beside_ += bytes->size();
+  if (!bytes) return fail(name_, field, bytes.error().message());
+  beside_ += bytes->size();
   return bytes;
 }
 

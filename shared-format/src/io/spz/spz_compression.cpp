@@ -77,6 +77,13 @@ Inflated inflate_gzip_start(std::span<const std::byte> input, std::span<std::byt
   return inflate_gzip(input.first(std::min(input.size(), kStart)), out);
 }
 
+std::string shortfall(const Inflated& got, std::size_t expected) {
+  const std::string end = got.damaged ? "is damaged"
+                          : got.ended ? "ends"
+                                      : "the file is cut off: its data end";
+  return fmt::format("{} after {} bytes; expected {}", end, got.written, expected);
+}
+
 std::string decompress_zstd(std::span<const std::byte> input, std::span<std::byte> out) {
   const std::size_t size = ZSTD_decompress(out.data(), out.size(), input.data(), input.size());
   if (ZSTD_isError(size)) return ZSTD_getErrorName(size);

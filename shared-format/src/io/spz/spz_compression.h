@@ -25,6 +25,10 @@ Inflated inflate_gzip_start(std::span<const std::byte> input, std::span<std::byt
 /// Inflate until the stream, the input or the buffer ends.
 Inflated inflate_gzip(std::span<const std::byte> input, std::span<std::byte> out);
 
+/// The reason why fewer bytes came out than expected: damage, a file that was cut off, or a stream
+/// that is whole but too short.
+std::string shortfall(const Inflated& got, std::size_t expected);
+
 /// Decompress exactly as much as `out` holds. The error is a reason, empty if all went well.
 std::string decompress_zstd(std::span<const std::byte> input, std::span<std::byte> out);
 

@@ -39,9 +39,7 @@ Expected<SpzHeader> header_in_gzip(const SpzSource& source) {
   std::array<std::byte, kSpzHeader> start{};
   const Inflated got = inflate_gzip_start(source.bytes, start);
   if (got.written < start.size()) {
-    return source.fail("gzip",
-                       fmt::format("{} after {} bytes; expected a header of {}",
-                                   got.damaged ? "is damaged" : "ends", got.written, start.size()));
+    return source.fail("gzip", shortfall(got, start.size()));
   }
   if (!has_magic(start.data())) {
     return source.fail("header", "does not begin with \"NGSP\"");

@@ -87,9 +87,7 @@ Expected<void> unpack_gzip(const SpzSource& source, SpzPacked& packed, std::size
                        fmt::format("holds more than the {} bytes that the header promises", most));
   }
   if (got.damaged || !got.ended || got.written < expected) {
-    return source.fail(
-        "gzip", fmt::format("{} after {} bytes; expected {}", got.damaged ? "is damaged" : "ends",
-                            got.written, expected));
+    return source.fail("gzip", shortfall(got, expected));
   }
   check_rest(source.bytes.subspan(got.consumed), packed);
   packed.data = std::move(*bytes);
@@ -121,8 +119,8 @@ Expected<void> unpack_stream(const SpzSource& source, const std::byte* entry, st
                                           promised, out.size()));
   }
   if (compressed > source.bytes.size() - at) {
-    return source.fail(field, fmt::format("takes {} bytes, but {} are left", compressed,
-                                          source.bytes.size() - at));
+    return source.fail(field, fmt::format("takes {} bytes, but {} are left: the file is cut off",
+                                          compressed, source.bytes.size() - at));
   }
   const auto input = source.bytes.subspan(at, static_cast<std::size_t>(compressed));
   if (const std::string reason = decompress_zstd(input, out); !reason.empty()) {
