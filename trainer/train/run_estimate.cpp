@@ -28,14 +28,16 @@ constexpr std::size_t kBlendViews = 3;  // to measure it with
 constexpr double kGeometry = 11;
 constexpr int kSegments = 200;               // of the iterations between two items
 constexpr std::ptrdiff_t kGrowthEvents = 3;  // events whose growth is remembered
-constexpr std::size_t kGrowthKnown = 2;      // events from which it counts alone
-/// Scenes seldom have more splats for each pixel of an image: no growth is expected beyond, or that
-/// which is seen, less with each event.
+constexpr std::size_t kGrowthSeen = 2;       // events from which it counts alone
+/// Scenes seldom have more splats for each pixel of an image: no growth is expected beyond. In a
+/// run that has more all the same it fades with each event.
 constexpr double kSplatsPerPixel = 0.6;
-constexpr double kFade = 0.9;
-/// Limit to the number of splats of runs whose densifications each add a share only: splats that
-/// have a reason to grow run out. Captures of 3 to 13 megapixels in all stayed below by up to half.
+constexpr double kFade = 0.87;
+/// Usual number of splats of runs whose densifications each add a share only: splats that have a
+/// reason to grow run out, and the more iterations are between two densifications, the sooner.
+/// Captures of 2 to 13 megapixels in all; one of 12 photos came to three times as many.
 constexpr double kLimitedSplats = 30e3, kLimitedPixels = 6e6, kLimitedPower = 0.3;
+constexpr double kLimitedIterations = 7000, kIterationsPower = -0.25;
 /// Share of the bound that training_memory() is: not all of it is needed at once.
 constexpr double kMemoryUsed = 0.8;
 
@@ -51,13 +53,15 @@ double mean_pixels(const std::vector<View>& views) {
   return sum / static_cast<double>(std::max<std::size_t>(views.size(), 1));
 }
 
-/// Splats beyond which no growth is expected.
-double most_splats(const Trainer& trainer, double pixels) {
-  const double all_pixels = pixels * static_cast<double>(trainer.data.train.size());
+/// Number of splats that scenes have usually.
+double usual_splats(const Trainer& trainer, double pixels) {
   const auto& densification = trainer.options.get<DensificationOptions>();
-  return densification.strategy == Densify::multiview && densification.growth > 0
-             ? kLimitedSplats * std::pow(all_pixels / kLimitedPixels, kLimitedPower)
-             : kSplatsPerPixel * pixels;
+  if (densification.strategy != Densify::multiview || densification.growth <= 0)
+    return kSplatsPerPixel * pixels;
+  const double all_pixels = pixels * static_cast<double>(trainer.data.train.size());
+  const double length = std::max(trainer.options.iterations / kLimitedIterations, 1.0);
+  return kLimitedSplats * std::pow(all_pixels / kLimitedPixels, kLimitedPower) *
+         std::pow(length, kIterationsPower);
 }
 
 double pixel_share(const Schedule& schedule, int iteration) {
@@ -89,8 +93,8 @@ double RunEstimate::Learned::factor() const {
 double RunEstimate::Learned::growth_or(double expected) const {
   const auto count = std::min(kGrowthEvents, static_cast<std::ptrdiff_t>(growth.size()));
   const double sum = std::accumulate(growth.end() - count, growth.end(), 0.0);
-  return growth.size() >= kGrowthKnown ? sum / static_cast<double>(count)
-                                       : (sum + expected) / static_cast<double>(count + 1);
+  return growth.size() >= kGrowthSeen ? sum / static_cast<double>(count)
+                                      : (sum + expected) / static_cast<double>(count + 1);
 }
 
 RunEstimate::RunEstimate(const Trainer& trainer, const LaterWork& later)
@@ -226,15 +230,15 @@ double RunEstimate::work_seconds(const Item& item, double splats) const {
   return seconds * (learned == learned_.end() ? 1 : learned->second.factor());
 }
 
-double RunEstimate::growth_of(const Item& item) const {
-  const auto learned = learned_.find(item.phase);
-  return learned == learned_.end() ? item.work.growth : learned->second.growth_or(item.work.growth);
-}
-
-/// True if the splats of this run have grown, not those of other captures alone.
-bool RunEstimate::grows_still(const Item& item) const {
-  const auto learned = learned_.find(item.phase);
-  return learned != learned_.end() && learned->second.growth.size() >= kGrowthKnown;
+/// `limited`: there are as many splats as scenes have usually, and only growth that was seen
+/// counts.
+double RunEstimate::growth_of(const Item& item, bool limited) const {
+  const auto found = learned_.find(item.phase);
+  if (found == learned_.end()) return limited ? std::min(item.work.growth, 0.0) : item.work.growth;
+  const Learned& learned = found->second;
+  const bool seen = learned.growth.size() >= kGrowthSeen;
+  const double growth = learned.growth_or(item.work.growth);
+  return limited && !seen ? std::min(growth, 0.0) : growth;
 }
 
 RunEstimate::Forecast RunEstimate::forecast() const {
@@ -242,8 +246,8 @@ RunEstimate::Forecast RunEstimate::forecast() const {
   int at = trainer_.state.iteration;
   double splats = static_cast<double>(trainer_.state.parameters.size());
   Forecast result{.splats = splats};
-  const double most = most_splats(trainer_, pixels_);
-  double beyond = 1;  // share of the growth that is left beyond that number
+  const double usual = usual_splats(trainer_, pixels_);
+  double beyond = splats < usual ? 0 : 1;  // share of the growth that is left beyond that number
   const double measuring = later_.measuring_renders / std::max(end, 1);
   const auto iterate = [&](int until) {
     const int step = std::max(1, (until - at) / kSegments);
@@ -258,8 +262,8 @@ RunEstimate::Forecast RunEstimate::forecast() const {
     const Item& item = items_[i];
     iterate(item.iteration);
     result.seconds += work_seconds(item, splats);
-    double growth = growth_of(item);
-    if (splats >= most && growth > 0) growth = grows_still(item) ? growth * (beyond *= kFade) : 0;
+    double growth = growth_of(item, splats >= usual);
+    if (splats >= usual && growth > 0) growth *= beyond *= kFade;
     splats *= std::exp(growth);
     if (trainer_.options.max_splats > 0)
       splats = std::min(splats, static_cast<double>(trainer_.options.max_splats));

@@ -67,8 +67,7 @@ class RunEstimate {
   double plain_seconds(int iteration, double splats) const;
   double render_seconds(int iteration, double splats) const;
   double work_seconds(const Item& item, double splats) const;
-  double growth_of(const Item& item) const;
-  bool grows_still(const Item& item) const;
+  double growth_of(const Item& item, bool limited) const;
   Forecast forecast() const;
 
   const Trainer& trainer_;
