@@ -4,16 +4,32 @@
 
 #include <cstddef>
 #include <map>
+#include <string>
 #include <tuple>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "gl/api.h"
 
 namespace fluxgs::test {
 
+/// Known defects of drivers, each played while it is set.
+struct Defects {
+  /// The element buffer does not belong to the vertex array (Mali, by Filament's list).
+  bool forgets_element_buffer = false;
+  bool fails_draws = false;  ///< indirect draws end in GL_INVALID_OPERATION
+  /// The vertex stage reads zeros from storage buffers (Adreno 6xx and 7xx read garbage).
+  bool loses_vertex_storage = false;
+  bool loses_dispatches = false;       ///< every second indirect dispatch does nothing
+  bool refuses_float_targets = false;  ///< though it lists them
+  std::string unlinkable = {};         ///< programs with this text in a shader do not link
+  bool wild_clock = false;             ///< of timer queries
+};
+
 /// What the functions of the one Api under a GlFaults do.
 struct FaultState {
+  Defects defects;
   long calls = 0;              ///< so far
   long lost_after = -1;        ///< calls that still reach the driver; negative: all
   std::size_t memory = ~0UL;   ///< bytes that buffers and textures may take
@@ -21,12 +37,18 @@ struct FaultState {
   std::size_t max_used = 0;    ///< the largest `used` so far
   long allocations = 0;        ///< so far
   long framebuffers = 0;       ///< there are
-  bool out_of_memory = false;  ///< the next glGetError() says so
+  GLenum error = GL_NO_ERROR;  ///< the next glGetError() says so
   long draws = 0;              ///< of splats
   bool read_of_draw = false;   ///< a draw may still read what shaders write without a barrier
   long overwritten = 0;        ///< dispatches while that is so
 
-  std::map<GLenum, GLuint> buffer_at, texture_at;   // bindings
+  std::map<GLenum, GLuint> buffer_at, texture_at;    // bindings
+  std::map<GLuint, GLuint> storage_at;               // buffers by binding
+  std::map<GLuint, GLenum> formats;                  // of textures
+  GLenum attached = 0;                               // the format of the last attachment
+  std::map<GLuint, bool> bad_shaders, bad_programs;  // with the text of `unlinkable`
+  long indirect_dispatches = 0;
+  GLuint zeros = 0;                                 // a buffer of ours
   std::map<GLuint, std::size_t> buffers, textures;  // bytes of each
 
   bool is_lost() const { return lost_after >= 0 && calls > lost_after; }
@@ -41,7 +63,7 @@ inline thread_local bool inside_driver = false;
 inline bool FaultState::take(std::size_t bytes, std::size_t old) {
   ++allocations;
   if (used - old + bytes > memory) {
-    out_of_memory = true;
+    error = GL_OUT_OF_MEMORY;
     return false;
   }
   used += bytes - old;
@@ -68,6 +90,28 @@ inline std::size_t texel_bytes(GLenum format) {
   }
 }
 
+/// Binds a storage buffer of zeros, as large as the one that is there.
+inline void bind_zeros(GLuint index) {
+  const std::vector<std::byte> zeros(faults.buffers[faults.storage_at[index]]);
+  if (faults.zeros == 0) driver<&gl::Api::GenBuffers>(1, &faults.zeros);
+  driver<&gl::Api::BindBufferBase>(GL_SHADER_STORAGE_BUFFER, index, faults.zeros);
+  driver<&gl::Api::BufferData>(GL_SHADER_STORAGE_BUFFER, static_cast<GLsizeiptr>(zeros.size()),
+                               zeros.data(), GL_DYNAMIC_COPY);
+}
+
+/// What a driver answers, after it was asked.
+template <auto Member, class... A>
+void after(A... arguments) {
+  [[maybe_unused]] const auto all = std::make_tuple(arguments...);
+  if constexpr (kIs<Member, &gl::Api::GetProgramiv>) {
+    if (std::get<1>(all) == GL_LINK_STATUS && faults.bad_programs[std::get<0>(all)])
+      *std::get<2>(all) = GL_FALSE;
+  } else if constexpr (kIs<Member, &gl::Api::GetQueryObjectui64v>) {
+    constexpr GLuint64 kOdd = 0x9E3779B97F4A7C15U;
+    if (faults.defects.wild_clock) *std::get<2>(all) = kOdd * static_cast<GLuint64>(faults.calls);
+  }
+}
+
 // What is done before, or instead of, the call of the driver. False: instead.
 template <auto Member, class... A>
 bool before(A... arguments) {
@@ -88,6 +132,34 @@ bool before(A... arguments) {
                               static_cast<std::size_t>(std::get<4>(all));
     if (!faults.take(bytes, held)) return false;
     held = bytes;
+    faults.formats[faults.texture_at[std::get<0>(all)]] = std::get<2>(all);
+  } else if constexpr (kIs<Member, &gl::Api::FramebufferTexture2D>) {
+    faults.attached = faults.formats[std::get<3>(all)];
+  } else if constexpr (kIs<Member, &gl::Api::BindBufferBase>) {
+    if (std::get<0>(all) == GL_SHADER_STORAGE_BUFFER)
+      faults.storage_at[std::get<1>(all)] = std::get<2>(all);
+  } else if constexpr (kIs<Member, &gl::Api::ShaderSource>) {
+    std::string text;
+    const auto strings = std::get<2>(all);
+    const auto lengths = std::get<3>(all);
+    for (GLsizei i = 0; i < std::get<1>(all); ++i)
+      text += lengths ? std::string(strings[i], static_cast<std::size_t>(lengths[i]))
+                      : std::string(strings[i]);
+    const std::string& bad = faults.defects.unlinkable;
+    faults.bad_shaders[std::get<0>(all)] = !bad.empty() && text.find(bad) != text.npos;
+  } else if constexpr (kIs<Member, &gl::Api::AttachShader>) {
+    bool& bad = faults.bad_programs[std::get<0>(all)];
+    bad = bad || faults.bad_shaders[std::get<1>(all)];
+  } else if constexpr (kIs<Member, &gl::Api::DeleteProgram>) {
+    faults.bad_programs.erase(std::get<0>(all));
+  } else if constexpr (kIs<Member, &gl::Api::BindVertexArray>) {
+    if (faults.defects.forgets_element_buffer && std::get<0>(all) != 0) {
+      driver<Member>(arguments...);
+      driver<&gl::Api::BindBuffer>(GL_ELEMENT_ARRAY_BUFFER, 0);
+      return false;
+    }
+  } else if constexpr (kIs<Member, &gl::Api::DispatchComputeIndirect>) {
+    if (faults.defects.loses_dispatches && ++faults.indirect_dispatches % 2 == 0) return false;
   } else if constexpr (kIs<Member, &gl::Api::GenFramebuffers>) {
     faults.framebuffers += std::get<0>(all);
   } else if constexpr (kIs<Member, &gl::Api::DeleteFramebuffers>) {
@@ -95,6 +167,11 @@ bool before(A... arguments) {
   } else if constexpr (kIs<Member, &gl::Api::DrawElementsIndirect>) {
     ++faults.draws;
     faults.read_of_draw = true;
+    if (faults.defects.fails_draws) {
+      faults.error = GL_INVALID_OPERATION;
+      return false;
+    }
+    if (faults.defects.loses_vertex_storage) bind_zeros(1);
   } else if constexpr (kIs<Member, &gl::Api::MemoryBarrier>) {
     if ((std::get<0>(all) & GL_SHADER_STORAGE_BARRIER_BIT) != 0) faults.read_of_draw = false;
   } else if constexpr (kIs<Member, &gl::Api::DispatchCompute>) {
@@ -123,7 +200,11 @@ R GL_APIENTRY through(A... arguments) {
     return R();
   }
   if constexpr (kIs<Member, &gl::Api::GetError>)
-    if (std::exchange(faults.out_of_memory, false)) return GL_OUT_OF_MEMORY;
+    if (const GLenum error = std::exchange(faults.error, GL_NO_ERROR)) return error;
+  if constexpr (kIs<Member, &gl::Api::CheckFramebufferStatus>)
+    if (faults.defects.refuses_float_targets &&
+        (faults.attached == GL_RGBA16F || faults.attached == GL_RGBA32F))
+      return GL_FRAMEBUFFER_UNSUPPORTED;
   if constexpr (kIs<Member, &gl::Api::GetGraphicsResetStatus>)
     if (!driver<Member>) return GL_NO_ERROR;
   if (!before<Member>(arguments...)) return R();
@@ -131,7 +212,12 @@ R GL_APIENTRY through(A... arguments) {
   struct Back {
     ~Back() { inside_driver = false; }
   } const back;
-  return driver<Member>(arguments...);
+  if constexpr (std::is_void_v<R>) {
+    driver<Member>(arguments...);
+    after<Member>(arguments...);
+  } else {
+    return driver<Member>(arguments...);
+  }
 }
 
 template <auto Member, class R, class... A>
@@ -157,6 +243,7 @@ class GlFaults {
   GlFaults(const GlFaults&) = delete;
   GlFaults& operator=(const GlFaults&) = delete;
   ~GlFaults() {
+    if (faults.zeros != 0) driver<&gl::Api::DeleteBuffers>(1, &faults.zeros);
 #define FLUXGS_PUT_BACK(name) api_.name = driver<&gl::Api::name>;
     FLUXGS_GL_FUNCTIONS(FLUXGS_PUT_BACK)
     FLUXGS_PUT_BACK(GetGraphicsResetStatus)

@@ -60,9 +60,6 @@ Expected<DrawPass> DrawPass::create(gl::Api& api, int batch, SplatPrecision prec
       });
   if (!made) return std::unexpected(made.error());
   pass.vertex_array_ = gl::VertexArray(api);
-  pass.vertex_array_.bind();
-  pass.indices_.bind(GL_ELEMENT_ARRAY_BUFFER);
-  api.BindVertexArray(0);
   return pass;
 }
 
@@ -107,6 +104,7 @@ void DrawPass::run(gl::Api& api, const gl::Buffer& projected_splats, const sort:
   arguments_.bind(GL_DRAW_INDIRECT_BUFFER);
   splat_program_.use();
   vertex_array_.bind();
+  indices_.bind(GL_ELEMENT_ARRAY_BUFFER);  // drivers of Mali forget that it belongs to the array
   api.DrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT, nullptr);
   api.BindVertexArray(0);
   api.Disable(GL_BLEND);

@@ -45,7 +45,14 @@ Expected<void> SceneView::draw(const Camera& camera, const RenderOptions& option
   if (auto drawn = renderer_->draw(camera, options, target_); !drawn) return drawn;
   auto whole = check_context();
   if (!whole) renderer_->sort_anew();  // who knows what became of the order
-  return whole;
+  return whole ? check_first_frames() : whole;
+}
+
+/// A driver that refuses to draw does so from the start; to ask it about every frame takes time.
+Expected<void> SceneView::check_first_frames() {
+  if (unchecked_frames_ == 0) return {};
+  --unchecked_frames_;
+  return gl::check_errors(*api_, "drawing");
 }
 
 /// Those that may be used, the most accurate first.
@@ -146,6 +153,8 @@ Expected<void> SceneView::make(const TargetPlan& image, std::size_t splats) {
 }
 
 Expected<void> SceneView::make_target() {
+  constexpr int kCheckedFrames = 3;
+  unchecked_frames_ = kCheckedFrames;
   target_ = {};
   made_scale_ = settings_.scale;
   return gl::assign_or_error(

@@ -46,7 +46,8 @@ class SceneView {
 
   /// Enqueues a frame. Another size of the camera than the last one means a new image and, where
   /// memory is short, another number of splats; another scale a new image only. Fails as
-  /// Renderer::draw() does, and when the context is lost.
+  /// Renderer::draw() does, when the context is lost, and when the driver refuses one of the first
+  /// frames of a new image or scene.
   Expected<void> draw(const Camera& camera, const RenderOptions& options);
 
   /// Sets the scale of the frames that follow; another image is made for the next one.
@@ -94,6 +95,7 @@ class SceneView {
   Expected<void> make_target();
   Expected<void> upload(std::size_t splats);
   Expected<void> check_context() const;
+  Expected<void> check_first_frames();
 
   std::shared_ptr<const SplatCloud> cloud_;
   SceneViewSettings settings_;
@@ -105,6 +107,7 @@ class SceneView {
   TargetPlan planned_;     ///< of target_, for any scale
   double made_scale_ = 0;  ///< as target_ was made
   std::size_t shown_ = 0;
+  int unchecked_frames_ = 0;  ///< of which the driver has still to say that they went well
 };
 
 }  // namespace fluxgs::render

@@ -8,9 +8,9 @@ precision highp float;
 
 layout(local_size_x = 128) in;
 
-layout(std430, binding = 0) readonly buffer State { uint drawn; };
-layout(std430, binding = 1) writeonly buffer Order { uint order[]; };
-layout(std430, binding = 2) writeonly buffer Arguments {  // DrawElementsIndirectCommand
+layout(std430, binding = 0) restrict readonly buffer State { uint drawn; };
+layout(std430, binding = 1) restrict writeonly buffer Order { uint order[]; };
+layout(std430, binding = 2) restrict writeonly buffer Arguments {  // DrawElementsIndirectCommand
   uint index_count, instance_count, first_index;
   int base_vertex;
   uint reserved;

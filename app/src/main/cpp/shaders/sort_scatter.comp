@@ -12,9 +12,9 @@ precision highp int;
 #include "sort_source.glsl"
 
 #ifdef LAST_PASS
-layout(std430, binding = 2) writeonly buffer Target { uint order[]; };
+layout(std430, binding = 2) restrict writeonly buffer Target { uint order[]; };
 #else
-layout(std430, binding = 2) writeonly buffer Target { uvec2 pairs[]; };
+layout(std430, binding = 2) restrict writeonly buffer Target { uvec2 pairs[]; };
 #endif
 
 const uint WORDS = THREADS / 32u;

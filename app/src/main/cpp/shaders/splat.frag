@@ -18,6 +18,7 @@ void main() {
   float u = v_shape.x * pixel.x + (v_shape.y * pixel.y + v_offset.x);
   float v = v_shape.z * pixel.y + v_offset.y;
   float level = v_shape.w - u * u - v * v;
-  if (level < frame.level_min) discard;
+  // First: a driver of Xclipse loses fragments whose discard comes before
   out_color = vec4(v_color, min(exp2(level), frame.alpha_max));
+  if (level < frame.level_min) discard;
 }

@@ -18,8 +18,8 @@ uvec4 fetch(highp usampler2D from, uint i) {
 uint splat_at(uint place) { return fetch(order, place).x; }
 uvec4 part_of_splat(uint i) { return fetch(projected_splats, i); }
 #else
-layout(std430, binding = 0) readonly buffer ProjectedSplats { uvec4 projected_splats[]; };
-layout(std430, binding = 1) readonly buffer Order { uint order[]; };
+layout(std430, binding = 0) restrict readonly buffer ProjectedSplats { uvec4 projected_splats[]; };
+layout(std430, binding = 1) restrict readonly buffer Order { uint order[]; };
 uint splat_at(uint place) { return order[place]; }
 uvec4 part_of_splat(uint i) { return projected_splats[i]; }
 #endif

@@ -1,0 +1,197 @@
+#include "bench/driver_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "gl/expected_chain.h"
+#include "render/renderer.h"
+#include "sort/cpu_radix_sort.h"
+
+namespace fluxgs::bench {
+namespace {
+
+using render::Accumulation;
+using render::DriverLimits;
+
+/// The part of a drawing that went wrong, as far as that is known.
+enum class Suspect { none, sort, vertex_storage, float_targets, unknown };
+
+struct Attempt {
+  Suspect suspect = Suspect::none;
+  std::string fault = {};  ///< one line; empty where the picture is right
+  double psnr = 0;
+};
+
+Accumulation accumulation_for(const DriverLimits& limits, const gl::Capabilities& driver) {
+  return limits.no_float_targets ? Accumulation::direct : render::accurate_accumulation(driver);
+}
+
+render::RendererSettings settings_for(const DriverLimits& limits) {
+  return {
+      .sorter = limits.no_gpu_sort ? render::SorterKind::cpu_async : render::SorterKind::gpu_radix,
+      .texture_fetch = limits.no_vertex_storage};
+}
+
+/// By the shader that its message names.
+Suspect suspect_of(const Error& error) {
+  const std::string text = error.message();
+  if (text.contains("sort_")) return Suspect::sort;
+  if (text.contains("splat.")) return Suspect::vertex_storage;
+  return Suspect::unknown;
+}
+
+double psnr_of(const Image<float>& image, const Image<std::uint8_t>& golden) {
+  double sum = 0;
+  for (int y = 0; y < golden.height; ++y)
+    for (int x = 0; x < golden.width; ++x)
+      for (int c = 0; c < 3; ++c) {
+        const double error = static_cast<double>(image.at(x, y)[c]) - golden.at(x, y)[c] / 255.0;
+        sum += std::isfinite(error) ? error * error : 1;
+      }
+  constexpr double kLeastMse = 1e-10;
+  return -10 * std::log10(std::max(sum / (3.0 * golden.width * golden.height), kLeastMse));
+}
+
+/// Compares the order of the last frame with that of its keys. A line if they differ.
+Expected<std::string> fault_of_order(const render::Renderer& renderer) {
+  const auto keys = renderer.projection().keys().read_all<std::uint32_t>(renderer.scene().count);
+  if (!keys) return std::unexpected(keys.error());
+  sort::RadixScratch scratch(keys->size());
+  std::vector<std::uint32_t> expected(keys->size());
+  expected.resize(sort::radix_sort(*keys, sort::kMaxKeyBits, scratch, expected));
+  const auto count = renderer.sorter().count().read_all<std::uint32_t>(1);
+  if (!count) return std::unexpected(count.error());
+  if (count->front() != expected.size())
+    return fmt::format("the sort kept {} splats of {}", count->front(), expected.size());
+  const auto order = renderer.sorter().order().read_all<std::uint32_t>(expected.size());
+  if (!order) return std::unexpected(order.error());
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < expected.size(); ++i) wrong += (*order)[i] != expected[i];
+  return wrong == 0
+             ? std::string()
+             : fmt::format("the sort put {} splats of {} in a wrong place", wrong, expected.size());
+}
+
+/// Draws in one way and looks at what came out.
+class OneWay {
+ public:
+  OneWay(gl::Api& api, const DriverLimits& limits) : api_(api), limits_(limits) {}
+
+  Attempt run(const SplatCloud& scene, const Camera& camera, double near_plane,
+              const Image<std::uint8_t>& golden) {
+    gl::clear_errors(api_);
+    if (auto made = make(scene); !made) return {suspect_of(made.error()), made.error().message()};
+    auto target =
+        render::RenderTarget::create(api_, camera.width, camera.height, render::TargetFormat::rgba8,
+                                     accumulation_for(limits_, api_.capabilities));
+    if (!target) return {Suspect::float_targets, target.error().message()};
+    renderer_->wait_for_sorts(true);
+    auto drawn =
+        gl::chain([&] { return renderer_->draw(camera, {.near_plane = near_plane}, *target); },
+                  [&] { return gl::check_errors(api_, "drawing"); });
+    if (!drawn) return {Suspect::unknown, drawn.error().message()};
+    return judge(*target, golden);
+  }
+
+ private:
+  Expected<void> make(const SplatCloud& scene) {
+    return gl::chain(
+        [&] {
+          return gl::assign_or_error(render::Renderer::create(api_, settings_for(limits_)),
+                                     renderer_);
+        },
+        [&] { return renderer_->upload(scene); },
+        [&] { return gl::check_errors(api_, "loading the scene"); });
+  }
+
+  Attempt judge(const render::RenderTarget& target, const Image<std::uint8_t>& golden) {
+    const auto image = renderer_->read(target);
+    if (!image) return {Suspect::unknown, image.error().message()};
+    const double psnr = psnr_of(*image, golden);
+    if (!limits_.no_gpu_sort) {
+      const auto fault = fault_of_order(*renderer_);
+      if (!fault) return {Suspect::unknown, fault.error().message(), psnr};
+      if (!fault->empty()) return {Suspect::sort, *fault, psnr};
+    }
+    const double least = limits_.no_float_targets ? kLeastPsnrInBytes : kLeastPsnr;
+    if (psnr >= least) return {.psnr = psnr};
+    return {Suspect::unknown,
+            fmt::format("the picture is {:.1f} dB from the golden one; expected at least {:g}",
+                        psnr, least),
+            psnr};
+  }
+
+  gl::Api& api_;
+  DriverLimits limits_;
+  std::unique_ptr<render::Renderer> renderer_;
+};
+
+/// The limit that takes a known fault away; none where it is set already.
+DriverLimits remedy(Suspect suspect, const DriverLimits& limits) {
+  return {.no_gpu_sort = suspect == Suspect::sort && !limits.no_gpu_sort,
+          .no_vertex_storage = suspect == Suspect::vertex_storage && !limits.no_vertex_storage,
+          .no_float_targets = suspect == Suspect::float_targets && !limits.no_float_targets};
+}
+
+DriverLimits both(const DriverLimits& a, const DriverLimits& b) {
+  return {.no_gpu_sort = a.no_gpu_sort || b.no_gpu_sort,
+          .no_vertex_storage = a.no_vertex_storage || b.no_vertex_storage,
+          .no_float_targets = a.no_float_targets || b.no_float_targets};
+}
+
+std::string way(const DriverLimits& limits) {
+  const auto names = limits.names();
+  std::string text = names.empty() ? "as fast as it can" : "with ";
+  for (std::size_t i = 0; i < names.size(); ++i) text += (i ? ", " : "") + names[i];
+  return text;
+}
+
+}  // namespace
+
+DriverCheck check_driver(gl::Api& api, const SplatCloud& scene, const Camera& camera,
+                         double near_plane, const Image<std::uint8_t>& golden) {
+  DriverCheck check;
+  DriverLimits known;  // that faults have asked for by name
+  const auto attempt = [&](const DriverLimits& limits) {
+    const Attempt done = OneWay(api, limits).run(scene, camera, near_plane, golden);
+    check.psnr = done.psnr;
+    check.right = done.suspect == Suspect::none;
+    check.limits = limits;
+    if (!check.right) check.faults.push_back(way(limits) + ": " + done.fault);
+    return remedy(done.suspect, limits);
+  };
+  // Of a fault without a name, the ways that are left in the order of what they cost
+  constexpr DriverLimits kLadder[] = {{},
+                                      {.no_vertex_storage = true},
+                                      {.no_float_targets = true},
+                                      {.no_vertex_storage = true, .no_float_targets = true},
+                                      {true, true, true}};
+  for (const DriverLimits& rung : kLadder) {
+    if (!check.faults.empty() && both(known, rung) == check.limits) continue;  // just tried
+    for (DriverLimits needed = attempt(both(known, rung)); needed != DriverLimits();) {
+      known = both(known, needed);
+      needed = attempt(both(known, rung));
+    }
+    if (check.right || gl::context_lost(api)) break;
+  }
+  return check;
+}
+
+std::string to_json(const DriverCheck& check, const gl::Api& api) {
+  using nlohmann::json;
+  return json{{"renderer", api.capabilities.renderer},
+              {"version", api.capabilities.version},
+              {"right", check.right},
+              {"limits", check.limits.names()},
+              {"psnr", check.psnr},
+              {"faults", check.faults}}
+      .dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+}  // namespace fluxgs::bench

@@ -1,0 +1,35 @@
+// GPU self-test: draws a known scene, compares the picture with a golden one, and where it is wrong
+// looks for a way of drawing that this driver gets right.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "fluxgs/camera.h"
+#include "fluxgs/image.h"
+#include "fluxgs/splat_cloud.h"
+#include "gl/api.h"
+#include "render/driver_limits.h"
+
+namespace fluxgs::bench {
+
+/// PSNR that a picture needs, dB; blended in 8 bits every layer is rounded.
+inline constexpr double kLeastPsnr = 45, kLeastPsnrInBytes = 35;
+
+struct DriverCheck {
+  bool right = false;           ///< drawn with `limits` the picture is like the golden one
+  render::DriverLimits limits;  ///< as few as possible
+  double psnr = 0;              ///< of the last picture, dB
+  /// One line for each way that went wrong, in the order in which they were tried.
+  std::vector<std::string> faults;
+};
+
+/// `golden`: 8 bits, RGB or RGBA, the camera's size, over black, drawn with default options and
+/// this near plane. The context stays usable; what was drawn before in it is not touched.
+DriverCheck check_driver(gl::Api& api, const SplatCloud& scene, const Camera& camera,
+                         double near_plane, const Image<std::uint8_t>& golden);
+
+/// One JSON object: renderer and version (of the driver), right, limits, psnr, faults.
+std::string to_json(const DriverCheck& check, const gl::Api& api);
+
+}  // namespace fluxgs::bench
