@@ -24,6 +24,7 @@ struct Defects {
   bool loses_dispatches = false;       ///< every second indirect dispatch does nothing
   bool refuses_float_targets = false;  ///< though it lists them
   std::string unlinkable = {};         ///< programs with this text in a shader do not link
+  bool slow = false;                   ///< no frame is finished yet, when asked
   bool wild_clock = false;             ///< of timer queries
 };
 
@@ -39,6 +40,7 @@ struct FaultState {
   long framebuffers = 0;       ///< there are
   GLenum error = GL_NO_ERROR;  ///< the next glGetError() says so
   long draws = 0;              ///< of splats
+  long fences = 0;             ///< so far
   bool read_of_draw = false;   ///< a draw may still read what shaders write without a barrier
   long overwritten = 0;        ///< dispatches while that is so
 
@@ -201,6 +203,9 @@ R GL_APIENTRY through(A... arguments) {
   }
   if constexpr (kIs<Member, &gl::Api::GetError>)
     if (const GLenum error = std::exchange(faults.error, GL_NO_ERROR)) return error;
+  if constexpr (kIs<Member, &gl::Api::FenceSync>) ++faults.fences;
+  if constexpr (kIs<Member, &gl::Api::ClientWaitSync>)
+    if (faults.defects.slow) return GL_TIMEOUT_EXPIRED;
   if constexpr (kIs<Member, &gl::Api::CheckFramebufferStatus>)
     if (faults.defects.refuses_float_targets &&
         (faults.attached == GL_RGBA16F || faults.attached == GL_RGBA32F))

@@ -131,6 +131,48 @@ TEST_P(HostileDriversTest, AContextLostAtAnyCallEndsTheCheck) {
   gl::clear_errors(api());
 }
 
+// Times that make no sense are left out; counts do not depend on them.
+TEST_P(HostileDriversTest, AWildClockIsNotBelieved) {
+  if (!api().capabilities.timestamps) GTEST_SKIP() << "has no clock";
+  const Sample s = next_sample();
+  const GlFaults between(api());
+  faults.defects.wild_clock = true;
+  const auto timed = must(render::Renderer::create(api(), {.timestamps = true}));
+  must(timed->upload(s.cloud));
+  const RenderTarget target = must(RenderTarget::create(api(), 64, 64, TargetFormat::rgba8));
+  for (int i = 0; i < 5; ++i) {
+    must(timed->draw(front_camera(64, 64, 3), {}, target));
+    const render::FrameStats stats = must(timed->stats());
+    EXPECT_GT(stats.drawn, 1000U);
+    EXPECT_FALSE(stats.stages);
+  }
+}
+
+TEST_P(HostileDriversTest, FramesAreMeasuredWithoutWaiting) {
+  const Sample s = next_sample();
+  const auto timed = must(render::Renderer::create(api(), {.timestamps = true}));
+  must(timed->upload(s.cloud));
+  const RenderTarget target = must(RenderTarget::create(api(), 64, 64, TargetFormat::rgba8));
+  EXPECT_FALSE(must(timed->finished_stats()));
+  must(timed->draw(front_camera(64, 64, 3), {}, target));
+  api().Finish();
+  const auto finished = must(timed->finished_stats());
+  ASSERT_TRUE(finished);
+  EXPECT_EQ(finished->drawn, must(timed->stats()).drawn);
+  EXPECT_FALSE(must(timed->finished_stats())) << "it was spoken of";
+  const GlFaults between(api());
+  faults.defects.slow = true;
+  must(timed->draw(front_camera(64, 64, 3), {}, target));
+  EXPECT_FALSE(must(timed->finished_stats())) << "nobody waits";
+  faults.defects.slow = false;
+  api().Finish();
+  EXPECT_TRUE(must(timed->finished_stats()));
+  timed->measure(false);
+  const long before = faults.fences;
+  must(timed->draw(front_camera(64, 64, 3), {}, target));
+  EXPECT_EQ(faults.fences, before);
+}
+
 TEST_P(HostileDriversTest, TheViewerNamesFirstFramesThatFail) {
   const Sample s = next_sample();
   render::SceneView view(std::make_shared<const SplatCloud>(s.cloud), {});

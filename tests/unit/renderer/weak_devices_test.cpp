@@ -18,16 +18,18 @@ using testing::HasSubstr;
 
 // What the driver would say if it were an older one; the rest it is asked itself. One at a time.
 struct Claim {
-  std::string version;
+  std::string version = {};
   int major = 0, minor = 0;
+  std::string renderer = {};
 };
 Claim claim;
 decltype(gl::Api::GetString) driver_get_string = nullptr;
 decltype(gl::Api::GetIntegerv) driver_get_integer = nullptr;
 
 const GLubyte* GL_APIENTRY claimed_string(GLenum name) {
-  return name == GL_VERSION ? reinterpret_cast<const GLubyte*>(claim.version.c_str())
-                            : driver_get_string(name);
+  const std::string& text = name == GL_VERSION ? claim.version : claim.renderer;
+  const bool claims = (name == GL_VERSION || name == GL_RENDERER) && !text.empty();
+  return claims ? reinterpret_cast<const GLubyte*>(text.c_str()) : driver_get_string(name);
 }
 
 void GL_APIENTRY claimed_integer(GLenum name, GLint* value) {
@@ -177,6 +179,18 @@ TEST_P(WeakDevicesTest, TimesOfAClockThatWasSetAnewAreLeftOut) {
   api().GetIntegerv = driver_get_integer;
   EXPECT_EQ(must(stats).drawn, 10U);
   EXPECT_FALSE(must(stats).stages);
+}
+
+TEST_P(WeakDevicesTest, DriversOfMaliAreNotAskedForTimes) {
+  claim = {.renderer = "Mali-G78"};
+  driver_get_string = api().GetString;
+  auto all = functions();
+  all["glGetString"] = reinterpret_cast<void*>(claimed_string);
+  const auto loaded = gl::load_api([&](const char* name) { return all[name]; });
+  ASSERT_TRUE(loaded);
+  EXPECT_FALSE((*loaded)->capabilities.timestamps);
+  EXPECT_EQ((*loaded)->QueryCounter, nullptr);
+  EXPECT_THAT((*loaded)->quirks.names(), testing::Contains("timer_queries_crash"));
 }
 
 GLint claimed_bits = 0;

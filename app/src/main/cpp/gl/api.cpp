@@ -57,6 +57,7 @@ bool clock_counts(Api& api) {
 
 void load_extensions(Api& api, const ProcLoader& loader) {
   Capabilities& has = api.capabilities;
+  has.timestamps = has.timestamps && !api.quirks.timer_queries_crash;
   if (has.timestamps) {
     load_extension(api.QueryCounter, loader, "glQueryCounter", "EXT", has.is_es);
     load_extension(api.GetQueryObjectui64v, loader, "glGetQueryObjectui64v", "EXT", has.is_es);

@@ -21,11 +21,12 @@
 #define FLUXGS_GL_FUNCTIONS(X) \
   X(ActiveTexture) X(AttachShader) X(BeginQuery) X(BindBuffer) X(BindBufferBase) \
   X(BindFramebuffer) X(BindTexture) X(BindVertexArray) X(BlendFuncSeparate) X(BlitFramebuffer) \
-  X(BufferData) X(BufferSubData) X(CheckFramebufferStatus) X(ClearBufferfv) X(CompileShader) \
-  X(CreateProgram) X(CreateShader) X(DeleteBuffers) X(DeleteFramebuffers) X(DeleteProgram) \
-  X(DeleteQueries) X(DeleteShader) X(DeleteTextures) X(DeleteVertexArrays) X(Disable) \
-  X(DispatchCompute) X(DispatchComputeIndirect) X(DrawArrays) X(DrawElementsIndirect) X(Enable) \
-  X(EndQuery) X(Finish) X(FramebufferTexture2D) X(GenBuffers) X(GenFramebuffers) X(GenQueries) \
+  X(BufferData) X(BufferSubData) X(CheckFramebufferStatus) X(ClearBufferfv) X(ClientWaitSync) \
+  X(CompileShader) X(CopyBufferSubData) X(CreateProgram) X(CreateShader) X(DeleteBuffers) \
+  X(DeleteFramebuffers) X(DeleteProgram) X(DeleteQueries) X(DeleteShader) X(DeleteSync) \
+  X(DeleteTextures) X(DeleteVertexArrays) X(Disable) X(DispatchCompute) \
+  X(DispatchComputeIndirect) X(DrawArrays) X(DrawElementsIndirect) X(Enable) X(EndQuery) \
+  X(FenceSync) X(Finish) X(FramebufferTexture2D) X(GenBuffers) X(GenFramebuffers) X(GenQueries) \
   X(GenTextures) X(GenVertexArrays) X(GetError) X(GetInteger64v) X(GetIntegeri_v) X(GetIntegerv) \
   X(GetProgramInfoLog) X(GetProgramiv) X(GetShaderInfoLog) X(GetShaderiv) X(GetString) \
   X(GetStringi) X(InvalidateFramebuffer) X(LinkProgram) X(MapBufferRange) X(MemoryBarrier) \

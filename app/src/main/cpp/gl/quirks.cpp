@@ -6,6 +6,7 @@ std::vector<std::string> Quirks::names() const {
   std::vector<std::string> set;
   if (half_float_blending_truncates) set.emplace_back("half_float_blending_truncates");
   if (runs_on_cpu) set.emplace_back("runs_on_cpu");
+  if (timer_queries_crash) set.emplace_back("timer_queries_crash");
   return set;
 }
 
@@ -14,6 +15,8 @@ Quirks find_quirks(const Capabilities& capabilities) {
   quirks.half_float_blending_truncates = capabilities.renderer.starts_with("llvmpipe");
   quirks.runs_on_cpu = capabilities.renderer.starts_with("llvmpipe") ||
                        capabilities.renderer.contains("SwiftShader");
+  quirks.timer_queries_crash =
+      capabilities.renderer.contains("Mali") || capabilities.renderer.contains("Immortalis");
   return quirks;
 }
 

@@ -19,6 +19,10 @@ struct Quirks {
   /// of splats at once is lost. A thread sorts some 30 times as fast as the compute shaders do.
   bool runs_on_cpu = false;
 
+  /// Timer queries corrupt memory or crash. Drivers of Mali (Filament's OpenGLContext.cpp names r26
+  /// and others); no times are taken there.
+  bool timer_queries_crash = false;
+
   /// The names of those that are set.
   std::vector<std::string> names() const;
 };

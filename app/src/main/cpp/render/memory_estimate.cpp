@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "render/frame_meter.h"
 #include "render/frame_uniforms.h"
 #include "render/scene_packing.h"
 #include "render/vertex_source.h"
@@ -48,7 +49,7 @@ std::size_t frame_bytes(std::uint64_t count, const RendererSettings& s) {
   if (s.texture_fetch) bytes += projected_splats + order;
   constexpr std::size_t kArguments = 20, kIndexBytesOfAQuad = 12;
   return bytes + kArguments + kIndexBytesOfAQuad * static_cast<std::size_t>(s.batch) +
-         sizeof(FrameUniforms);
+         sizeof(FrameUniforms) + FrameMeter::kBytes;
 }
 
 std::size_t target_bytes(const TargetPlan& t) {

@@ -26,27 +26,26 @@ Expected<void> Renderer::create_passes() {
   settings_.timestamps = settings_.timestamps && api_.capabilities.timestamps;
   settings_.texture_fetch =
       settings_.texture_fetch || api_.capabilities.max_vertex_storage_blocks < 2;
-  if (settings_.timestamps)
-    for (gl::Timestamp& stamp : stamps_) stamp = gl::Timestamp(api_);
   constexpr std::size_t kUniformBytes = sizeof(FrameUniforms);
-  return gl::chain([&] { return check_approximation(settings_.approximation); },
-                   [&] {
-                     return gl::assign_or_error(
-                         ProjectionPass::create(api_, settings_.splat_precision), projection_);
-                   },
-                   [&] { return create_sorter(); },
-                   [&] {
-                     return gl::assign_or_error(
-                         DrawPass::create(api_, settings_.batch, settings_.splat_precision,
-                                          settings_.texture_fetch),
-                         draw_);
-                   },
-                   [&] { return gl::assign_or_error(ResolvePass::create(api_), resolve_); },
-                   [&] {
-                     return gl::assign_or_error(
-                         gl::Buffer::create(api_, kUniformBytes, nullptr, GL_DYNAMIC_DRAW),
-                         uniforms_);
-                   });
+  return gl::chain(
+      [&] { return check_approximation(settings_.approximation); },
+      [&] { return gl::assign_or_error(FrameMeter::create(api_, settings_.timestamps), meter_); },
+      [&] {
+        return gl::assign_or_error(ProjectionPass::create(api_, settings_.splat_precision),
+                                   projection_);
+      },
+      [&] { return create_sorter(); },
+      [&] {
+        return gl::assign_or_error(
+            DrawPass::create(api_, settings_.batch, settings_.splat_precision,
+                             settings_.texture_fetch),
+            draw_);
+      },
+      [&] { return gl::assign_or_error(ResolvePass::create(api_), resolve_); },
+      [&] {
+        return gl::assign_or_error(
+            gl::Buffer::create(api_, kUniformBytes, nullptr, GL_DYNAMIC_DRAW), uniforms_);
+      });
 }
 
 Expected<void> Renderer::create_sorter() {
@@ -91,7 +90,7 @@ Expected<void> Renderer::upload(const SplatCloud& cloud,
   scene_ = {};  // There may not be room for both
   undrawable_ = packer.undrawable();
   sorted_.reset();
-  drawn_ = false;
+  meter_.clear();
   std::vector<glm::vec3> positions;
   auto scene =
       SceneBuffers::create(api_, packer, sorter_->needs_positions() ? &positions : nullptr);
@@ -102,8 +101,8 @@ Expected<void> Renderer::upload(const SplatCloud& cloud,
   return {};
 }
 
-void Renderer::stamp(int stage) const {
-  if (settings_.timestamps) stamps_[static_cast<std::size_t>(stage)].record();
+void Renderer::stamp(int place) const {
+  if (measured_) meter_.stamp(place);
 }
 
 Expected<void> Renderer::draw(const Camera& camera, const RenderOptions& asked,
@@ -111,8 +110,10 @@ Expected<void> Renderer::draw(const Camera& camera, const RenderOptions& asked,
   const RenderOptions options = for_scene(asked, scene_.constants.filter);
   if (auto ok = check_view(camera, options); !ok) return ok;
   if (auto ok = projection_.prepare(api_, options.filter->compensated); !ok) return ok;
+  if (measured_) meter_.begin();
   stamp(0);
-  if (scene_.constants.count > 0) {
+  const bool any = scene_.constants.count > 0;
+  if (any) {
     draw_scene(camera, options, target);
   } else {
     stamp(1);
@@ -122,7 +123,7 @@ Expected<void> Renderer::draw(const Camera& camera, const RenderOptions& asked,
   stamp(3);
   resolve_.run(api_, target);
   stamp(4);
-  drawn_ = true;
+  if (measured_) meter_.end(any ? &sorter_->count() : nullptr);
   return {};
 }
 
@@ -160,26 +161,10 @@ void Renderer::sort(const sort::SortView& view) {
   sorter_->collect();
 }
 
-Expected<FrameStats> Renderer::stats() const {
-  FrameStats stats;
-  if (!drawn_) return stats;
-  if (scene_.constants.count > 0) {
-    auto count = sorter_->count().read_all<std::uint32_t>(1);
-    if (!count) return std::unexpected(count.error());
-    stats.drawn = count->front();
-  }
-  if (settings_.timestamps) stats.stages = read_stages();
-  return stats;
-}
-
-std::optional<FrameTimes> Renderer::read_stages() const {
-  std::array<double, 5> at{};
-  std::ranges::transform(stamps_, at.begin(), [first = stamps_[0].nanoseconds()](const auto& s) {
-    // Signed: a clock that was set back is no time of 500 years
-    return 1e-6 * static_cast<double>(static_cast<std::int64_t>(s.nanoseconds() - first));
-  });
-  if (gl::times_are_disjoint(api_) || !std::ranges::is_sorted(at)) return std::nullopt;
-  return FrameTimes{at[1] - at[0], at[2] - at[1], at[3] - at[2], at[4] - at[3]};
+Expected<FrameStats> Renderer::stats() {
+  const auto stats = meter_.wait();
+  if (!stats) return std::unexpected(stats.error());
+  return stats->value_or(FrameStats());
 }
 
 }  // namespace fluxgs::render

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "gl/timestamp.h"
 #include "render/draw_pass.h"
+#include "render/frame_meter.h"
 #include "render/frame_uniforms.h"
 #include "render/projection_pass.h"
 #include "render/render_target.h"
@@ -19,16 +19,6 @@
 #include "sort/sorter.h"
 
 namespace fluxgs::render {
-
-/// GPU time of each stage in milliseconds.
-struct FrameTimes {
-  double project = 0, sort = 0, draw = 0, resolve = 0;
-};
-
-struct FrameStats {
-  std::uint32_t drawn = 0;           ///< splats that were not culled
-  std::optional<FrameTimes> stages;  ///< when asked for and available
-};
 
 /// Not thread-safe: every call, the destructor included, on the thread on which the context of the
 /// Api is current. draw() allocates nothing, neither on the CPU nor on the GPU, and never waits for
@@ -52,8 +42,13 @@ class Renderer {
   Expected<void> draw(const Camera& camera, const RenderOptions& options,
                       const RenderTarget& target);
 
-  /// Counts and times of the last frame. Waits for the GPU.
-  Expected<FrameStats> stats() const;
+  /// Whether the frames that follow are measured, see stats(). On at first; without it a frame asks
+  /// the driver for nothing.
+  void measure(bool on) { measured_ = on; }
+  /// Counts and times of the last frame, where it is measured. Waits for the GPU.
+  Expected<FrameStats> stats();
+  /// Those of the newest measured frame that the GPU has finished, once; does not wait.
+  Expected<std::optional<FrameStats>> finished_stats() { return meter_.poll(); }
 
   /// See read_pixels(). Waits for the GPU.
   Expected<Image<float>> read(const RenderTarget& target) const {
@@ -96,8 +91,7 @@ class Renderer {
   Expected<void> make_room(std::uint32_t count, std::vector<glm::vec3> positions);
   void draw_scene(const Camera& camera, const RenderOptions& options, const RenderTarget& target);
   void sort(const sort::SortView& view);
-  void stamp(int stage) const;
-  std::optional<FrameTimes> read_stages() const;
+  void stamp(int place) const;
 
   gl::Api& api_;
   RendererSettings settings_;
@@ -107,11 +101,11 @@ class Renderer {
   ResolvePass resolve_;
   gl::Buffer uniforms_;
   SceneBuffers scene_;
-  std::array<gl::Timestamp, 5> stamps_;   // before, between and after the stages
+  FrameMeter meter_;
   std::optional<sort::SortView> sorted_;  // the view that the order was last asked for
   std::size_t undrawable_ = 0;
   bool waits_ = false;
-  bool drawn_ = false;  // whether there is a frame that stats() can speak of
+  bool measured_ = true;
 };
 
 }  // namespace fluxgs::render

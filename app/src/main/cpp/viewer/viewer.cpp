@@ -11,8 +11,7 @@ namespace fluxgs::viewer {
 namespace {
 
 constexpr double kStatsSmoothing = 0.1;
-constexpr double kMeasureEvery = 0.4;  // seconds
-constexpr double kRest = 0.25;         // seconds without movement: less is a finger that hesitates
+constexpr double kRest = 0.25;  // seconds without movement: less is a finger that hesitates
 constexpr double kMaxCoordinate = 1e12;  // of a saved view
 
 using Seconds = std::chrono::duration<double>;
@@ -112,7 +111,6 @@ Expected<void> Viewer::open(gl::Api& api, int width, int height) {
 void Viewer::close() {
   scene_.reset();
   presented_.reset();
-  measured_.reset();
 }
 
 /// True if GL objects were made for other settings.
@@ -250,6 +248,7 @@ Expected<void> Viewer::draw() {
   options.near_plane = navigation_.units.near_plane;
   options.background = settings_.background;
   scene_->renderer().wait_for_sorts(settings_.wait_for_sorts);
+  scene_->renderer().measure(settings_.measures);
   auto drawn = scene_->draw(camera, options);
   if (!drawn) return drawn;
   stale_ = false;
@@ -275,26 +274,30 @@ void Viewer::presented() {
   presented_ = now;
 }
 
-/// The GPU is waited for, which costs a part of a frame: seldom while something moves, and for the
-/// last image once it rests.
+/// Takes what the GPU says of frames that it has finished; only the last image, once all is at
+/// rest, is waited for.
 void Viewer::measure() {
   if (!measurable_ || !settings_.measures) return;
-  const auto now = Clock::now();
-  if (!rests() && measured_ && seconds_between(*measured_, now) < kMeasureEvery) return;
-  measured_ = now;
-  measurable_ = false;
-  const auto frame = scene_->renderer().stats();
-  stats_.drawn = frame ? frame->drawn : 0;
-  const bool has_clock = frame && frame->stages;
-  const auto& stages = has_clock ? *frame->stages : render::FrameTimes{};
+  render::Renderer& renderer = scene_->renderer();
+  std::optional<render::FrameStats> frame;
+  if (rests()) {
+    if (auto last = renderer.stats()) frame = *last;
+    measurable_ = false;
+  } else if (auto finished = renderer.finished_stats()) {
+    frame = *finished;
+  }
+  if (!frame) return;
+  stats_.drawn = frame->drawn;
+  const bool has_clock = frame->stages.has_value();
+  const render::FrameTimes stages = frame->stages.value_or(render::FrameTimes());
   stats_.draw_ms = stages.project + stages.draw + stages.resolve;
   if (has_clock)
     stats_.frame_ms = stats_.draw_ms + stages.sort;
   else if (frame_seconds_ > 0)
     stats_.frame_ms = 1e3 * frame_seconds_;
-  const bool on_gpu = scene_->renderer().settings().sorter == render::SorterKind::gpu_radix;
+  const bool on_gpu = renderer.settings().sorter == render::SorterKind::gpu_radix;
   if (!on_gpu)
-    stats_.sort_ms = 1e3 * scene_->renderer().sort_latency();
+    stats_.sort_ms = 1e3 * renderer.sort_latency();
   else if (has_clock)
     stats_.sort_ms = stages.sort;
 }

@@ -108,7 +108,7 @@ class Viewer {
   /// After a frame was handed to the screen.
   void presented();
 
-  /// Waits for the GPU once in a while, if there are frames that it has not spoken of.
+  /// Waits for the GPU once all is at rest, if it has not spoken of the last frame.
   ViewerStats stats();
 
   const camera::Navigation& navigation() const { return navigation_; }
@@ -147,9 +147,9 @@ class Viewer {
   bool remake_ = false;  // settings changed that need other GL objects
 
   // Times
-  std::optional<Clock::time_point> presented_, measured_;
+  std::optional<Clock::time_point> presented_;
   double frame_seconds_ = 0;  // smoothed
-  bool measurable_ = false;   // a frame was drawn since measured_
+  bool measurable_ = false;   // a frame was drawn that was not waited for
   ViewerStats stats_;
 };
 
