@@ -148,6 +148,8 @@ int main(int argc, char** argv) {
         {"", "",
          "not enough memory; smaller images, a larger --downscale or fewer splats need less"});
   } catch (const std::system_error& e) {
+    if (std::string(e.what()).starts_with("cannot write to file"))  // fmt::print()
+      return report({"standard output", "", "cannot be written: " + e.code().message()});
     return report({"", "",
                    e.code() == std::errc::resource_unavailable_try_again
                        ? "cannot start a thread: too many threads or too little memory; "

@@ -171,7 +171,8 @@ Expected<ColmapModel> read_colmap_binary(const std::filesystem::path& folder) {
 bool is_binary_model(const std::filesystem::path& folder) {
   const auto has = [&](const char* name) { return is_file(folder / name); };
   const bool text = has("cameras.txt") && has("images.txt");
-  return has("cameras.bin") && (has("images.bin") || !text);
+  const bool binary = has("cameras.bin") && has("images.bin");
+  return binary || (!text && (has("cameras.bin") || has("images.bin")));
 }
 
 Expected<ColmapModel> read_colmap_model(const std::filesystem::path& folder) {
@@ -212,7 +213,8 @@ std::vector<ColmapModelFolder> colmap_models(const std::filesystem::path& sparse
 }
 
 bool is_colmap_model(const std::filesystem::path& folder) {
-  return is_file(folder / "cameras.bin") || is_file(folder / "cameras.txt");
+  const auto has = [&](const char* name) { return is_file(folder / name); };
+  return has("cameras.bin") || has("cameras.txt") || has("images.bin");
 }
 
 }  // namespace fluxgs

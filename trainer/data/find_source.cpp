@@ -97,12 +97,29 @@ void tell_of_other_poses(const fs::path& folder) {
   }
 }
 
+/// A folder of poses or images that is there but must not be read; others would be taken in its
+/// place.
+Expected<void> check_readable(const fs::path& data) {
+  for (const char* name :
+       {"", "images", "input", "sparse", "sparse/0", "colmap", "colmap/sparse", "colmap/sparse/0",
+        "distorted", "distorted/sparse", "distorted/sparse/0"}) {
+    const fs::path folder = *name ? data / name : data;
+    std::error_code error;
+    if (!fs::is_directory(folder, error)) continue;
+    const fs::directory_iterator entries(folder, error);
+    if (error == std::errc::permission_denied)
+      return fail(folder.string(), "", "cannot be read: " + error.message());
+  }
+  return {};
+}
+
 }  // namespace
 
 Expected<FoundSource> find_source(const fs::path& folder, const fs::path& given,
                                   const LoadOptions& options) {
   if (is_file(given) && given.extension() == ".json")
     return read_place(transforms_place(given), folder);
+  if (auto ok = check_readable(folder); !ok) return std::unexpected(ok.error());
   if (const auto places = pose_places(folder); !places.empty()) return read_places(places, folder);
   auto above = read_poses_of_photos(folder);
   if (!above) return std::unexpected(above.error());

@@ -53,7 +53,8 @@ std::optional<Exif> exif_segment(Bytes segment) {
 }
 
 ImageHeader parse_tiff(Bytes bytes) {
-  constexpr std::uint32_t kWidth = 256, kHeight = 257;
+  constexpr std::uint32_t kWidth = 256, kHeight = 257, kPhotometric = 262;
+  constexpr std::uint64_t kCieLab = 8, kItuLab = 10;  // decoders disagree about their white
   const TiffDirectory directory(bytes);
   ImageHeader header{.format = ImageFormat::kTiff};
   const auto width = directory.first(kWidth), height = directory.first(kHeight);
@@ -61,6 +62,9 @@ ImageHeader parse_tiff(Bytes bytes) {
   header.width = *width;
   header.height = *height;
   header.exif = parse_exif(bytes);
+  const std::uint64_t colors = directory.first(kPhotometric).value_or(0);
+  if (colors >= kCieLab && colors <= kItuLab)
+    header.refused = "has its colors in CIELab, expected RGB or grey";
   // Offsets and lengths of strips, or of tiles
   TiffDirectory::Values offsets = directory.find(273), lengths = directory.find(279);
   if (offsets.count == 0) {
@@ -101,7 +105,7 @@ ImageHeader parse_webp(Bytes bytes) {
   if (WebPGetFeatures(bytes.data(), bytes.size(), &features) != VP8_STATUS_OK) return header;
   header.width = features.width;
   header.height = features.height;
-  header.animated = features.has_animation != 0;
+  if (features.has_animation) header.refused = "is an animation, expected one image";
   header.complete = std::uint64_t{little_endian(bytes, 4, 4)} + 8 <= bytes.size();
   for (std::size_t at = 12; at + 8 <= bytes.size();) {
     const std::size_t length = little_endian(bytes, at + 4, 4);

@@ -16,7 +16,7 @@ struct ImageHeader {
   ImageFormat format = ImageFormat::kJpeg;
   std::int64_t width = -1, height = -1;  ///< −1: the bytes do not reach as far as the frame header
   bool complete = false;                 ///< the bytes reach to the end that the header announces
-  bool animated = false;                 ///< WebP with several frames
+  const char* refused = nullptr;         ///< reason why it is no image to use
   Exif exif = {};
 };
 

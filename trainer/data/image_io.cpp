@@ -32,7 +32,7 @@ Expected<ImageHeader> checked_header(std::span<const std::byte> bytes, const std
     return fail(file, "",
                 "not an image that can be read, expected JPEG, PNG, WebP, TIFF, BMP, HEIC or AVIF");
   if (header->width < 0) return fail(file, "", "the image is truncated: its header is incomplete");
-  if (header->animated) return fail(file, "", "is an animation, expected one image");
+  if (header->refused) return fail(file, "", header->refused);
   // Neither product can overflow: JPEG has 16 bits for a side, PNG 32.
   if (header->width < 1 || header->height < 1 ||
       header->width > kMaxPixels / std::max<std::int64_t>(header->height, 1))

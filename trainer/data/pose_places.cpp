@@ -19,9 +19,11 @@ bool is_folder(const fs::path& path) {
 }
 
 /// images/, or input/ as 3D Gaussian Splatting calls photos that are not undistorted yet, never
-/// both: their images have the same names.
+/// both: their images have the same names. Without either those that were made smaller.
 std::vector<fs::path> image_folders(const fs::path& data, const char* first, const char* second) {
-  return {data / (is_folder(data / first) ? first : second), data};
+  for (const char* name : {first, second, "images_2", "images_4", "images_8"})
+    if (is_folder(data / name)) return {data / name, data};
+  return {data / first, data};
 }
 
 /// The same for a model that is itself the data set: in the nearest folder above with images.

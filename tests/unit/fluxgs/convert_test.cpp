@@ -130,6 +130,36 @@ TEST_F(Convert, AStraySplatDoesNotCoarsenTheOthers) {
   }
 }
 
+TEST_F(Convert, AStrongColorDoesNotCoarsenTheOthers) {
+  const SplatCloud plain = test::random_cloud(2000, 1, 1);
+  SplatCloud cloud = plain;
+  cloud.sh_dc[7].y = 1e12F;
+  cloud.sh_rest[30].x = -1e8F;
+  ASSERT_TRUE(write_scene(folder_ / "plain.ply", plain));
+  ASSERT_TRUE(write_scene(folder_ / "strong.ply", cloud));
+  for (const char* out : {"out.glb", "out.compressed.ply", "out.sog"}) {
+    const auto write = [&](const char* in) {
+      const bool compact = std::string_view(out).ends_with(".glb");
+      const Outcome run = fluxgs(fmt::format("convert {} {} --force {}", quoted(folder_ / in),
+                                             quoted(folder_ / out), compact ? "--compact" : ""));
+      EXPECT_EQ(run.status, 0) << run.err;
+      const auto warning = HasSubstr("the colours of 2 of 2000 splats");
+      if (std::string_view(in) == "strong.ply") {
+        EXPECT_THAT(run.err, warning);
+      } else {
+        EXPECT_THAT(run.err, testing::Not(warning));
+      }
+      return scene(out).cloud;
+    };
+    const SplatCloud expected = write("plain.ply"), written = write("strong.ply");
+    ASSERT_EQ(written.size(), expected.size());
+    double sum = 0;
+    for (std::size_t i = 0; i < written.size(); ++i)
+      sum += std::min(glm::distance(written.sh_dc[i], expected.sh_dc[i]), 10.0F);
+    EXPECT_LT(sum / static_cast<double>(written.size()), 0.2) << out;
+  }
+}
+
 TEST_F(Convert, CompactScenesStayCompact) {
   ASSERT_EQ(convert("s.glb", "c.glb", "--compact").status, 0);
   ASSERT_EQ(convert("c.glb", "d.glb").status, 0);

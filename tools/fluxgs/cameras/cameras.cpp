@@ -99,7 +99,11 @@ Expected<std::vector<Camera>> cameras_from_file(const std::string& path, const I
   const char* text = reinterpret_cast<const char*>(bytes->data());
   const json list = json::parse(text, text + bytes->size(), nullptr, false);
   if (!list.is_array() || list.empty())
-    return fail(path, "", "is not a JSON list of cameras ({name, position, target, up, fovY})");
+    return fail(
+        path, "",
+        std::string(list.is_discarded() ? "is not valid JSON" : "is no list of cameras") +
+            "; expected [{\"name\", \"position\", \"target\", \"up\", \"fovY\" in degrees}, "
+            "...]");
   std::vector<Camera> cameras;
   for (std::size_t i = 0; i < list.size(); ++i) {
     auto camera = camera_from_json(list[i], path, i, size);

@@ -239,7 +239,9 @@ void add_bench(CLI::App& app, Action& action) {
       ->capture_default_str();
   CLI::Option* data =
       command->add_option("--data", s->data.folder, "a data set: views along its images");
-  command->add_option("--camera", s->camera_file, "JSON list of {name, position, target, up, fovY}")
+  command
+      ->add_option("--camera", s->camera_file,
+                   "JSON list of {name, position, target, up, fovY in degrees}")
       ->excludes(data);
   command
       ->add_option("--orbit-step", s->orbit_step,

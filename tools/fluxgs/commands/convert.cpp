@@ -68,6 +68,15 @@ void pull_in_stray(const ConvertSettings& s, double extent, SplatCloud& cloud) {
         shown(s.in), moved, cloud.size());
 }
 
+/// Limits a few colours so strong that those of all others would be coarse.
+void limit_colors(const ConvertSettings& s, SplatCloud& cloud) {
+  if (const std::size_t limited = limit_stray_colors(cloud); limited > 0)
+    spdlog::warn(
+        "warning: {}: the colours of {} of {} splats are so much stronger than all others that "
+        "those would be rounded coarsely; they are limited",
+        shown(s.in), limited, cloud.size());
+}
+
 /// Says what the file lost, having read it again.
 Expected<void> tell_losses(const ConvertSettings& s, const SceneFile& scene,
                            const std::vector<std::uint32_t>& order) {
@@ -210,6 +219,8 @@ Expected<void> write_out(const ConvertSettings& s) {
   if (compact) pull_in_stray(s, largest_fine_extent(scene->cloud, s.step_scale), scene->cloud);
   if ((*format)->name == "compressed.ply")
     pull_in_stray(s, kRadii * median_distance(scene->cloud), scene->cloud);
+  if (compact || (*format)->name == "compressed.ply" || (*format)->name == "sog")
+    limit_colors(s, scene->cloud);
   if (compact) warn_of_outliers(s, scene->cloud);
   if (s.searches()) return write_searched(s, *scene, full_degree);
   if (compact) return write_compact(s, *scene);

@@ -239,8 +239,8 @@ void add_render(CLI::App& app, Action& action) {
                                         "number of views around the scene, or with --data\n"
                                         "along the arc that its images cover")
                            ->check(whole_in(1, 10000));
-  CLI::Option* camera = command->add_option("--camera", s->camera_file,
-                                            "JSON list of {name, position, target, up, fovY}");
+  CLI::Option* camera = command->add_option(
+      "--camera", s->camera_file, "JSON list of {name, position, target, up, fovY in degrees}");
   view->excludes(orbit)->excludes(camera)->needs(data);
   orbit->excludes(camera);
   add_split_option(*command, s->split);

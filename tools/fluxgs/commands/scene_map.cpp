@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -67,7 +68,9 @@ void add_vector(CLI::App& command, const std::string& name, glm::dvec3& to,
       .add_option_function<std::string>(
           name, [&to](const std::string& text) { to = *vector_of(text); }, help)
       ->check([](const std::string& text) {
-        return vector_of(text) ? "" : "expected three numbers, x,y,z, not " + text;
+        return vector_of(text) ? ""
+                               : fmt::format("expected three numbers, x,y,z, up to {:g}, not {}",
+                                             kMaxLength, text);
       })
       ->type_name("X,Y,Z");
 }

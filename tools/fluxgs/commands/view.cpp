@@ -322,8 +322,9 @@ void add_view(CLI::App& app, Action& action) {
   CLI::Option* data = command->add_option("--data", s->data.folder,
                                           "a data set: start at its first image, up as there");
   command
-      ->add_option("--camera", s->camera_file,
-                   "start at the first of a JSON list of {name, position, target, up, fovY}")
+      ->add_option(
+          "--camera", s->camera_file,
+          "start at the first of a JSON list of {name, position, target, up, fovY in degrees}")
       ->excludes(data);
   command->add_option("--up", s->up, "x,y,z, or auto: from the images of --data or from the splats")
       ->check(CLI::Validator(

@@ -30,7 +30,8 @@ Expected<void> flush_standard_output() {
   const bool lost = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
   if (!lost) return {};
   return fail("standard output", "",
-              fmt::format("cannot be written: {}", std::strerror(errno != 0 ? errno : EIO)));
+              errno != 0 ? fmt::format("cannot be written: {}", std::strerror(errno))
+                         : "cannot be written");
 }
 
 std::string decibels(double psnr) {

@@ -50,6 +50,9 @@ Expected<fs::path> keep_old(const fs::path& path) {
     if (!failed) return kept;
     if (failed != std::errc::file_exists) break;
   }
+  if (failed == std::errc::permission_denied)
+    return fail(path.parent_path().string(), "",
+                "nothing can be written there, and the old file cannot be kept: Permission denied");
   return std::unexpected(check_overwrite(path, false).error());
 }
 

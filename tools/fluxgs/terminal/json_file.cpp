@@ -1,6 +1,7 @@
 #include "tools/fluxgs/terminal/json_file.h"
 
 #include <cmath>
+#include <cstdio>
 #include <span>
 
 #include <fmt/format.h>
@@ -18,7 +19,11 @@ std::string text_of(const nlohmann::json& object) {
 
 }  // namespace
 
-void print_json(const nlohmann::json& object) { fmt::print("{}", text_of(object)); }
+/// main() asks whether all of standard output could be written.
+void print_json(const nlohmann::json& object) {
+  const std::string text = text_of(object);
+  static_cast<void>(std::fwrite(text.data(), 1, text.size(), stdout));
+}
 
 Expected<void> write_json(const std::string& path, const nlohmann::json& object) {
   const std::string text = text_of(object);

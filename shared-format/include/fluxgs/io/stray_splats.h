@@ -1,4 +1,5 @@
-// A few splats so far from all others that a format's steps of positions would grow with them.
+// A few splats so far from all others, or of so strong a colour, that the steps of a format would
+// grow with them.
 #pragma once
 
 #include <cstddef>
@@ -14,5 +15,10 @@ double median_distance(const SplatCloud& cloud);
 /// axis to that distance and makes them as much smaller: seen from the middle they look the same.
 /// Only if they are few, one of a thousand or three in all. Returns how many were moved.
 std::size_t pull_in_stray_splats(SplatCloud& cloud, double extent);
+
+/// Limits coefficients of colours that are more than ten times as large as nearly all others are
+/// (and as black and white): of one splat of a thousand or three in all, at most. They are brighter
+/// than any display before and after. Returns the number of splats.
+std::size_t limit_stray_colors(SplatCloud& cloud);
 
 }  // namespace fluxgs

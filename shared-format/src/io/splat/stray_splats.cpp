@@ -1,6 +1,8 @@
 #include "fluxgs/io/stray_splats.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -9,13 +11,17 @@
 #include "io/splat/scene_core.h"
 
 namespace fluxgs {
+namespace {
+
+constexpr std::size_t kOneOf = 1000, kAtLeast = 3;  // splats that are few
+
+}  // namespace
 
 double median_distance(const SplatCloud& cloud) {
   return cloud.size() == 0 ? 0 : io::scene_core(cloud.positions).radius;
 }
 
 std::size_t pull_in_stray_splats(SplatCloud& cloud, double extent) {
-  constexpr std::size_t kOneOf = 1000, kAtLeast = 3;
   if (cloud.size() == 0) return 0;
   const io::SceneCore core = io::scene_core(cloud.positions);
   std::vector<std::pair<std::size_t, double>> stray;  // and the factor of its distance
@@ -27,6 +33,33 @@ std::size_t pull_in_stray_splats(SplatCloud& cloud, double extent) {
   if (stray.size() > std::max(kAtLeast, cloud.size() / kOneOf)) return 0;
   for (const auto& [i, factor] : stray) io::pull_in(cloud, i, core, factor);
   return stray.size();
+}
+
+std::size_t limit_stray_colors(SplatCloud& cloud) {
+  constexpr float kTimes = 10, kWhite = 2;  // the constant coefficient of white is 1.8
+  const std::size_t size = cloud.size(), few = std::max(kAtLeast, size / kOneOf);
+  if (size <= few) return 0;
+  const std::size_t rest = cloud.sh_rest.size() / size;
+  const auto largest = [](const glm::vec3& v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  };
+  std::vector<bool> changed(size, false);
+  const auto limit = [&](std::vector<glm::vec3>& values, std::size_t each, std::size_t k) {
+    std::vector<float> sorted(size);
+    for (std::size_t i = 0; i < size; ++i) sorted[i] = largest(values[i * each + k]);
+    const auto usual = sorted.begin() + static_cast<std::ptrdiff_t>(few);
+    std::ranges::nth_element(sorted, usual, std::greater{});
+    const float most = kTimes * std::max(*usual, kWhite);
+    for (std::size_t i = 0; i < size; ++i) {
+      glm::vec3& value = values[i * each + k];
+      if (largest(value) <= most) continue;
+      value = glm::clamp(value, -most, most);
+      changed[i] = true;
+    }
+  };
+  limit(cloud.sh_dc, 1, 0);
+  for (std::size_t k = 0; k < rest; ++k) limit(cloud.sh_rest, rest, k);
+  return static_cast<std::size_t>(std::ranges::count(changed, true));
 }
 
 }  // namespace fluxgs

@@ -44,6 +44,37 @@ TEST(Colmap, APartOfABinaryModelDoesNotHideATextModel) {
   EXPECT_EQ(data->train.size(), 8U);
 }
 
+TEST(ColmapBadInput, AMissingFileOfAModelIsNamed) {
+  const TempFolder folder;
+  write_dataset(folder.path(), ten_images());
+  const fs::path model = folder.path() / "sparse" / "0";
+  remove_file(model / "cameras.bin");
+  expect_failure(load_dataset(folder.path(), {}), "cameras.bin", "No such file");
+  write_text(model / "cameras.txt", "1 PINHOLE 16 12 20 20 8 6\n");
+  expect_failure(load_dataset(folder.path(), {}), "cameras.bin", "No such file");
+}
+
+TEST(Colmap, ImagesThatWereMadeSmallerAreFound) {
+  const TempFolder folder;
+  write_dataset(folder.path(), ten_images());
+  fs::rename(folder.path() / "images", folder.path() / "images_4");
+  const auto data = load_dataset(folder.path(), {});
+  ASSERT_TRUE(data) << data.error().message();
+  EXPECT_EQ(data->train.size() + data->test.size(), 10u);
+}
+
+// Root may read everything.
+TEST(ColmapBadInput, FoldersThatMustNotBeReadAreNamed) {
+  if (geteuid() == 0) GTEST_SKIP() << "runs as root";
+  const TempFolder folder;
+  write_dataset(folder.path(), ten_images());
+  for (const char* name : {"sparse/0", "images"}) {
+    fs::permissions(folder.path() / name, fs::perms::none);
+    expect_failure(load_dataset(folder.path(), {}), name, "cannot be read: Permission denied");
+    fs::permissions(folder.path() / name, fs::perms::owner_all);
+  }
+}
+
 TEST(Colmap, AModelWithoutItsImagesDoesNotHideOtherPoses) {
   const TempFolder folder;
   write_binary(folder.path() / "sparse" / "0", ten_images());

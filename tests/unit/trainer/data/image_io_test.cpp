@@ -19,7 +19,7 @@ namespace {
 using namespace test;
 
 /// A JPEG of a smooth image, optionally with restart markers or progressive.
-std::string jpeg(int width, int height, std::vector<int> parameters = {}) {
+std::string jpeg(int width, int height, const std::vector<int>& parameters = {}) {
   auto image = pattern(width, height);
   std::vector<std::uint8_t> bytes;
   cv::imencode(".jpg", cv::Mat(height, width, CV_8UC3, image.pixels.data()), bytes, parameters);
@@ -339,6 +339,21 @@ TEST(ImageIoBadInput, AnimationsAreRefused) {
              "RIFF" + std::string(1, static_cast<char>(body.size())) + std::string(3, '\0') + body);
   expect_failure(read_image(file), "a.webp", "is an animation");
   expect_failure(read_image_outline(file), "a.webp", "is an animation");
+}
+
+TEST(ImageIoBadInput, ColorsInCieLabAreRefused) {
+  const TempFolder folder;
+  const fs::path file = folder.path() / "a.tif";
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".tif", cv::Mat(12, 16, CV_8UC3, cv::Scalar(10, 20, 30)), bytes);
+  std::string text(bytes.begin(), bytes.end());
+  const std::string rgb("\x06\x01\x03\0\x01\0\0\0\x02\0", 10);  // photometric interpretation
+  const std::size_t at = text.find(rgb);
+  ASSERT_NE(at, text.npos);
+  text[at + 8] = 8;
+  write_text(file, text);
+  expect_failure(read_image(file), "a.tif", "CIELab");
+  expect_failure(read_image_outline(file), "a.tif", "CIELab");
 }
 
 // The only images that can hold NaN; bytes, which training takes, cannot.
