@@ -93,7 +93,20 @@ TEST(Command, TrainsEvaluatesRendersConvertsAndInforms) {
   EXPECT_GT(json::parse(drawn.out)["reference_psnr"].get<double>(), 80.0);
   EXPECT_TRUE(std::filesystem::exists(folder / "view_a.png"));
   EXPECT_TRUE(std::filesystem::exists(folder / "view_b.png"));
-  EXPECT_EQ(fluxgs("doctor --json").status, 0);
+}
+
+TEST(Command, DoctorDrawsAPictureWithEachOpenGl) {
+  const Outcome doctor = fluxgs("doctor --json");
+  ASSERT_EQ(doctor.status, 0) << doctor.err;
+  const json found = json::parse(doctor.out);
+  int drawn = 0;
+  for (const auto& [name, gl] : found["gl"].items()) {
+    if (!gl["available"].get<bool>()) continue;
+    EXPECT_TRUE(gl["picture"]["right"].get<bool>()) << name << ": " << gl["picture"].dump();
+    EXPECT_TRUE(gl["picture"]["limits"].empty()) << name;
+    ++drawn;
+  }
+  EXPECT_GE(drawn, 1);
 }
 
 TEST(Command, DoctorNamesTheWorkThatIsKept) {

@@ -1,13 +1,17 @@
 // fluxgs doctor: what this machine has.
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <system_error>
 #include <thread>
+#include <vector>
 
 #include <draco/core/draco_version.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <tbb/version.h>
 #include <zstd.h>
 #include <CLI/CLI.hpp>
@@ -15,6 +19,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core/version.hpp>
 
+#include "bench/driver_check.h"
 #include "fluxgs/networks/onnx_runtime.h"
 #include "fluxgs/sanitize.h"
 #include "platform/host/host_context.h"
@@ -23,6 +28,7 @@
 #include "tools/fluxgs/commands/flip.h"
 #include "tools/fluxgs/options/renderers.h"
 #include "tools/fluxgs/terminal/json_file.h"
+#include "tools/reference/reference_renderer.h"
 #include "trainer/core/isa.h"
 #include "trainer/core/process.h"
 #include "trainer/data/heif.h"
@@ -34,6 +40,60 @@ namespace {
 
 using nlohmann::json;
 
+/// A shell of splats of all shapes and opacities, the view from outside and its picture.
+struct KnownScene {
+  SplatCloud cloud;
+  Camera camera;
+  RenderOptions options = {};
+  Image<std::uint8_t> picture = {};
+};
+
+KnownScene known_scene() {
+  constexpr std::size_t kSplats = 800;
+  constexpr int kSize = 160;
+  KnownScene scene;
+  SplatCloud& cloud = scene.cloud;
+  cloud.sh_degree = 0;
+  cloud.resize(kSplats);
+  for (std::size_t i = 0; i < kSplats; ++i) {
+    const double t = (static_cast<double>(i) + 0.5) / kSplats, turn = 2.4 * static_cast<double>(i);
+    const double z = 1 - 2 * t, radius = std::sqrt(1 - z * z);
+    const glm::dvec3 wave = {std::sin(turn), std::cos(3 * turn), std::sin(7 * turn)};
+    cloud.positions[i] = {radius * std::cos(turn), radius * std::sin(turn), z};
+    cloud.log_scales[i] = glm::vec3(-3.0 + 0.8 * wave);
+    cloud.rotations[i] = glm::normalize(glm::quat(1, glm::vec3(wave)));
+    cloud.opacity_logits[i] = static_cast<float>(2 * wave.z);
+    cloud.sh_dc[i] = glm::vec3(wave);
+  }
+  Camera& camera = scene.camera;
+  camera.width = camera.height = kSize;
+  camera.fx = camera.fy = kSize;
+  camera.cx = camera.cy = 0.5 * kSize;
+  camera.translation = {0, 0, 3};
+  const ReferenceImage image = render_reference(cloud, camera, scene.options);
+  scene.picture = Image<std::uint8_t>(kSize, kSize, 3);
+  std::ranges::transform(image.color.pixels, scene.picture.pixels.begin(), [](double value) {
+    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0, 1.0)));
+  });
+  return scene;
+}
+
+/// Whether an OpenGL draws the known scene right, and how.
+json picture_of(gl::Api& api) {
+  static const KnownScene scene = known_scene();
+  return json::parse(bench::to_json(
+      bench::check_driver(api, scene.cloud, scene.camera, scene.options.near_plane, scene.picture),
+      api));
+}
+
+std::string line_of(const json& picture) {
+  if (!picture["right"].get<bool>())
+    return "draws wrong pictures: " + picture["faults"].front().get<std::string>();
+  const auto limits = picture["limits"].get<std::vector<std::string>>();
+  return fmt::format("draws right ({:.0f} dB{}{})", picture["psnr"].get<double>(),
+                     limits.empty() ? "" : ", ", fmt::join(limits, ", "));
+}
+
 json gl_implementations() {
   json all = json::object();
   for (const std::string& name : kGlNames) {
@@ -43,7 +103,10 @@ json gl_implementations() {
       continue;
     }
     const gl::Capabilities& c = (*context)->api().capabilities;
-    all[name] = {{"available", true}, {"renderer", c.renderer}, {"version", c.version}};
+    all[name] = {{"available", true},
+                 {"renderer", c.renderer},
+                 {"version", c.version},
+                 {"picture", picture_of((*context)->api())}};
   }
   return all;
 }
@@ -118,7 +181,8 @@ void print_doctor(const json& found) {
   for (const auto& [name, gl] : found["gl"].items())
     fmt::print("GL {:<8} {}\n", name,
                gl["available"].get<bool>()
-                   ? gl["renderer"].get<std::string>() + ", " + gl["version"].get<std::string>()
+                   ? fmt::format("{}, {}; {}", gl["renderer"].get<std::string>(),
+                                 gl["version"].get<std::string>(), line_of(gl["picture"]))
                    : "missing: " + gl["reason"].get<std::string>());
   const json& glfw = found["glfw"];
   fmt::print("GLFW        {}\n", glfw["available"].get<bool>()
