@@ -132,6 +132,17 @@ TEST_F(GltfJson, SeveralBuffersAreReadWhereTheyAreNeeded) {
   expect_error(scene(root.dump()), {"buffers[2].uri: ", "missing.bin", "No such file"});
 }
 
+TEST_F(GltfJson, ASceneThatShowsNothingSaysSo) {
+  nlohmann::json root = nlohmann::json::parse(json_of(glb_));
+  write("splats.bin", bin_);
+  root["buffers"][0]["uri"] = "splats.bin";
+  root["scenes"][0]["nodes"] = nlohmann::json::array();
+  const auto empty = scene(root.dump());
+  ASSERT_TRUE(empty) << empty.error().message();
+  EXPECT_EQ(empty->cloud.size(), 0U);
+  EXPECT_THAT(empty->warnings, testing::ElementsAre(testing::HasSubstr("no node of its scene")));
+}
+
 TEST_F(GltfJson, FilesElsewhereAreRefused) {
   TempFolder outside;
   ASSERT_TRUE(write_file_atomic(outside / "secret.bin", bin_));

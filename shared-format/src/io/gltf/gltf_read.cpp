@@ -250,6 +250,9 @@ Expected<SceneFile> read(std::span<const std::byte> bytes, const NamedFiles& fil
   scene.format = "glb";
   scene.extensions = json.extensions_used;
   scene.warnings = document->warnings;
+  if (instances.empty())
+    scene.warnings.push_back(
+        fmt::format("names {}, but no node of its scene has a primitive with it", kSplatExtension));
   scene.start = json.start;
   scene.attribute_bits = bits_of(instances, scene.cloud.sh_degree);
   scene.bytes = size;
