@@ -72,10 +72,11 @@ class RunEstimate {
 
   const Trainer& trainer_;
   LaterWork later_;
-  std::vector<Item> items_;            ///< by iteration
-  std::size_t next_ = 0;               ///< the first that is to come
-  double pixels_ = 0;                  ///< of a training image, the mean
-  std::optional<double> blend_power_;  ///< growth of the time of blending with pixels, measured
+  std::vector<Item> items_;             ///< by iteration
+  std::size_t next_ = 0;                ///< the first that is to come
+  double pixels_ = 0;                   ///< of a training image, the mean
+  std::optional<double> blend_power_;   ///< growth of the time of blending with pixels, measured
+  std::optional<double> by_gradients_;  ///< splats that the last densification had a reason for
   double elapsed_ = 0;
   double splats_before_ = 0;
   std::map<std::string, double> stages_before_;
