@@ -111,4 +111,12 @@ ReferenceImage render_reference(const SplatCloud& cloud, const Camera& camera,
   return image;
 }
 
+Image<std::uint8_t> in_bytes(const Image<double>& color) {
+  Image<std::uint8_t> bytes(color.width, color.height, color.channels);
+  std::ranges::transform(color.pixels, bytes.pixels.begin(), [](double value) {
+    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0, 1.0)));
+  });
+  return bytes;
+}
+
 }  // namespace fluxgs

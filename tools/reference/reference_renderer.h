@@ -40,4 +40,7 @@ std::vector<ReferenceSplat> project_reference(const SplatCloud& cloud, const Cam
 ReferenceImage render_reference(const SplatCloud& cloud, const Camera& camera,
                                 const RenderOptions& options);
 
+/// The colours as a display takes them: limited to 0…1 and rounded to 8 bits.
+Image<std::uint8_t> in_bytes(const Image<double>& color);
+
 }  // namespace fluxgs

@@ -20,12 +20,6 @@ float largest_scale(const PlanarFloats& p, std::size_t i) {
       {p.row(row::log_scale)[i], p.row(row::log_scale + 1)[i], p.row(row::log_scale + 2)[i]}));
 }
 
-/// Mean gradient of splat i since the last densification.
-float mean_gradient(const TrainState& state, std::uint32_t i) {
-  return state.statistics.row(statistic::gradient_sum)[i] /
-         std::max(state.statistics.row(statistic::views)[i], 1.0f);
-}
-
 /// Number of splats that may be added now. With a target, what goes is made up for.
 std::size_t room(const TrainState& state, const TrainOptions& options, std::size_t pruned) {
   const auto& own = options.get<DensificationOptions>();
@@ -155,6 +149,11 @@ void shift_along_longest(PlanarFloats& p, std::size_t i, double side) {
 }
 
 }  // namespace
+
+float mean_gradient(const TrainState& state, std::size_t i) {
+  return state.statistics.row(statistic::gradient_sum)[i] /
+         std::max(state.statistics.row(statistic::views)[i], 1.0f);
+}
 
 void gather_statistics(TrainState& state, const Rasterizer& rasterizer, bool masked) {
   const std::vector<std::uint8_t>& visible = rasterizer.visible();

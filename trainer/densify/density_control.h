@@ -20,6 +20,9 @@ struct DensifyCounts {
 /// pixels did not count; splats without any gradient were seen there only, and are left out.
 void gather_statistics(TrainState& state, const Rasterizer& rasterizer, bool masked = false);
 
+/// Mean gradient of splat i since the last densification.
+float mean_gradient(const TrainState& state, std::size_t i);
+
 /// Clones small and splits large splats whose mean gradient is above the threshold (and, for
 /// Densify::multiview, whose S⁺ is above its quantile), the first by rank where there is room for
 /// some only; removes transparent and oversized ones; limits opacities; and starts the statistics

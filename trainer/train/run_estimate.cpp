@@ -10,6 +10,7 @@
 #include "trainer/compress/compact_search.h"
 #include "trainer/core/clock.h"
 #include "trainer/densify/densification.h"
+#include "trainer/densify/density_control.h"
 #include "trainer/raster/rasterizer.h"
 #include "trainer/train/memory_budget.h"
 
@@ -60,39 +61,43 @@ double mean_pixels(const std::vector<View>& views) {
   return sum / static_cast<double>(std::max<std::size_t>(views.size(), 1));
 }
 
+/// True if each densification adds a share of the splats at most, where views see errors.
+bool adds_shares(const DensificationOptions& densification) {
+  return densification.strategy == Densify::multiview && densification.growth > 0;
+}
+
+double factor_of_length(double iterations) {
+  return std::pow(std::max(iterations / kLimitedIterations, 1.0), kIterationsPower);
+}
+
 /// Number of splats that scenes have usually.
 double usual_splats(const Trainer& trainer, double pixels) {
   const auto& densification = trainer.options.get<DensificationOptions>();
-  if (densification.strategy != Densify::multiview || densification.growth <= 0)
-    return kSplatsPerPixel * pixels;
+  if (!adds_shares(densification)) return kSplatsPerPixel * pixels;
   const double all_pixels = pixels * static_cast<double>(trainer.data.train.size());
-  const double length = std::max(trainer.options.iterations / kLimitedIterations, 1.0);
   return kLimitedSplats * std::pow(all_pixels / kLimitedPixels, kLimitedPower) *
-         std::pow(length, kIterationsPower);
+         factor_of_length(trainer.options.iterations);
 }
 
 /// The same as the gradients say, just before a densification; nothing without a threshold.
-std::optional<double> splats_by_gradients(const Trainer& trainer, bool first) {
+std::optional<double> splats_by_gradients(const Trainer& trainer) {
   const auto& densification = trainer.options.get<DensificationOptions>();
   const TrainState& state = trainer.state;
   const std::size_t size = state.parameters.size();
-  if (densification.strategy != Densify::multiview || densification.growth <= 0 ||
-      densification.gradient <= 0 || densification.interval < kGradientInterval || size == 0 ||
-      state.statistics.size() != size)
+  if (!adds_shares(densification) || densification.gradient <= 0 ||
+      densification.interval < kGradientInterval || size == 0 || state.statistics.size() != size)
     return {};
-  const float* sums = state.statistics.row(statistic::gradient_sum);
-  const float* views = state.statistics.row(statistic::views);
   std::vector<float> means(size);
-  for (std::size_t i = 0; i < size; ++i) means[i] = sums[i] / std::max(views[i], 1.0F);
+  for (std::size_t i = 0; i < size; ++i) means[i] = mean_gradient(state, i);
   const auto at = means.begin() +
                   static_cast<std::ptrdiff_t>(kGradientQuantile * static_cast<double>(size - 1));
   std::ranges::nth_element(means, at);
   const double gradient = std::max(static_cast<double>(*at) / densification.gradient, 1e-3);
+  const bool first = state.iteration < densification.from + densification.interval;
   const double growth =
       first ? kFirstA + kFirstB * std::log(gradient) : kLaterA + kLaterB * std::log(gradient);
-  const double length = std::max(trainer.options.iterations / kLimitedIterations, 1.0);
   return static_cast<double>(size) * std::exp(std::max(growth, 0.0)) *
-         std::pow(length / (kGradientIterations / kLimitedIterations), kIterationsPower);
+         factor_of_length(trainer.options.iterations) / factor_of_length(kGradientIterations);
 }
 
 double pixel_share(const Schedule& schedule, int iteration) {
@@ -171,9 +176,7 @@ void RunEstimate::add(double seconds) {
   splats_before_ = splats;
   if (next_ < items_.size() && items_[next_].iteration == iteration + 1 &&
       items_[next_].work.growth > 0)
-    by_gradients_ = splats_by_gradients(
-        trainer_, iteration < trainer_.options.get<DensificationOptions>().from +
-                                  trainer_.options.get<DensificationOptions>().interval);
+    by_gradients_ = splats_by_gradients(trainer_);
   if (file_seconds_ == 0 && elapsed_ > kSettled)
     file_seconds_ = measured_file_seconds(trainer_.cloud(), trainer_.render.sh_degree).value_or(0);
   if (!blend_power_ && elapsed_ > kSettled) blend_power_ = measured_blend_power();

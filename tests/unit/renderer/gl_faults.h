@@ -101,7 +101,7 @@ inline void bind_zeros(GLuint index) {
                                zeros.data(), GL_DYNAMIC_COPY);
 }
 
-/// What a driver answers, after it was asked.
+/// Changes the answer of a driver, after it was asked.
 template <auto Member, class... A>
 void after(A... arguments) {
   [[maybe_unused]] const auto all = std::make_tuple(arguments...);

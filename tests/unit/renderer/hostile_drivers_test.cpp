@@ -2,8 +2,6 @@
 #include <gmock/gmock.h>
 
 #include "bench/driver_check.h"
-#include "camera/initial_view.h"
-#include "fluxgs/io/scene.h"
 #include "gl_faults.h"
 #include "image_fixture.h"
 #include "render/scene_view.h"
@@ -31,11 +29,7 @@ Sample next_sample() {
   Sample s{.cloud = random_cloud(3000, 1, ++seed),
            .camera = orbit_camera(128, 128, {}, 2.5, 1, 4),
            .near_plane = RenderOptions().near_plane};
-  const ReferenceImage reference = render_reference(s.cloud, s.camera, {});
-  s.golden = Image<std::uint8_t>(s.camera.width, s.camera.height, 3);
-  for (std::size_t i = 0; i < s.golden.pixels.size(); ++i)
-    s.golden.pixels[i] = static_cast<std::uint8_t>(
-        std::lround(255 * std::clamp(reference.color.pixels[i], 0.0, 1.0)));
+  s.golden = in_bytes(render_reference(s.cloud, s.camera, {}).color);
   return s;
 }
 

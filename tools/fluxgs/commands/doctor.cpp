@@ -1,5 +1,4 @@
 // fluxgs doctor: what this machine has.
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -70,15 +69,11 @@ KnownScene known_scene() {
   camera.fx = camera.fy = kSize;
   camera.cx = camera.cy = 0.5 * kSize;
   camera.translation = {0, 0, 3};
-  const ReferenceImage image = render_reference(cloud, camera, scene.options);
-  scene.picture = Image<std::uint8_t>(kSize, kSize, 3);
-  std::ranges::transform(image.color.pixels, scene.picture.pixels.begin(), [](double value) {
-    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0, 1.0)));
-  });
+  scene.picture = in_bytes(render_reference(cloud, camera, scene.options).color);
   return scene;
 }
 
-/// Whether an OpenGL draws the known scene right, and how.
+/// The check of an OpenGL by the known scene (bench::to_json()).
 json picture_of(gl::Api& api) {
   static const KnownScene scene = known_scene();
   return json::parse(bench::to_json(

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "trainer/data/name_key.h"
 #include "trainer/data/walk_folder.h"
 
 namespace fluxgs {
@@ -12,12 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string lower_extension(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
+std::string lower_extension(const fs::path& file) { return name_key(file.extension().string()); }
 
 bool is_raw_name(const fs::path& file) {
   constexpr std::string_view kRaw[] = {".dng", ".cr2", ".cr3", ".nef", ".arw",

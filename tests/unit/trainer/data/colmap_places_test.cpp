@@ -165,6 +165,15 @@ TEST(Colmap, ImagesMayLieInTheFolderItself) {
   EXPECT_EQ(data->train.at(0).camera.name, "sub folder/x y.png");
 }
 
+/// Names in a model that are not those of the files.
+void expect_all_found(const fs::path& folder, const TinyModel& model) {
+  write_binary(folder / "sparse" / "0", model);
+  const auto data = load_dataset(folder, {});
+  ASSERT_TRUE(data) << data.error().message();
+  EXPECT_EQ(data->train.size() + data->test.size(), model.images.size());
+  EXPECT_TRUE(data->warnings.empty());
+}
+
 TEST(Colmap, NamesOfOtherMachinesAreFound) {
   const TempFolder folder;
   auto model = ten_images();
@@ -176,11 +185,7 @@ TEST(Colmap, NamesOfOtherMachinesAreFound) {
   model.images[3].name = "left/d.jpg";
   model.images[4].name = "/data/rig/images/left/e.png";
   model.images[5].name = "../left/f.png";
-  write_binary(folder.path() / "sparse" / "0", model);
-  const auto data = load_dataset(folder.path(), {});
-  ASSERT_TRUE(data) << data.error().message();
-  EXPECT_EQ(data->train.size() + data->test.size(), 10u);
-  EXPECT_TRUE(data->warnings.empty());
+  expect_all_found(folder.path(), model);
 }
 
 // Archives made on a Mac compose é of two characters; COLMAP's files come from elsewhere.
@@ -194,11 +199,7 @@ TEST(Colmap, NamesMayDifferInUnicodeForm) {
   model.images[0].name = "cafe\u0301 \u1112\u1161\u11ab.png";
   model.images[1].name = "\u00e9t\u00e9\\b.png";
   model.images[2].name = "\u00e5ngstr\u00f6m.PNG";
-  write_binary(folder.path() / "sparse" / "0", model);
-  const auto data = load_dataset(folder.path(), {});
-  ASSERT_TRUE(data) << data.error().message();
-  EXPECT_EQ(data->train.size() + data->test.size(), 10u);
-  EXPECT_TRUE(data->warnings.empty());
+  expect_all_found(folder.path(), model);
 }
 
 TEST(Colmap, NamesThatAreNotUtf8AreFound) {
@@ -211,10 +212,7 @@ TEST(Colmap, NamesThatAreNotUtf8AreFound) {
   model.images[0].name =
       "left/GR\xfc\xdf"
       "E.png";
-  write_binary(folder.path() / "sparse" / "0", model);
-  const auto data = load_dataset(folder.path(), {});
-  ASSERT_TRUE(data) << data.error().message();
-  EXPECT_EQ(data->train.size() + data->test.size(), 10u);
+  expect_all_found(folder.path(), model);
 }
 
 TEST(Colmap, TheModelWithMostImagesIsTaken) {

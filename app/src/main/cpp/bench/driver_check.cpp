@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "gl/expected_chain.h"
@@ -147,9 +147,7 @@ DriverLimits both(const DriverLimits& a, const DriverLimits& b) {
 
 std::string way(const DriverLimits& limits) {
   const auto names = limits.names();
-  std::string text = names.empty() ? "as fast as it can" : "with ";
-  for (std::size_t i = 0; i < names.size(); ++i) text += (i ? ", " : "") + names[i];
-  return text;
+  return names.empty() ? "as fast as it can" : fmt::format("with {}", fmt::join(names, ", "));
 }
 
 }  // namespace
@@ -166,7 +164,7 @@ DriverCheck check_driver(gl::Api& api, const SplatCloud& scene, const Camera& ca
     if (!check.right) check.faults.push_back(way(limits) + ": " + done.fault);
     return remedy(done.suspect, limits);
   };
-  // Of a fault without a name, the ways that are left in the order of what they cost
+  // The ways that are left where a fault has no name, the cheapest first
   constexpr DriverLimits kLadder[] = {{},
                                       {.no_vertex_storage = true},
                                       {.no_float_targets = true},

@@ -42,7 +42,7 @@ class Renderer {
   Expected<void> draw(const Camera& camera, const RenderOptions& options,
                       const RenderTarget& target);
 
-  /// Whether the frames that follow are measured, see stats(). On at first; without it a frame asks
+  /// Switches the measuring of later frames, see stats(). On at first; without it a frame asks
   /// the driver for nothing.
   void measure(bool on) { measured_ = on; }
   /// Counts and times of the last frame, where it is measured. Waits for the GPU.
