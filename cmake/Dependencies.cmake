@@ -123,6 +123,7 @@ foreach(unused BUILD_TESTS BUILD_PERF_TESTS BUILD_EXAMPLES BUILD_opencv_apps BUI
                WITH_OPENCL WITH_1394 WITH_LAPACK)
   set(${unused} OFF)
 endforeach()
+set(OPENCV_EXTRA_CXX_FLAGS -w)  # its enumerations warn in C++20, hundreds of times
 fluxgs_dependency(OpenCV ${_github}/opencv/opencv 4.10.0 COMPONENTS ${_opencv_modules})
 
 unset(BUILD_TESTING)

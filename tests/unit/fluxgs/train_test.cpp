@@ -127,6 +127,15 @@ TEST(Train, BothResultsSayWhatTheirFormatsLose) {
   EXPECT_THAT(run.err, HasSubstr("screen filter"));
 }
 
+TEST(Train, AMissedTargetIsSaid) {
+  const test::TempFolder folder;
+  const Outcome few =
+      fluxgs(train(folder / "few.glb", "--iterations 30 --initial-splats 90 --target-splats 100"));
+  EXPECT_THAT(few.err, HasSubstr("warning: --target-splats 100: there are only 90; "));
+  const Outcome met = fluxgs(train(folder / "met.glb", "--iterations 30 --target-splats 20"));
+  EXPECT_THAT(met.err, Not(HasSubstr("--target-splats")));
+}
+
 TEST(Train, TheSecondInterruptEndsTheProgramWithASecondLine) {
   const auto press_twice = [] {
     cli::Interrupts interrupts;
@@ -139,6 +148,20 @@ TEST(Train, TheSecondInterruptEndsTheProgramWithASecondLine) {
     std::exit(4);
   };
   EXPECT_EXIT(press_twice(), testing::KilledBySignal(SIGINT), "^first\nsecond\n$");
+}
+
+TEST(Train, NoInterruptIsHeardAfterTheEnd) {
+  const auto press_late = [] {
+    {
+      cli::Interrupts interrupts;
+      interrupts.set_lines("first", "second");
+      interrupts.ignore();
+      std::raise(SIGINT);
+    }
+    std::raise(SIGINT);
+    std::exit(0);
+  };
+  EXPECT_EXIT(press_late(), testing::ExitedWithCode(0), "^$");
 }
 
 TEST(Train, TheSecondInterruptWaitsForAFile) {

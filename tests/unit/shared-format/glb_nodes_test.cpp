@@ -122,6 +122,12 @@ TEST(Glb, FollowsMirrorsExactly) {
   }
 }
 
+TEST(Glb, FollowsRotationsOfAnyLength) {
+  const glm::dmat4 turn = glm::mat4_cast(glm::dquat(0.8, 0, 0.6, 0));
+  expect_mapped(R"("rotation":[0,1.2,0,1.6])", turn, 3, true);
+  expect_mapped(R"("rotation":[0,6e-9,0,8e-9])", turn, 3, true);
+}
+
 TEST(Glb, FollowsStretchesInShapeAndWarnsOfColours) {
   expect_mapped(R"("scale":[1,2,1])", scaling(1, 2, 1), 0, true);
   expect_mapped(R"("scale":[1,2,1])", scaling(1, 2, 1), 2, false);
@@ -170,6 +176,11 @@ TEST(Glb, RefusesTransformsThatSplatsCannotFollow) {
       {"nodes[0]"});
   expect_error(with(R"("matrix":[1,2,3])"), {"nodes[0].matrix", "16 numbers"});
   expect_error(with(R"("rotation":[0,0,1])"), {"nodes[0].rotation", "4 numbers"});
+  expect_error(with(R"("rotation":[0,0,0,0])"), {"nodes[0].rotation", "unit quaternion"});
+  expect_error(with(R"("matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,0])"),
+               {"nodes[0].matrix", "not affine"});
+  expect_error(with(R"("matrix":[1,0,0,5,0,1,0,0,0,0,1,0,0,0,0,1])"),
+               {"nodes[0].matrix", "last elements"});
   expect_error(with(R"("translation":"up")"), {"nodes[0].translation", "3 numbers"});
   // Beyond float: the splats are left out and counted
   FLUXGS_UNWRAP(far,

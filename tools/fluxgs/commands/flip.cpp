@@ -23,9 +23,11 @@ namespace fs = std::filesystem;
 
 /// The package's command without its start-up, which would want to be on the PATH.
 constexpr const char* kScript =
-    "import sys; sys.path.insert(0, sys.argv.pop(1)); from flip_evaluator import nbflip; "
+    "import sys; folder = sys.argv.pop(1); folder and sys.path.insert(0, folder); "
+    "from flip_evaluator import nbflip; "
     "sys.argv[0] = 'flip'; len(sys.argv) > 1 and nbflip.execute(sys.argv)";
 
+/// Empty in packages: there FLIP is what python3 itself finds.
 std::string package_folder() {
   const char* named = std::getenv("FLUXGS_FLIP");
   return named != nullptr && *named != 0 ? named : FLUXGS_FLIP_FOLDER;
@@ -40,9 +42,9 @@ Expected<std::string> run_flip(const TempFolder& work, const std::vector<std::st
   all.insert(all.end(), arguments.begin(), arguments.end());
   const fs::path output = work.path() / "output";
   if (run({*python, all, work.path() / "log", output}) != 0)
-    return fail(
-        package_folder(), "",
-        "FLIP is not there for this python3, or does not run (tools/deps/flip installs it)");
+    return fail(package_folder(), "",
+                "FLIP is not there for this python3, or does not run; install it: "
+                "tools/deps/flip in a checkout, else pip install flip-evaluator");
   const auto bytes = read_file(output);
   if (!bytes) return std::unexpected(bytes.error());
   return std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size());

@@ -354,6 +354,16 @@ Expected<void> TrainWork::write_float_output() {
   return {};
 }
 
+/// A densification at most doubles the splats, and a short run has few of them.
+void TrainWork::warn_of_missed_target() const {
+  const std::uint64_t target = run_.options.target_splats;
+  const std::size_t splats = trainer_.state.parameters.size();
+  if (static_cast<double>(splats) < 0.99 * static_cast<double>(target))
+    spdlog::warn(
+        "warning: --target-splats {}: there are only {}; more --iterations allow more growth",
+        target, splats);
+}
+
 Expected<void> TrainWork::write_results() {
   save_if_due(!settings_.checkpoint_every.never());
   set_interrupt_lines("stopping");
@@ -375,11 +385,13 @@ Expected<void> TrainWork::write_results() {
   tell(fmt::format("{}: {} splats, {} bytes, {:.1f} s\n", shown(settings_.out),
                    trainer_.state.parameters.size(), report_["bytes"].dump(),
                    report_["total_seconds"].get<double>()));
+  warn_of_missed_target();
   if (auto reported = give_report(settings_.report, report_, [] {}); !reported) return reported;
   return floats ? Expected<void>() : keep_training(floats.error());
 }
 
-void TrainWork::say_what_next() const {
+void TrainWork::say_what_next() {
+  interrupts_.ignore();
   const std::string out = typed(settings_.out);
   const bool compact = (*scene_format_for(settings_.out))->name == "glb";
   std::string lines = fmt::format("Look at it:       fluxgs view {}\n", out);

@@ -33,7 +33,7 @@ class TrainWork {
   Expected<void> write_results();
 
   /// Says what was made, and what can be done with it.
-  void say_what_next() const;
+  void say_what_next();
 
  private:
   Expected<void> step(Progress& progress);
@@ -52,6 +52,7 @@ class TrainWork {
   Expected<void> write_float_output();
   Expected<void> keep_training(const Error& error);
   std::optional<std::string> save_elsewhere();
+  void warn_of_missed_target() const;
   void tell(const std::string& line) const;
   void set_interrupt_lines(const std::string& first);
 

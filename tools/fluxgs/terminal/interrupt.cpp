@@ -83,6 +83,11 @@ Interrupts::Interrupts(const std::string& first, const std::string& second) {
   }
 }
 
+void Interrupts::ignore() {
+  before_.fill(SIG_IGN);
+  for (const int signal : kSignals) std::signal(signal, SIG_IGN);
+}
+
 Interrupts::~Interrupts() {
   if (any()) return;  // the program is ending: the other half of the press shall not kill it
   for (std::size_t i = 0; i < kSignals.size(); ++i) std::signal(kSignals[i], before_[i]);

@@ -27,6 +27,8 @@ class Interrupts {
   bool any() const;
   /// The lines of the next signals, without line ends; at most 1,000 bytes each are said.
   void set_lines(const std::string& first, const std::string& second);
+  /// For the end of the program, when all is done: signals are not heard any more.
+  void ignore();
 
  private:
   std::array<void (*)(int), kSignals.size()> before_{};

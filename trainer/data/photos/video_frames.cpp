@@ -123,7 +123,8 @@ Expected<std::vector<double>> measure_sharpness(const Ffmpeg& ffmpeg, double rat
                                                 const StepReport& report) {
   SharpnessMeter meter;
   const auto total = static_cast<std::size_t>(duration.value_or(0) * rate);
-  const auto tell = [&](std::size_t done) {
+  const auto tell = [&] {
+    const std::size_t done = std::min(meter.values().size(), total > 0 ? total - 1 : 0);
     if (report && total > 1) report("looking for sharp frames", "frames", done, total);
   };
   const std::string filter =
@@ -133,16 +134,17 @@ Expected<std::vector<double>> measure_sharpness(const Ffmpeg& ffmpeg, double rat
        ffmpeg.log},
       [&](std::string_view bytes) {
         meter.add(bytes);
-        tell(std::min(meter.values().size(), total > 0 ? total - 1 : 0));
+        tell();
       },
       Captured::output);
-  tell(total);
   if (end.signal > 0 || end.status < 0)
     return fail(ffmpeg.video.string(), "", "ffmpeg " + end.text());
   if (meter.values().empty())
     return fail(
         ffmpeg.video.string(), "",
         fmt::format("no frame of a video can be read; ffmpeg says: {}", ffmpeg.last_line()));
+  const std::size_t all = meter.values().size();  // the duration gives them roughly
+  if (report) report("looking for sharp frames", "frames", all, all);
   return meter.values();
 }
 

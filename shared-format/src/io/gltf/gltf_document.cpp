@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 #include <tiny_gltf.h>
+#include <glm/gtc/matrix_access.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/mat4x4.hpp>
 
@@ -171,17 +172,28 @@ class PrimitiveReader {
   mutable std::size_t sparse_bytes_ = 0;
 };
 
-glm::dmat4 local_matrix(const tinygltf::Node& node) {
+// By section 3.5.3 of glTF. Some writers round rotations or scale them, so they are normalized.
+Expected<glm::dmat4> local_matrix(const tinygltf::Node& node, const std::string& name,
+                                  const std::string& field) {
   glm::dmat4 m(1.0);
   if (node.matrix.size() == 16) {
     for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = node.matrix[static_cast<std::size_t>(i)];
-    return m;
+    constexpr double kRounding = 1e-5;
+    if (glm::distance(glm::row(m, 3), glm::dvec4(0, 0, 0, 1)) <= kRounding) return m;
+    return fail(name, field + ".matrix",
+                "is not affine; expected columns, whose last elements are 0, 0, 0 and 1");
   }
   const auto& t = node.translation;
   const auto& r = node.rotation;
   const auto& s = node.scale;
   if (t.size() == 3) m = glm::translate(m, glm::dvec3(t[0], t[1], t[2]));
-  if (r.size() == 4) m *= glm::mat4_cast(glm::dquat(r[3], r[0], r[1], r[2]));  // stored xyzw
+  if (r.size() == 4) {
+    const glm::dquat q(r[3], r[0], r[1], r[2]);  // stored xyzw
+    const double length = glm::length(q);
+    if (!(length > 0 && std::isfinite(length)))
+      return fail(name, field + ".rotation", "has no direction; expected a unit quaternion");
+    m *= glm::mat4_cast(q / length);
+  }
   if (s.size() == 3) m = glm::scale(m, glm::dvec3(s[0], s[1], s[2]));
   return m;
 }
@@ -248,7 +260,9 @@ class Walk {
     if (visited_[at]) return fail(name_, field, "is reached twice; expected a tree of nodes");
     visited_[at] = true;
     const tinygltf::Node& node = model_.nodes[at];
-    const glm::dmat4 matrix = parent * local_matrix(node);
+    const auto local = local_matrix(node, name_, field);
+    if (!local) return std::unexpected(local.error());
+    const glm::dmat4 matrix = parent * *local;
     if (node.mesh >= 0) {
       if (auto ok = take_mesh(static_cast<std::size_t>(node.mesh), matrix, field); !ok) return ok;
     }
