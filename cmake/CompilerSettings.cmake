@@ -84,3 +84,7 @@ function(fluxgs_unhurried name)
     target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   endif()
 endfunction()
+
+if(FLUXGS_BUNDLE)  # packages do not say where they were built
+  add_compile_options(-ffile-prefix-map=${CMAKE_SOURCE_DIR}/=)
+endif()

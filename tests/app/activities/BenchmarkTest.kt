@@ -108,6 +108,7 @@ class BenchmarkTest {
             assertTrue(sorted.getDouble("p95") >= sorted.getDouble("median"))
         }
         assertTrue(json.getJSONObject("driver").getString("renderer").isNotEmpty())
+        assertTrue(json.getJSONObject("driver_check").getBoolean("right"))
         assertTrue(json.getJSONObject("driver").getJSONArray("extensions").length() > 10)
         val table = File(own, "out/garden.csv").readLines()
         assertEquals(1 + rows.length(), table.size)

@@ -15,6 +15,7 @@ constexpr int kHottest = 6;  // PowerManager.THERMAL_STATUS_SHUTDOWN
 
 constexpr double kMaxMs = 1e7;         // hours
 constexpr double kMaxPhoneSide = 1e5;  // px
+constexpr double kMaxDecibels = 1000;
 constexpr std::size_t kMaxRows = 10'000, kLongestText = 200;
 
 /// Text that is safe on a terminal: what came from elsewhere might draw on it.
@@ -83,6 +84,25 @@ PhoneRow row_of(Fields& f, std::size_t i) {
   return row;
 }
 
+/// A list of texts, as one.
+std::string joined(Fields& f, const std::string& path) {
+  std::string all;
+  for (std::size_t i = 0; i < std::min(f.size(path), kMaxRows); ++i)
+    all += (i == 0 ? "" : ", ") + f.text(fmt::format("{}/{}", path, i));
+  return all;
+}
+
+/// bench::to_json() of a DriverCheck in words; apps of before have none.
+std::string driver_check_of(Fields& f) {
+  if (!f.at("driver_check").is_object()) return {};
+  if (f.at("driver_check/right") != true)
+    return "DRAWS WRONG PICTURES: " + joined(f, "driver_check/faults");
+  const std::string limits = joined(f, "driver_check/limits");
+  return fmt::format("draws the sample right, {:.1f} dB{}{}",
+                     f.number("driver_check/psnr", 0, kMaxDecibels), limits.empty() ? "" : " with ",
+                     limits);
+}
+
 }  // namespace
 
 std::string PhoneRow::name() const {
@@ -100,6 +120,7 @@ Expected<PhoneResult> phone_result(const json& value, const std::string& file) {
   r.driver = f.at("driver").is_null()
                  ? "no driver"
                  : fmt::format("{}, {}", f.text("driver/renderer"), f.text("driver/version"));
+  r.driver_check = driver_check_of(f);
   r.app = f.text("app/name");
   r.scene = f.text("scene/name");
   r.splats = f.count("scene/splats");

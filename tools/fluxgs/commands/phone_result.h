@@ -22,10 +22,11 @@ struct PhoneRow {
 };
 
 struct PhoneResult {
-  std::string device;  ///< maker, model, processor, Android's version
-  std::string driver;  ///< of OpenGL ES
-  std::string app;     ///< its version
-  std::string scene;   ///< file name
+  std::string device;        ///< maker, model, processor, Android's version
+  std::string driver;        ///< of OpenGL ES
+  std::string driver_check;  ///< whether it draws right, in words; empty: is not said
+  std::string app;           ///< its version
+  std::string scene;         ///< file name
   std::uint64_t splats = 0, bytes = 0;
   std::uint64_t warmup = 0, frames = 0;          ///< of each row
   std::string blended_in;                        ///< "RGBA32F", "RGBA16F"; empty: is not said

@@ -67,6 +67,7 @@ json to_json(const PhoneResult& r, const PhoneResult* before, const SelfTest& te
         {{"scenes", p.what}, {"splats", p.splats}, {"bytes", p.megabytes * 1e6}, {"fps", p.fps}});
   return {{"device", r.device},
           {"driver", r.driver},
+          {"driver_check", r.driver_check},
           {"scene", r.scene},
           {"splats", r.splats},
           {"bytes", r.bytes},
@@ -96,6 +97,7 @@ void print_report(const PhoneResult& r, const PhoneResult* before,
   fmt::print("{}, {}\n", r.device, r.driver);
   fmt::print("{}: {} splats, {:.2f} MB; app {}; heat {} before, {} after\n", r.scene, r.splats,
              static_cast<double>(r.bytes) / 1e6, r.app, r.heat_before, r.heat_after);
+  if (!r.driver_check.empty()) fmt::print("driver: {}\n", r.driver_check);
   if (!r.blended_in.empty()) fmt::print("layers blended in {}\n", r.blended_in);
   if (!r.stopped.empty()) fmt::print("NOT WHOLE, it was stopped: {}\n", r.stopped);
   fmt::print("\n");

@@ -61,11 +61,12 @@ render::TargetPlan plan_of(const render::RenderTarget& target) {
           .accumulation = target.accumulation()};
 }
 
-std::vector<SceneBenchmarkRow> rows_of(const SceneBenchmarkPlan& plan) {
+std::vector<SceneBenchmarkRow> rows_of(const SceneBenchmarkPlan& plan, const gl::Quirks& quirks) {
   using render::SorterKind;
+  const bool gpu_sort = plan.gpu_sort && !quirks.gpu_sort_fails;
   std::vector<SceneBenchmarkRow> rows;
   for (const ImageSide& size : plan.sizes)
-    for (const auto& [sorter, wanted] : {std::pair(SorterKind::gpu_radix, plan.gpu_sort),
+    for (const auto& [sorter, wanted] : {std::pair(SorterKind::gpu_radix, gpu_sort),
                                          std::pair(SorterKind::cpu_async, plan.cpu_sort)})
       for (const auto& [moves, asked] :
            {std::pair(false, plan.still_views), std::pair(true, plan.path)}) {
@@ -157,7 +158,10 @@ Expected<SceneBenchmark> benchmark_scene(gl::Api& api, const SplatCloud& cloud,
                                          const SceneBenchmarkPlan& plan,
                                          const FrameProgress& progress) {
   SceneBenchmark result;
-  std::vector<SceneBenchmarkRow> rows = rows_of(plan);
+  std::vector<SceneBenchmarkRow> rows = rows_of(plan, api.quirks);
+  if (rows.empty())
+    return fail("benchmark", "sorter",
+                "this driver cannot sort on the GPU, and no other is asked for");
   const int count = static_cast<int>(rows.size());
   for (int i = 0; i < count; ++i) {
     SceneBenchmarkRow& row = rows[static_cast<std::size_t>(i)];

@@ -7,6 +7,7 @@ std::vector<std::string> Quirks::names() const {
   if (half_float_blending_truncates) set.emplace_back("half_float_blending_truncates");
   if (runs_on_cpu) set.emplace_back("runs_on_cpu");
   if (timer_queries_crash) set.emplace_back("timer_queries_crash");
+  if (gpu_sort_fails) set.emplace_back("gpu_sort_fails");
   return set;
 }
 

@@ -23,6 +23,10 @@ struct Quirks {
   /// and others); no times are taken there.
   bool timer_queries_crash = false;
 
+  /// The order that the compute shaders find is wrong, or they do not link. No driver is known for
+  /// it: bench/driver_check.h finds out.
+  bool gpu_sort_fails = false;
+
   /// The names of those that are set.
   std::vector<std::string> names() const;
 };

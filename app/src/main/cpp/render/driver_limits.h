@@ -2,7 +2,10 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "gl/api.h"
 
 namespace fluxgs::render {
 
@@ -14,13 +17,13 @@ struct DriverLimits {
   bool operator==(const DriverLimits&) const = default;
 
   /// The names of those that are set, as above.
-  std::vector<std::string> names() const {
-    std::vector<std::string> set;
-    if (no_gpu_sort) set.emplace_back("no_gpu_sort");
-    if (no_vertex_storage) set.emplace_back("no_vertex_storage");
-    if (no_float_targets) set.emplace_back("no_float_targets");
-    return set;
-  }
+  std::vector<std::string> names() const;
 };
+
+/// The limits of which the text has the names, in any order; other words are passed over.
+DriverLimits limits_named(std::string_view names);
+
+/// Takes from a context what its driver gets wrong: whatever is made with it later does without.
+void apply(const DriverLimits& limits, gl::Api& api);
 
 }  // namespace fluxgs::render

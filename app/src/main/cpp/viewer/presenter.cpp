@@ -2,6 +2,12 @@
 
 namespace fluxgs::viewer {
 
+void Presenter::set_limits(const render::DriverLimits& limits) {
+  if (limits == limits_) return;
+  limits_ = limits;
+  lose_context();
+}
+
 void Presenter::attach(void* window) {
   screen_->attach(window);
   failed_ = false;
@@ -25,7 +31,9 @@ Expected<gl::Api*> Presenter::context() {
   if (api != nullptr && !gl::context_lost(*api)) return api;
   viewer_.close();
   auto made = screen_->make_context();
-  if (made) ++contexts_;
+  if (!made) return made;
+  ++contexts_;
+  render::apply(limits_, **made);
   return made;
 }
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "render/driver_limits.h"
 #include "viewer/screen.h"
 #include "viewer/viewer.h"
 
@@ -20,6 +21,10 @@ class Presenter {
   Screen& screen() { return *screen_; }
   Viewer& viewer() { return viewer_; }
   const Viewer& viewer() const { return viewer_; }
+
+  /// What the driver gets wrong (bench/driver_check.h). For the contexts that are made from now on;
+  /// one that there is with others is given up.
+  void set_limits(const render::DriverLimits& limits);
 
   /// See Screen::attach(). What failed in the last window is tried again in this one.
   void attach(void* window);
@@ -68,6 +73,7 @@ class Presenter {
 
   std::unique_ptr<Screen> screen_;
   Viewer viewer_;  // goes before the screen's context
+  render::DriverLimits limits_;
   int width_ = 0, height_ = 0;
   bool failed_ = false;
   bool drawn_ = false;

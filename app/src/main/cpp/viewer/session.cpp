@@ -158,6 +158,10 @@ void Session::set_heat(const Heat& heat) {
   post([this, heat] { presenter_->viewer().set_heat(heat); });
 }
 
+void Session::set_driver_limits(const render::DriverLimits& limits) {
+  post([this, limits] { presenter_->set_limits(limits); });
+}
+
 void Session::flip_up() {
   post([this] { presenter_->viewer().flip_up(); });
 }

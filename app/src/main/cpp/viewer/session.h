@@ -65,6 +65,8 @@ class Session {
   void turn(const DevicePose& pose);
   void set(const ViewerSettings& settings);
   void set_heat(const Heat& heat);
+  /// See Presenter::set_limits().
+  void set_driver_limits(const render::DriverLimits& limits);
   void flip_up();
   void reset_view();
   /// Gives back what is drawn with; the next frame makes it again.

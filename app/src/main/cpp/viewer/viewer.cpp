@@ -81,7 +81,7 @@ void Viewer::begin_navigation() {
 render::SceneViewSettings Viewer::scene_settings(const gl::Api& api) const {
   using render::SorterKind;
   render::SceneViewSettings s{.renderer = {.timestamps = true}};
-  const bool on_cpu = settings_.sorter == SorterChoice::cpu ||
+  const bool on_cpu = settings_.sorter == SorterChoice::cpu || api.quirks.gpu_sort_fails ||
                       (settings_.sorter == SorterChoice::automatic && api.quirks.runs_on_cpu);
   s.renderer.sorter = on_cpu ? SorterKind::cpu_async : SorterKind::gpu_radix;
   s.memory = settings_.memory;

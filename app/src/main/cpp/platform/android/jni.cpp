@@ -22,6 +22,7 @@
 #include "platform/android/platform.h"
 #include "platform/android/session_json.h"
 #include "viewer/decode_memory_guard.h"
+#include "viewer/screen_check.h"
 #include "viewer/session.h"
 
 namespace fluxgs::android {
@@ -153,6 +154,13 @@ std::vector<jint> numbers(JNIEnv* env, jintArray array) {
 std::vector<jfloat> numbers(JNIEnv* env, jfloatArray array) {
   std::vector<jfloat> values(static_cast<std::size_t>(env->GetArrayLength(array)));
   env->GetFloatArrayRegion(array, 0, static_cast<jsize>(values.size()), values.data());
+  return values;
+}
+
+std::vector<std::byte> bytes_of(JNIEnv* env, jbyteArray array) {
+  std::vector<std::byte> values(static_cast<std::size_t>(env->GetArrayLength(array)));
+  env->GetByteArrayRegion(array, 0, static_cast<jsize>(values.size()),
+                          reinterpret_cast<jbyte*>(values.data()));
   return values;
 }
 
@@ -293,6 +301,23 @@ FLUXGS_JNI(void, set)
 FLUXGS_JNI(void, setHeat)(JNIEnv* env, jclass, jlong session, jint status, jfloat headroom) {
   guarded(env,
           [&] { sessions().find(session)->set_heat({status, static_cast<double>(headroom)}); });
+}
+
+FLUXGS_JNI(void, setDriverLimits)(JNIEnv* env, jclass, jlong session, jstring names) {
+  guarded(env, [&] {
+    sessions().find(session)->set_driver_limits(render::limits_named(from_java(env, names)));
+  });
+}
+
+FLUXGS_JNI(jstring, checkDriver)
+(JNIEnv* env, jclass, jbyteArray scene, jbyteArray golden, jstring known) {
+  return guarded(env, [&] {
+    const auto screen = make_screen();
+    const auto checked = viewer::check_driver_of(*screen, bytes_of(env, scene),
+                                                 bytes_of(env, golden), from_java(env, known));
+    if (!checked) throw std::runtime_error(checked.error().message());
+    return to_java(env, *checked);
+  });
 }
 
 FLUXGS_JNI(void, flipUp)(JNIEnv* env, jclass, jlong session) {

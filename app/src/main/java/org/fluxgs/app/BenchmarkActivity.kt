@@ -153,7 +153,10 @@ class BenchmarkActivity : Activity() {
     private fun startSelfTest(): FutureTask<JSONObject> {
         status.text = getString(R.string.testing, name)
         val of = session
-        return FutureTask { of.selfTest() }.also { thread(name = "self-test", isDaemon = true) { it.run() } }
+        return FutureTask {
+            DriverCheck.of(applicationContext, anew = true)
+            of.selfTest()
+        }.also { thread(name = "self-test", isDaemon = true) { it.run() } }
     }
 
     private fun stop(reason: String) {
@@ -296,6 +299,7 @@ class BenchmarkActivity : Activity() {
             "${device.getString("manufacturer")} ${device.getString("model")}, " +
                 "Android ${device.getString("android")}",
             driver?.let { "${it.getString("renderer")}, ${it.getString("version")}" } ?: "",
+            DriverCheck.textOf(this),
             found.blendedIn?.let { getString(R.string.blended_in, it) } ?: "",
             thermalLine(
                 thermal.getJSONObject("before").getInt("status"),

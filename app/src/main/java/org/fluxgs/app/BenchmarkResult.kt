@@ -202,6 +202,7 @@ internal class BenchmarkReport(
             .put("app", BuildFacts.native.put("name", BuildFacts.version(context)))
             .put("device", BenchmarkResult.deviceFacts(context))
             .put("driver", driver ?: JSONObject.NULL)
+            .put("driver_check", DriverCheck.now?.json ?: JSONObject.NULL)
             .put(
                 "scene",
                 JSONObject().put("name", name).put("bytes", state.loading.read)

@@ -60,6 +60,16 @@ internal object Native {
         gyroscope: Boolean, measures: Boolean, frameSeconds: Float, memory: Long,
     )
 
+    /** Names of what to do without (render/driver_limits.h), in any order. */
+    @JvmStatic external fun setDriverLimits(session: Long, names: String)
+
+    /**
+     * Draws a scene and compares: JSON, see driver_check.h, or an empty text if the driver is the [known]
+     * one, "renderer, version". Takes up to seconds. From any thread; a RuntimeException where there is no
+     * OpenGL ES 3.1.
+     */
+    @JvmStatic external fun checkDriver(scene: ByteArray, golden: ByteArray, known: String): String
+
     @JvmStatic external fun setHeat(session: Long, status: Int, headroom: Float)
 
     @JvmStatic external fun flipUp(session: Long)

@@ -17,7 +17,8 @@ import kotlin.concurrent.thread
 /**
  * Asks whoever keeps a scene for it, on a thread of its own: other apps may take as long as they like,
  * and throw what they like. onOpened or onFailed is called, on the main thread, unless it is cancelled,
- * onOpened not [before] something else is done; onSlow, where neither was called for half a minute.
+ * onOpened not [before] something else is done and the driver is checked; onSlow, where neither was called
+ * for half a minute.
  */
 internal class SceneOpening(
     context: Context,
@@ -50,6 +51,7 @@ internal class SceneOpening(
             val facts = Scene.factsOf(context, uri)
             val descriptor = descriptorOf(uri)
             before?.get()
+            DriverCheck.of(context)
             Native.waitForHeldScenes() // or what a cancelled one still has would count as taken
             main.post { finish({ descriptor.close() }) { onOpened(descriptor, facts) } }
         } catch (problem: Exception) {

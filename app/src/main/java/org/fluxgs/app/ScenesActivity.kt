@@ -8,6 +8,7 @@ import android.content.Intent
 import android.content.pm.ConfigurationInfo
 import android.graphics.Bitmap
 import android.net.Uri
+import android.os.Build
 import android.os.Bundle
 import android.view.LayoutInflater
 import android.view.View
@@ -17,6 +18,7 @@ import android.widget.GridView
 import android.widget.ImageView
 import android.widget.TextView
 import android.widget.Toast
+import kotlin.concurrent.thread
 
 /** The start: the sample, the scenes that were opened last, and a way to open others. */
 class ScenesActivity : Activity() {
@@ -40,11 +42,41 @@ class ScenesActivity : Activity() {
         grid.setOnItemLongClickListener { _, _, position, _ -> askToForget(position) }
         findViewById<View>(R.id.open).setOnClickListener { pick() }
         findViewById<View>(R.id.benchmark).setOnClickListener { benchmark() }
-        findViewById<TextView>(R.id.version).text = versionText()
+        findViewById<TextView>(R.id.version).apply {
+            text = versionText()
+            setOnClickListener { showAbout() }
+        }
         if (state == null) Background.start {
             UriPermissions.releaseAllBut(applicationContext, recents.all().map { it.uri }.toSet())
         }
-        if (!hasOpenGl()) findViewById<View>(R.id.problem).visibility = View.VISIBLE
+        if (hasOpenGl()) checkDriver() else tellProblem(getString(R.string.no_opengl))
+    }
+
+    /** Now, rather than when the first scene waits for it. */
+    private fun checkDriver() = thread(name = "driver-check", isDaemon = true) {
+        val check = DriverCheck.of(applicationContext)
+        if (check?.right == false) runOnUiThread { tellProblem(DriverCheck.textOf(this)) }
+    }
+
+    private fun tellProblem(text: String) {
+        findViewById<TextView>(R.id.problem).apply {
+            this.text = text
+            visibility = View.VISIBLE
+        }
+    }
+
+    private fun showAbout() {
+        val driver = DriverCheck.now?.let { "${it.renderer}\n${it.version}" } ?: ""
+        AlertDialog.Builder(this)
+            .setTitle(R.string.app_name)
+            .setMessage(
+                listOf(
+                    versionText(), "${Build.MANUFACTURER} ${Build.MODEL}, Android ${Build.VERSION.RELEASE}",
+                    driver, DriverCheck.textOf(this),
+                ).filter { it.isNotBlank() }.joinToString("\n\n"),
+            )
+            .setPositiveButton(android.R.string.ok, null)
+            .show()
     }
 
     /** OpenGL ES 3.1, or nobody knows. */

@@ -106,10 +106,16 @@ class Session : AutoCloseable {
 
     fun surfaceDestroyed() = call { Native.surfaceDestroyed(it) }
 
-    /** Takes over the descriptor. Returns a number by which the scene is known once it is shown. */
+    private fun obeyDriverCheck(session: Long) =
+        Native.setDriverLimits(session, DriverCheck.now?.limits?.joinToString(" ") ?: "")
+
+    /** Takes over the descriptor, and draws as the [DriverCheck] says. Returns a number by which the scene is known once it is shown. */
     fun load(descriptor: Int, name: String, bytes: Long, memory: Long, place: DoubleArray?): Long {
         var number = 0L
-        change { number = Native.load(it, descriptor, name, bytes, memory, place) }
+        change {
+            obeyDriverCheck(it)
+            number = Native.load(it, descriptor, name, bytes, memory, place)
+        }
         return number
     }
 
@@ -179,6 +185,7 @@ class Session : AutoCloseable {
     }
 
     fun startBenchmark(plan: BenchmarkPlan) = call {
+        obeyDriverCheck(it)
         Native.startBenchmark(
             it, plan.sizes, plan.warmup, plan.frames, plan.gpuSort, plan.cpuSort,
         )

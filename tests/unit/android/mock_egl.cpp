@@ -1,0 +1,214 @@
+#include "mock_egl.h"
+
+#include <cstdint>
+#include <cstring>
+
+using fluxgs::test::mock;
+using fluxgs::test::MockSurface;
+
+namespace fluxgs::test {
+
+bool MockEgl::fails(const char* function) {
+  ++calls;
+  error = EGL_SUCCESS;
+  const auto planned = failures.find(function);
+  if (planned == failures.end() || planned->second.empty()) return false;
+  error = planned->second.front();
+  planned->second.pop_front();
+  return error != EGL_SUCCESS;
+}
+
+void MockEgl::sweep() {
+  std::erase_if(surfaces, [&](const auto& entry) {
+    const auto& [surface, of] = entry;
+    if (!of.doomed || surface == current) return false;
+    if (of.window != nullptr) of.window->connected = nullptr;
+    return true;
+  });
+}
+
+namespace {
+
+template <class Handle>
+Handle new_handle() {
+  return reinterpret_cast<Handle>(static_cast<std::uintptr_t>(mock.next++));
+}
+
+EGLBoolean refuse(EGLint error) {
+  mock.error = error;
+  return EGL_FALSE;
+}
+
+constexpr EGLint kConfigs[] = {1, 2};  // 10 bits a colour, then 8: as drivers sort them
+
+int index_of(EGLConfig config) {
+  return static_cast<int>(reinterpret_cast<std::uintptr_t>(config));
+}
+
+}  // namespace
+}  // namespace fluxgs::test
+
+using namespace fluxgs::test;  // NOLINT(google-build-using-namespace)
+
+extern "C" {
+
+EGLint eglGetError() {
+  const EGLint error = mock.error;
+  mock.error = EGL_SUCCESS;
+  return error;
+}
+
+__eglMustCastToProperFunctionPointerType eglGetProcAddress(const char* name) {
+  const fluxgs::gl::Api& api = mock.gl->api();
+#define FLUXGS_MOCK_GL(function) \
+  if (std::strcmp(name, "gl" #function) == 0) \
+    return reinterpret_cast<__eglMustCastToProperFunctionPointerType>(api.function);
+  FLUXGS_GL_FUNCTIONS(FLUXGS_MOCK_GL)
+#undef FLUXGS_MOCK_GL
+  return nullptr;
+}
+
+EGLDisplay eglGetDisplay(EGLNativeDisplayType) {
+  return mock.fails("eglGetDisplay") ? EGL_NO_DISPLAY : reinterpret_cast<EGLDisplay>(1);
+}
+
+EGLBoolean eglInitialize(EGLDisplay, EGLint*, EGLint*) {
+  if (mock.fails("eglInitialize")) return EGL_FALSE;
+  mock.initialized = true;
+  return EGL_TRUE;
+}
+
+EGLBoolean eglTerminate(EGLDisplay) {
+  ++mock.calls;
+  mock.terminated = true;
+  return EGL_TRUE;
+}
+
+EGLBoolean eglReleaseThread() {
+  ++mock.calls;
+  mock.current = EGL_NO_SURFACE;
+  mock.current_context = EGL_NO_CONTEXT;
+  mock.thread_released = true;
+  return EGL_TRUE;
+}
+
+EGLBoolean eglChooseConfig(EGLDisplay, const EGLint*, EGLConfig* configs, EGLint size,
+                           EGLint* count) {
+  if (mock.fails("eglChooseConfig")) return EGL_FALSE;
+  const auto all = static_cast<EGLint>(std::size(kConfigs));
+  *count = configs == nullptr ? all : std::min(size, all);
+  for (EGLint i = 0; configs != nullptr && i < *count; ++i)
+    configs[i] = reinterpret_cast<EGLConfig>(static_cast<std::uintptr_t>(kConfigs[i]));
+  return EGL_TRUE;
+}
+
+EGLBoolean eglGetConfigAttrib(EGLDisplay, EGLConfig config, EGLint attribute, EGLint* value) {
+  ++mock.calls;
+  const bool deep = index_of(config) == 1;
+  switch (attribute) {
+    case EGL_RED_SIZE:
+    case EGL_GREEN_SIZE:
+    case EGL_BLUE_SIZE:
+      *value = deep ? 10 : 8;
+      break;
+    case EGL_ALPHA_SIZE:
+      *value = deep ? 2 : 8;
+      break;
+    case EGL_NATIVE_VISUAL_ID:
+      *value = index_of(config);
+      break;
+    default:
+      *value = 0;
+  }
+  return EGL_TRUE;
+}
+
+EGLContext eglCreateContext(EGLDisplay, EGLConfig, EGLContext, const EGLint*) {
+  if (mock.fails("eglCreateContext")) return EGL_NO_CONTEXT;
+  mock.lost = false;
+  return *mock.contexts.insert(new_handle<EGLContext>()).first;
+}
+
+EGLBoolean eglDestroyContext(EGLDisplay, EGLContext context) {
+  ++mock.calls;
+  if (context == mock.current_context) mock.wrong("a context is destroyed while it is current");
+  if (mock.contexts.erase(context) == 0) mock.wrong("no such context is destroyed");
+  return EGL_TRUE;
+}
+
+EGLSurface eglCreatePbufferSurface(EGLDisplay, EGLConfig, const EGLint*) {
+  if (mock.fails("eglCreatePbufferSurface")) return EGL_NO_SURFACE;
+  const auto surface = new_handle<EGLSurface>();
+  mock.surfaces[surface] = {};
+  return surface;
+}
+
+EGLSurface eglCreateWindowSurface(EGLDisplay, EGLConfig config, EGLNativeWindowType native,
+                                  const EGLint*) {
+  // On the desktop the type is another
+  auto* window = reinterpret_cast<ANativeWindow*>(native);
+  if (mock.fails("eglCreateWindowSurface")) return EGL_NO_SURFACE;
+  if (window->references < 1) mock.wrong("a window is used after it was released");
+  if (window->abandoned) return refuse(EGL_BAD_NATIVE_WINDOW), EGL_NO_SURFACE;
+  if (window->connected != nullptr) {
+    mock.wrong("two surfaces for one window");
+    return refuse(EGL_BAD_ALLOC), EGL_NO_SURFACE;
+  }
+  if (window->geometry != index_of(config)) mock.wrong("buffers of another format");
+  const auto surface = new_handle<EGLSurface>();
+  mock.surfaces[surface] = {.window = window};
+  window->connected = surface;
+  return surface;
+}
+
+EGLBoolean eglDestroySurface(EGLDisplay, EGLSurface surface) {
+  ++mock.calls;
+  const auto found = mock.surfaces.find(surface);
+  if (found == mock.surfaces.end() || found->second.doomed) {
+    mock.wrong("no such surface is destroyed");
+    return refuse(EGL_BAD_SURFACE);
+  }
+  found->second.doomed = true;
+  mock.sweep();
+  return EGL_TRUE;
+}
+
+EGLBoolean eglMakeCurrent(EGLDisplay, EGLSurface draw, EGLSurface, EGLContext context) {
+  if (mock.fails("eglMakeCurrent")) return EGL_FALSE;
+  if (context != EGL_NO_CONTEXT) {
+    if (mock.lost) return refuse(EGL_CONTEXT_LOST);
+    if (!mock.contexts.contains(context)) return refuse(EGL_BAD_CONTEXT);
+    if (!mock.surfaces.contains(draw)) return refuse(EGL_BAD_SURFACE);
+    const ANativeWindow* window = mock.surfaces[draw].window;
+    if (window != nullptr && window->abandoned) return refuse(EGL_BAD_NATIVE_WINDOW);
+  }
+  mock.current = draw;
+  mock.current_context = context;
+  mock.sweep();
+  return EGL_TRUE;
+}
+
+EGLBoolean eglSwapBuffers(EGLDisplay, EGLSurface surface) {
+  if (mock.fails("eglSwapBuffers")) return EGL_FALSE;
+  if (mock.lost) return refuse(EGL_CONTEXT_LOST);
+  const auto found = mock.surfaces.find(surface);
+  if (found == mock.surfaces.end()) return refuse(EGL_BAD_SURFACE);
+  if (surface != mock.current) mock.wrong("a surface is shown that is not current");
+  ANativeWindow* window = found->second.window;
+  if (window == nullptr || window->abandoned) return refuse(EGL_BAD_SURFACE);
+  ++window->shown;
+  return EGL_TRUE;
+}
+
+void ANativeWindow_release(ANativeWindow* window) {
+  if (--window->references < 0) mock.wrong("a window is released twice");
+  if (window->connected != nullptr) mock.wrong("a window is released under its surface");
+}
+
+std::int32_t ANativeWindow_setBuffersGeometry(ANativeWindow* window, std::int32_t, std::int32_t,
+                                              std::int32_t format) {
+  if (window->references < 1) mock.wrong("a window is used after it was released");
+  window->geometry = format;
+  return 0;
+}
+}
