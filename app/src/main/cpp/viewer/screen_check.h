@@ -15,7 +15,6 @@ namespace fluxgs::viewer {
 /// was checked; the result is empty if this is it. Fails, with the name of the file in the message,
 /// on a scene or a picture that cannot be read, and where there is no OpenGL ES 3.1.
 Expected<std::string> check_driver_of(Screen& screen, std::span<const std::byte> scene,
-                                      std::span<const std::byte> golden,
-                                      const std::string& known);
+                                      std::span<const std::byte> golden, const std::string& known);
 
 }  // namespace fluxgs::viewer
