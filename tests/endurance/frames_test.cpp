@@ -96,7 +96,7 @@ void FramesTest::expect_steady(const char* name, const render::SceneViewSettings
   static_cast<void>(grown_over(view, kWarmUp));
   view.renderer().wait_for_sorts(true);
   draw(view, 0);
-  const Image<float> first = must(render::read_pixels(api(), view.target()));
+  const Image<std::uint8_t> first = must(view.read());
   view.renderer().wait_for_sorts(false);
   const auto start = std::chrono::steady_clock::now();
   const Growth growth = steady_growth(view);
@@ -122,7 +122,7 @@ void FramesTest::expect_steady(const char* name, const render::SceneViewSettings
   EXPECT_TRUE(api().debug.mistakes().empty());
   view.renderer().wait_for_sorts(true);
   draw(view, 0);
-  EXPECT_EQ(must(render::read_pixels(api(), view.target())).pixels, first.pixels);
+  EXPECT_EQ(must(view.read()).pixels, first.pixels);
 }
 
 TEST_P(FramesTest, SortedByTheGpu) { expect_steady("gpu_radix", {}); }

@@ -144,15 +144,16 @@ class ViewerTest : ViewerScreen() {
         pump()
         assertTrue("fewer SH coefficients", psnr(before, settled()) < 45)
         dialog.findViewById<android.widget.Spinner>(R.id.budget).setSelection(4)
-        dialog.findViewById<android.widget.Switch>(R.id.hud).isChecked = false
+        assertFalse("no numbers for who does not ask", activity.isShown(R.id.hud))
+        dialog.findViewById<android.widget.Switch>(R.id.hud).isChecked = true
         pump(300)
-        assertFalse(activity.isShown(R.id.hud))
+        assertTrue(activity.isShown(R.id.hud))
         dialog.dismiss()
-        assertEquals(Settings(1f, 2, 0, 100_000, false), Settings.load(context))
+        assertEquals(Settings(1f, 2, 0, 100_000, true), Settings.load(context))
         close()
         openAndDraw()
         pump(300)
-        assertFalse(activity.isShown(R.id.hud))
+        assertTrue(activity.isShown(R.id.hud))
     }
 
     private fun keepDialog(decor: View) {
@@ -168,6 +169,7 @@ class ViewerTest : ViewerScreen() {
 
     @Test
     fun theNumbersSayWhatIsDrawn() {
+        Settings(scale = 1f, sorter = 2, hud = true).save(context)
         openAndDraw()
         pump(300)
         val hud = activity.text(R.id.hud)
@@ -314,6 +316,7 @@ class ViewerTest : ViewerScreen() {
 
     @Test
     fun nothingIsDoneWhileNothingMoves() {
+        Settings(scale = 1f, sorter = 2, hud = true).save(context)
         openAndDraw()
         val surface = activity.view(R.id.surface) as SceneSurface
         until("it rests") { !surface.isAwake }

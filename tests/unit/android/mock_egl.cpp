@@ -1,7 +1,9 @@
 #include "mock_egl.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
 
 using fluxgs::test::mock;
 using fluxgs::test::MockSurface;
@@ -39,11 +41,15 @@ EGLBoolean refuse(EGLint error) {
   return EGL_FALSE;
 }
 
-constexpr EGLint kConfigs[] = {1, 2};  // 10 bits a colour, then 8: as drivers sort them
+struct Config {
+  int red, alpha, layout;
+  EGLint caveat;
+};
+/// As drivers sort them: 10 bits a colour first; the last one has the fewest bits.
+constexpr Config kConfigs[] = {
+    {10, 2, 43, EGL_NONE}, {8, 0, 2, EGL_SLOW_CONFIG}, {8, 8, 1, EGL_NONE}, {8, 0, 3, EGL_NONE}};
 
-int index_of(EGLConfig config) {
-  return static_cast<int>(reinterpret_cast<std::uintptr_t>(config));
-}
+const Config& config_of(EGLConfig config) { return *static_cast<const Config*>(config); }
 
 }  // namespace
 }  // namespace fluxgs::test
@@ -60,7 +66,7 @@ EGLint eglGetError() {
 
 __eglMustCastToProperFunctionPointerType eglGetProcAddress(const char* name) {
   const fluxgs::gl::Api& api = mock.gl->api();
-#define FLUXGS_MOCK_GL(function) \
+#define FLUXGS_MOCK_GL(function)              \
   if (std::strcmp(name, "gl" #function) == 0) \
     return reinterpret_cast<__eglMustCastToProperFunctionPointerType>(api.function);
   FLUXGS_GL_FUNCTIONS(FLUXGS_MOCK_GL)
@@ -98,24 +104,27 @@ EGLBoolean eglChooseConfig(EGLDisplay, const EGLint*, EGLConfig* configs, EGLint
   const auto all = static_cast<EGLint>(std::size(kConfigs));
   *count = configs == nullptr ? all : std::min(size, all);
   for (EGLint i = 0; configs != nullptr && i < *count; ++i)
-    configs[i] = reinterpret_cast<EGLConfig>(static_cast<std::uintptr_t>(kConfigs[i]));
+    configs[i] = const_cast<Config*>(&kConfigs[i]);
   return EGL_TRUE;
 }
 
 EGLBoolean eglGetConfigAttrib(EGLDisplay, EGLConfig config, EGLint attribute, EGLint* value) {
   ++mock.calls;
-  const bool deep = index_of(config) == 1;
+  const Config& c = config_of(config);
   switch (attribute) {
     case EGL_RED_SIZE:
     case EGL_GREEN_SIZE:
     case EGL_BLUE_SIZE:
-      *value = deep ? 10 : 8;
+      *value = c.red;
       break;
     case EGL_ALPHA_SIZE:
-      *value = deep ? 2 : 8;
+      *value = c.alpha;
       break;
     case EGL_NATIVE_VISUAL_ID:
-      *value = index_of(config);
+      *value = c.layout;
+      break;
+    case EGL_CONFIG_CAVEAT:
+      *value = c.caveat;
       break;
     default:
       *value = 0;
@@ -145,8 +154,7 @@ EGLSurface eglCreatePbufferSurface(EGLDisplay, EGLConfig, const EGLint*) {
 
 EGLSurface eglCreateWindowSurface(EGLDisplay, EGLConfig config, EGLNativeWindowType native,
                                   const EGLint*) {
-  // On the desktop the type is another
-  auto* window = reinterpret_cast<ANativeWindow*>(native);
+  ANativeWindow* const window = native;
   if (mock.fails("eglCreateWindowSurface")) return EGL_NO_SURFACE;
   if (window->references < 1) mock.wrong("a window is used after it was released");
   if (window->abandoned) return refuse(EGL_BAD_NATIVE_WINDOW), EGL_NO_SURFACE;
@@ -154,7 +162,7 @@ EGLSurface eglCreateWindowSurface(EGLDisplay, EGLConfig config, EGLNativeWindowT
     mock.wrong("two surfaces for one window");
     return refuse(EGL_BAD_ALLOC), EGL_NO_SURFACE;
   }
-  if (window->geometry != index_of(config)) mock.wrong("buffers of another format");
+  if (window->geometry != config_of(config).layout) mock.wrong("buffers of another format");
   const auto surface = new_handle<EGLSurface>();
   mock.surfaces[surface] = {.window = window};
   window->connected = surface;
@@ -174,7 +182,8 @@ EGLBoolean eglDestroySurface(EGLDisplay, EGLSurface surface) {
 }
 
 EGLBoolean eglMakeCurrent(EGLDisplay, EGLSurface draw, EGLSurface, EGLContext context) {
-  if (mock.fails("eglMakeCurrent")) return EGL_FALSE;
+  // Nothing can keep a thread from letting go
+  if (context != EGL_NO_CONTEXT && mock.fails("eglMakeCurrent")) return EGL_FALSE;
   if (context != EGL_NO_CONTEXT) {
     if (mock.lost) return refuse(EGL_CONTEXT_LOST);
     if (!mock.contexts.contains(context)) return refuse(EGL_BAD_CONTEXT);

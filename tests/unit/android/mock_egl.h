@@ -4,6 +4,7 @@
 
 #include <deque>
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
 #include <vector>
@@ -16,11 +17,11 @@
 #include "platform/host/host_context.h"
 
 struct ANativeWindow {
-  int references = 1;                  ///< of the screen
-  EGLSurface connected = nullptr;      ///< at most one surface may be made for a window
-  bool abandoned = false;              ///< its Surface is gone: buffers are refused
-  int geometry = 0;                    ///< format that was asked for
-  int shown = 0;                       ///< images
+  int references = 1;              ///< of the screen
+  EGLSurface connected = nullptr;  ///< at most one surface may be made for a window
+  bool abandoned = false;          ///< its Surface is gone: buffers are refused
+  int geometry = 0;                ///< format that was asked for
+  int shown = 0;                   ///< images
 };
 
 namespace fluxgs::test {

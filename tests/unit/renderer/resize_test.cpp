@@ -63,6 +63,53 @@ TEST_P(ResizeTest, TwoHundredFramesLeaveNothingBehind) {
   EXPECT_EQ(last.pixels, must(fresh->read(same)).pixels);
 }
 
+// What a window gets: one allocation for every scale, the same pixels as a target of that scale.
+TEST_P(ResizeTest, AWindowsTargetHasRoomForEveryScale) {
+  const Camera camera = orbit_camera(300, 270, {}, 2, 1, 4);
+  must(renderer().upload(random_cloud(2000, 1, 32)));
+  for (const Accumulation way : {accurate(), Accumulation::direct}) {
+    RenderTarget window = must(RenderTarget::create_for_window(api(), 300, 270, way));
+    for (const double scale : {1.0, 0.5, 0.37, 0.004, 1.0}) {
+      const RenderTarget other =
+          must(RenderTarget::create(api(), 300, 270, TargetFormat::rgba8, way, scale));
+      must(renderer().draw(camera, kRose, other));
+      const Image<std::uint8_t> expected = must(render::read_image(api(), other));
+      window.set_scale(scale);
+      must(renderer().draw(camera, kRose, window));
+      EXPECT_EQ(must(renderer().read_shown(window)).pixels, expected.pixels) << scale;
+    }
+    // Reduced images are rounded and limited once less
+    const auto reduced = must(renderer().read_shown(window, 70));
+    const RenderTarget other =
+        must(RenderTarget::create(api(), 300, 270, TargetFormat::rgba8, way));
+    must(renderer().draw(camera, kRose, other));
+    const auto expected = must(render::read_image(api(), other, 70));
+    ASSERT_EQ(reduced.width, 70);
+    ASSERT_EQ(reduced.pixels.size(), expected.pixels.size());
+    double square_error = 0;
+    for (std::size_t i = 0; i < expected.pixels.size(); ++i)
+      square_error += std::pow(reduced.pixels[i] - expected.pixels[i], 2);
+    EXPECT_LT(square_error / static_cast<double>(expected.pixels.size()), 1);
+  }
+}
+
+TEST_P(ResizeTest, ScalesAllocateNothing) {
+  const Camera camera = orbit_camera(64, 48, {}, 2, 1, 4);
+  must(renderer().upload(random_cloud(500, 1, 33)));
+  const GlFaults counted(api());
+  RenderTarget window = must(RenderTarget::create_for_window(api(), 64, 48, accurate()));
+  const long before = faults.allocations;
+  for (const double scale : {0.5, 0.85, 1.0, 0.3}) {
+    window.set_scale(scale);
+    must(renderer().draw(camera, kRose, window));
+  }
+  EXPECT_EQ(faults.allocations, before);
+  EXPECT_EQ(faults.used,
+            render::estimate_memory(
+                {}, {}, {.width = 64, .height = 48, .accumulation = accurate(), .for_window = true})
+                .targets);
+}
+
 FLUXGS_GL_TEST_SUITE(ResizeTest);
 
 }  // namespace

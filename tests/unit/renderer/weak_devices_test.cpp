@@ -243,6 +243,25 @@ TEST_P(WeakDevicesTest, SmallLimitsAreNamed) {
   EXPECT_THAT(refused.error().message(), HasSubstr("GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS"));
 }
 
+// The GPUs of phones blend in half floats, and every other way where those are missing.
+TEST_P(WeakDevicesTest, TilersBlendInHalfFloats) {
+  gl::Capabilities phone = api().capabilities;
+  for (const char* name : {"Adreno (TM) 750", "Mali-G715-Immortalis MC11", "PowerVR Rogue GE8320",
+                           "ANGLE (Samsung Xclipse 940) on Vulkan 1.3.279"}) {
+    phone.renderer = name;
+    EXPECT_TRUE(gl::find_quirks(phone).tiles) << name;
+  }
+  EXPECT_FALSE(api().quirks.tiles) << api().capabilities.renderer;
+  EXPECT_EQ(render::default_accumulation(api()), render::accurate_accumulation(api().capabilities));
+  if (!api().capabilities.float_targets) return;
+  api().quirks.tiles = true;
+  EXPECT_EQ(render::default_accumulation(api()), render::Accumulation::half_float);
+  const bool half = std::exchange(api().capabilities.half_float_targets, false);
+  EXPECT_EQ(render::default_accumulation(api()), render::Accumulation::single_float);
+  api().capabilities.half_float_targets = half;
+  api().quirks.tiles = false;
+}
+
 FLUXGS_GL_TEST_SUITE(WeakDevicesTest);
 
 }  // namespace

@@ -198,8 +198,10 @@ Expected<glm::dmat4> local_matrix(const tinygltf::Node& node, const std::string&
   return m;
 }
 
-Expected<AffineMap> affine_map(const glm::dmat4& matrix, const std::string& name,
+Expected<AffineMap> affine_map(const Expected<glm::dmat4>& given, const std::string& name,
                                const std::string& field) {
+  if (!given) return std::unexpected(given.error());
+  const glm::dmat4& matrix = *given;
   const AffineMap map{glm::dmat3(matrix), glm::dvec3(matrix[3])};
   for (int i = 0; i < 4; ++i)
     for (int k = 0; k < 3; ++k)
@@ -247,12 +249,12 @@ class Walk {
   }
 
  private:
-  void push(const std::vector<int>& nodes, const glm::dmat4& parent) {
+  void push(const std::vector<int>& nodes, const Expected<glm::dmat4>& parent) {
     // Backwards, so that the first is taken first.
     for (auto i = nodes.rbegin(); i != nodes.rend(); ++i) pending_.emplace_back(*i, parent);
   }
 
-  Expected<void> visit(int index, const glm::dmat4& parent) {
+  Expected<void> visit(int index, const Expected<glm::dmat4>& parent) {
     const std::string field = fmt::format("nodes[{}]", index);
     const auto at = static_cast<std::size_t>(index);
     if (at >= model_.nodes.size()) return fail(name_, field, "does not exist");
@@ -260,9 +262,8 @@ class Walk {
     if (visited_[at]) return fail(name_, field, "is reached twice; expected a tree of nodes");
     visited_[at] = true;
     const tinygltf::Node& node = model_.nodes[at];
-    const auto local = local_matrix(node, name_, field);
-    if (!local) return std::unexpected(local.error());
-    const glm::dmat4 matrix = parent * *local;
+    Expected<glm::dmat4> matrix = parent ? local_matrix(node, name_, field) : parent;
+    if (parent && matrix) *matrix = *parent * *matrix;
     if (node.mesh >= 0) {
       if (auto ok = take_mesh(static_cast<std::size_t>(node.mesh), matrix, field); !ok) return ok;
     }
@@ -270,7 +271,9 @@ class Walk {
     return {};
   }
 
-  Expected<void> take_mesh(std::size_t mesh, const glm::dmat4& matrix, const std::string& field) {
+  /// A matrix that is none matters only where there are splats.
+  Expected<void> take_mesh(std::size_t mesh, const Expected<glm::dmat4>& matrix,
+                           const std::string& field) {
     if (mesh >= model_.meshes.size()) {
       return fail(name_, field, fmt::format("mesh {} does not exist", mesh));
     }
@@ -301,7 +304,7 @@ class Walk {
   const PrimitiveReader& reader_;
   const std::string& name_;
   std::vector<bool> visited_;
-  std::vector<std::pair<int, glm::dmat4>> pending_;
+  std::vector<std::pair<int, Expected<glm::dmat4>>> pending_;
   std::vector<GltfInstance> instances_;
 };
 

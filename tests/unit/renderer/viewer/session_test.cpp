@@ -355,8 +355,8 @@ class ForgetfulScreen final : public Screen {
   }
   void detach() override { real_->detach(); }
   bool has_window() const override { return real_->has_window(); }
-  Expected<bool> present(const render::RenderTarget& target, int width, int height) override {
-    return real_->present(target, width, height);
+  Expected<bool> present(const std::function<void()>& draw, int width, int height) override {
+    return real_->present(draw, width, height);
   }
 
  private:
@@ -380,14 +380,14 @@ class FaultyScreen final : public Screen {
   void attach(void* window) override { real_->attach(window); }
   void detach() override { real_->detach(); }
   bool has_window() const override { return real_->has_window(); }
-  Expected<bool> present(const render::RenderTarget& target, int width, int height) override {
+  Expected<bool> present(const std::function<void()>& draw, int width, int height) override {
     ++faults_.presented;
     if (faults_.fails) return fail("EGL", "eglSwapBuffers", "failed with error 0x3003");
     if (faults_.going > 0) {
       --faults_.going;
       return false;
     }
-    return real_->present(target, width, height);
+    return real_->present(draw, width, height);
   }
 
  private:

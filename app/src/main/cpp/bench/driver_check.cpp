@@ -28,8 +28,8 @@ struct Attempt {
   double psnr = 0;
 };
 
-Accumulation accumulation_for(const DriverLimits& limits, const gl::Capabilities& driver) {
-  return limits.no_float_targets ? Accumulation::direct : render::accurate_accumulation(driver);
+Accumulation accumulation_for(const DriverLimits& limits, const gl::Api& api) {
+  return limits.no_float_targets ? Accumulation::direct : render::default_accumulation(api);
 }
 
 render::RendererSettings settings_for(const DriverLimits& limits) {
@@ -89,7 +89,7 @@ class OneWay {
     if (auto made = make(scene); !made) return {suspect_of(made.error()), made.error().message()};
     auto target =
         render::RenderTarget::create(api_, camera.width, camera.height, render::TargetFormat::rgba8,
-                                     accumulation_for(limits_, api_.capabilities));
+                                     accumulation_for(limits_, api_));
     if (!target) return {Suspect::float_targets, target.error().message()};
     renderer_->wait_for_sorts(true);
     auto drawn =

@@ -38,8 +38,7 @@ struct Stage {
 Expected<Stage> set_up(gl::Api& api, const SplatCloud& cloud, const SceneBenchmarkPlan& plan,
                        const SceneBenchmarkRow& row) {
   Stage stage;
-  const auto accumulation =
-      plan.accumulation.value_or(render::accurate_accumulation(api.capabilities));
+  const auto accumulation = plan.accumulation.value_or(render::default_accumulation(api));
   const render::RendererSettings settings{.sorter = row.sorter, .timestamps = true};
   auto done = gl::chain(
       [&] { return gl::assign_or_error(render::Renderer::create(api, settings), stage.renderer); },

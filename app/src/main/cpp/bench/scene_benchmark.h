@@ -20,7 +20,7 @@ struct SceneBenchmarkPlan {
   FrameBenchmarkOptions protocol{.warmup = 20, .frames = 100};
   bool gpu_sort = true, cpu_sort = true;
   bool still_views = true, path = true;
-  /// Format that the layers are blended in; not given: render::accurate_accumulation().
+  /// Format that the layers are blended in; not given: render::default_accumulation().
   std::optional<render::Accumulation> accumulation = {};
 };
 

@@ -30,7 +30,7 @@
   X(GenTextures) X(GenVertexArrays) X(GetError) X(GetInteger64v) X(GetIntegeri_v) X(GetIntegerv) \
   X(GetProgramInfoLog) X(GetProgramiv) X(GetShaderInfoLog) X(GetShaderiv) X(GetString) \
   X(GetStringi) X(InvalidateFramebuffer) X(LinkProgram) X(MapBufferRange) X(MemoryBarrier) \
-  X(PixelStorei) X(ReadPixels) X(ShaderSource) X(TexParameteri) X(TexStorage2D) X(TexSubImage2D) \
+  X(PixelStorei) X(ReadPixels) X(Scissor) X(ShaderSource) X(TexParameteri) X(TexStorage2D) X(TexSubImage2D) \
   X(Uniform1ui) X(Uniform2f) X(UnmapBuffer) X(UseProgram) X(Viewport)
 // clang-format on
 

@@ -23,6 +23,11 @@ struct Quirks {
   /// and others); no times are taken there.
   bool timer_queries_crash = false;
 
+  /// The GPU blends a tile of the image at a time in a memory of its own, a few MB large: pixels of
+  /// 128 bits leave room for small tiles only and are blended at a quarter of the rate. All GPUs of
+  /// phones do.
+  bool tiles = false;
+
   /// The order that the compute shaders find is wrong, or they do not link. No driver is known for
   /// it: bench/driver_check.h finds out.
   bool gpu_sort_fails = false;

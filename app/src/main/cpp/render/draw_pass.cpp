@@ -82,6 +82,11 @@ Expected<void> DrawPass::reserve(gl::Api& api, std::size_t projected_splat_bytes
 
 void clear(gl::Api& api, const glm::dvec3& background, const RenderTarget& target) {
   target.blend_framebuffer().bind();
+  // Of a part of the target no other tiles are cleared, drawn and stored
+  if (target.blends_in_a_part()) {
+    api.Enable(GL_SCISSOR_TEST);
+    api.Scissor(0, 0, target.blend_width(), target.blend_height());
+  }
   const std::array<GLfloat, 4> color = {static_cast<float>(background.r),
                                         static_cast<float>(background.g),
                                         static_cast<float>(background.b), 0.0F};
@@ -108,6 +113,7 @@ void DrawPass::run(gl::Api& api, const gl::Buffer& projected_splats, const sort:
   api.DrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT, nullptr);
   api.BindVertexArray(0);
   api.Disable(GL_BLEND);
+  api.Disable(GL_SCISSOR_TEST);
 }
 
 }  // namespace fluxgs::render

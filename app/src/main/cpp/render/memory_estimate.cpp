@@ -55,7 +55,7 @@ std::size_t frame_bytes(std::uint64_t count, const RendererSettings& s) {
 std::size_t target_bytes(const TargetPlan& t) {
   if (t.width == 0 || t.height == 0) return 0;
   const std::size_t pixels = static_cast<std::size_t>(t.width) * static_cast<std::size_t>(t.height);
-  if (t.any_scale) return pixels * (pixel_bytes(t.format) + blend_pixel_bytes(t));
+  if (t.for_window) return pixels * blend_pixel_bytes(t);
   const auto scaled = [&](int size) {
     return static_cast<std::size_t>(std::max(1L, std::lround(size * t.scale)));
   };
@@ -65,6 +65,17 @@ std::size_t target_bytes(const TargetPlan& t) {
       (t.accumulation == Accumulation::direct ||
        (t.accumulation == Accumulation::half_float && t.format == TargetFormat::rgba16f));
   return pixels * pixel_bytes(t.format) + (same ? 0 : blended * blend_pixel_bytes(t));
+}
+
+/// Renderer::read_shown(): strips of the image, or a half of it in each direction and what it is
+/// halved into.
+std::size_t reading_bytes(const TargetPlan& t) {
+  if (!t.for_window) return 0;
+  const std::size_t width = static_cast<std::size_t>(t.width),
+                    height = static_cast<std::size_t>(t.height);
+  const std::size_t strip = width * std::min(height, std::size_t{RenderTarget::kRowsRead});
+  const std::size_t half = ((width + 1) / 2) * ((height + 1) / 2);
+  return pixel_bytes(t.format) * std::max(strip, half + half / 2);
 }
 
 }  // namespace
@@ -80,7 +91,8 @@ MemoryEstimate estimate_memory(const DegreeCounts& splats, const RendererSetting
                                const TargetPlan& target) {
   return {.scene = scene_bytes(splats),
           .frame = frame_bytes(sum(splats), settings),
-          .targets = target_bytes(target)};
+          .targets = target_bytes(target),
+          .reading = reading_bytes(target)};
 }
 
 std::uint64_t splats_that_fit(std::size_t bytes, const DegreeCounts& scene,

@@ -13,8 +13,10 @@ struct MemoryEstimate {
   std::size_t scene = 0;  ///< bytes of the splats
   std::size_t frame = 0;  ///< bytes of projected_splats, keys, the sorter's buffers and the draw's
   std::size_t targets = 0;  ///< bytes of the image and of what it is blended in
+  std::size_t reading = 0;  ///< bytes that are taken while the image of a window is read
 
-  std::size_t total() const { return scene + frame + targets; }
+  std::size_t taken() const { return scene + frame + targets; }
+  std::size_t total() const { return taken() + reading; }
 };
 
 /// Size and formats of an image.
@@ -23,7 +25,7 @@ struct TargetPlan {
   TargetFormat format = TargetFormat::rgba8;
   Accumulation accumulation = Accumulation::direct;
   double scale = 1;
-  bool any_scale = false;  ///< count the scale that takes most, not this one
+  bool for_window = false;  ///< of RenderTarget::create_for_window(), for any scale
 };
 
 /// Bytes of a pixel of the image, and of what it is blended in.

@@ -87,6 +87,12 @@ Accumulation accurate_accumulation(const gl::Capabilities& driver) {
   return driver.half_float_targets ? Accumulation::half_float : Accumulation::direct;
 }
 
+Accumulation default_accumulation(const gl::Api& api) {
+  const Accumulation accurate = accurate_accumulation(api.capabilities);
+  const bool half = api.quirks.tiles && api.capabilities.half_float_targets;
+  return half && accurate == Accumulation::single_float ? Accumulation::half_float : accurate;
+}
+
 Expected<RenderTarget> RenderTarget::create(gl::Api& api, int width, int height,
                                             TargetFormat format) {
   return create(api, width, height, format, accurate_accumulation(api.capabilities));
@@ -121,22 +127,35 @@ Expected<RenderTarget> RenderTarget::create(gl::Api& api, int width, int height,
   return target;
 }
 
+Expected<RenderTarget> RenderTarget::create_for_window(gl::Api& api, int width, int height,
+                                                       Accumulation accumulation) {
+  constexpr TargetFormat kFormat = TargetFormat::rgba8;
+  auto possible = gl::chain([&] { return check_size(api.capabilities, width, height); },
+                            [&] { return check_formats(api.capabilities, kFormat, accumulation); });
+  if (!possible) return std::unexpected(possible.error());
+  RenderTarget target;
+  target.width_ = target.blend_width_ = width;
+  target.height_ = target.blend_height_ = height;
+  target.format_ = kFormat;
+  target.accumulation_ = accumulation;
+  target.for_window_ = true;
+  auto made = attach(api, blend_format(kFormat, accumulation), width, height, target.blend_color_,
+                     target.blend_framebuffer_);
+  if (!made) return std::unexpected(made.error());
+  return target;
+}
+
+void RenderTarget::set_scale(double scale) {
+  blend_width_ = scaled_size(width_, scale);
+  blend_height_ = scaled_size(height_, scale);
+}
+
 const gl::Framebuffer& RenderTarget::blend_framebuffer() const {
-  return needs_resolve() ? blend_framebuffer_ : framebuffer_;
+  return for_window_ || needs_resolve() ? blend_framebuffer_ : framebuffer_;
 }
 
 const gl::Texture& RenderTarget::blend_texture() const {
-  return needs_resolve() ? blend_color_ : color_;
-}
-
-void copy_to_window(gl::Api& api, const RenderTarget& target, int width, int height) {
-  const bool same = target.width() == width && target.height() == height;
-  target.framebuffer().bind(GL_READ_FRAMEBUFFER);
-  api.BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
-  // Row 0 of the target is the image's top, that of a window its bottom
-  api.BlitFramebuffer(0, 0, target.width(), target.height(), 0, height, width, 0,
-                      GL_COLOR_BUFFER_BIT, same ? GL_NEAREST : GL_LINEAR);
-  api.BindFramebuffer(GL_FRAMEBUFFER, 0);
+  return for_window_ || needs_resolve() ? blend_color_ : color_;
 }
 
 Expected<Image<float>> read_pixels(gl::Api& api, const RenderTarget& target) {

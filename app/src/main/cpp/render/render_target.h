@@ -22,6 +22,10 @@ enum class Accumulation {
 /// the driver has.
 Accumulation accurate_accumulation(const gl::Capabilities& capabilities);
 
+/// The one to look at a scene with: half floats where the GPU blends in a memory of its own (gl::
+/// Quirks::tiles), which pixels of 128 bits fill too soon; otherwise accurate_accumulation().
+Accumulation default_accumulation(const gl::Api& api);
+
 /// Name of the format that layers are blended in: "RGBA8", "RGBA16F", "RGBA32F".
 const char* blend_name(TargetFormat format, Accumulation accumulation);
 
@@ -36,6 +40,16 @@ class RenderTarget {
                                        Accumulation accumulation, double scale = 1);
   /// With accurate_accumulation().
   static Expected<RenderTarget> create(gl::Api& api, int width, int height, TargetFormat format);
+  /// For images of a window, which the resolve pass draws there: without an image of its own, and
+  /// with room for every scale. Of scale 1 at first.
+  static Expected<RenderTarget> create_for_window(gl::Api& api, int width, int height,
+                                                  Accumulation accumulation);
+
+  /// Of a target for a window: the scale, in (0, 1], of the frames that follow.
+  void set_scale(double scale);
+
+  /// Rows of a window's image that are read at once.
+  static constexpr int kRowsRead = 256;
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -49,8 +63,13 @@ class RenderTarget {
   /// scale 1.
   const gl::Framebuffer& blend_framebuffer() const;
   const gl::Texture& blend_texture() const;
-  bool needs_resolve() const { return accumulation_ != Accumulation::direct || enlarges(); }
+  /// True if the splats are blended into a part of it, at its origin.
+  bool blends_in_a_part() const { return for_window_ && enlarges(); }
+  bool needs_resolve() const {
+    return !for_window_ && (accumulation_ != Accumulation::direct || enlarges());
+  }
   bool enlarges() const { return blend_width_ != width_ || blend_height_ != height_; }
+  /// Of the image; a target for a window has none.
   const gl::Framebuffer& framebuffer() const { return framebuffer_; }
 
  private:
@@ -58,14 +77,11 @@ class RenderTarget {
   int blend_width_ = 0, blend_height_ = 0;
   TargetFormat format_ = TargetFormat::rgba8;
   Accumulation accumulation_ = Accumulation::direct;
+  bool for_window_ = false;
   // The framebuffers come last: they must go before their textures.
   gl::Texture color_, blend_color_;
   gl::Framebuffer framebuffer_, blend_framebuffer_;
 };
-
-/// Copies the image to the window's framebuffer (number 0), enlarged or reduced to its size.
-/// Colours are copied as they are: the target's are sRGB-encoded already.
-void copy_to_window(gl::Api& api, const RenderTarget& target, int width, int height);
 
 /// Waits for the GPU and copies the image: RGBA, top row first, 0…1 for rgba8.
 Expected<Image<float>> read_pixels(gl::Api& api, const RenderTarget& target);

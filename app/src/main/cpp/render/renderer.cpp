@@ -119,6 +119,7 @@ Expected<void> Renderer::draw(const Camera& camera, const RenderOptions& asked,
     stamp(1);
     stamp(2);
     clear(api_, options.background, target);
+    api_.Disable(GL_SCISSOR_TEST);
   }
   stamp(3);
   resolve_.run(api_, target);
@@ -159,6 +160,43 @@ void Renderer::sort(const sort::SortView& view) {
   }
   if (waits_) sorter_->finish();
   sorter_->collect();
+}
+
+Expected<Image<std::uint8_t>> Renderer::read_shown(const RenderTarget& target, int longest) const {
+  const glm::ivec2 all(target.width(), target.height());
+  const int longer = std::max(all.x, all.y);
+  const bool reduces = longest > 0 && longer > longest;
+  // The first halving here, where it averages four pixels: an image of all of it is not needed
+  const double ratio = reduces ? std::max(0.5, static_cast<double>(longest) / longer) : 1;
+  const glm::ivec2 size = glm::max(glm::ivec2(glm::round(ratio * glm::dvec2(all))), glm::ivec2(1));
+  if (reduces) {
+    const auto image =
+        RenderTarget::create(api_, size.x, size.y, target.format(), Accumulation::direct);
+    if (!image) return std::unexpected(image.error());
+    resolve_.to_rows(api_, target, size, 0, *image);
+    return read_image(api_, *image, longest);
+  }
+  const auto strip = make_strip(size);
+  if (!strip) return std::unexpected(strip.error());
+  Image<std::uint8_t> whole(size.x, size.y, 4);
+  for (int first = 0; first < size.y; first += strip->height()) {
+    resolve_.to_rows(api_, target, size, first, *strip);
+    const auto part = read_image(api_, *strip);
+    if (!part) return std::unexpected(part.error());
+    const int count = std::min(strip->height(), size.y - first);
+    std::copy_n(part->pixels.begin(), std::ptrdiff_t{4} * size.x * count, whole.at(0, first));
+  }
+  return whole;
+}
+
+/// Of as many rows of an image as there is room for.
+Expected<RenderTarget> Renderer::make_strip(const glm::ivec2& size) const {
+  for (int rows = std::min(size.y, RenderTarget::kRowsRead);; rows = (rows + 1) / 2) {
+    auto strip =
+        RenderTarget::create(api_, size.x, rows, TargetFormat::rgba8, Accumulation::direct);
+    if (strip || !api_.out_of_memory || rows == 1) return strip;
+    api_.out_of_memory = false;
+  }
 }
 
 Expected<FrameStats> Renderer::stats() {

@@ -42,6 +42,14 @@ class Renderer {
   Expected<void> draw(const Camera& camera, const RenderOptions& options,
                       const RenderTarget& target);
 
+  /// Shows a target for a window in the window (ResolvePass::to_window()).
+  void show(const RenderTarget& target, int width, int height) const {
+    resolve_.to_window(api_, target, width, height);
+  }
+  /// What show() shows, as read_image() reads it of other targets. Waits for the GPU; takes little
+  /// of its memory.
+  Expected<Image<std::uint8_t>> read_shown(const RenderTarget& target, int longest = 0) const;
+
   /// Switches the measuring of later frames, see stats(). On at first; without it a frame asks
   /// the driver for nothing.
   void measure(bool on) { measured_ = on; }
@@ -92,6 +100,7 @@ class Renderer {
   void draw_scene(const Camera& camera, const RenderOptions& options, const RenderTarget& target);
   void sort(const sort::SortView& view);
   void stamp(int place) const;
+  Expected<RenderTarget> make_strip(const glm::ivec2& size) const;
 
   gl::Api& api_;
   RendererSettings settings_;

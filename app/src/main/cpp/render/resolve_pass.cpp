@@ -10,7 +10,12 @@ namespace fluxgs::render {
 
 namespace {
 
-constexpr GLint kRatio = 0;  // shaders/resolve.frag
+constexpr GLint kRatio = 0, kStart = 1, kLast = 2;  // shaders/resolve.frag
+
+/// The framebuffer that is bound is written all over: tilers would load what is covered.
+void forget(gl::Api& api, GLenum attachment) {
+  api.InvalidateFramebuffer(GL_FRAMEBUFFER, 1, &attachment);
+}
 
 }  // namespace
 
@@ -31,20 +36,34 @@ Expected<ResolvePass> ResolvePass::create(gl::Api& api) {
 }
 
 void ResolvePass::run(gl::Api& api, const RenderTarget& target) const {
-  if (!target.needs_resolve()) return;
-  target.framebuffer().bind();
-  constexpr GLenum kAll = GL_COLOR_ATTACHMENT0;
-  api.InvalidateFramebuffer(GL_FRAMEBUFFER, 1, &kAll);  // or tilers would load what is covered
+  if (target.needs_resolve()) to_rows(api, target, {target.width(), target.height()}, 0, target);
+}
+
+void ResolvePass::to_rows(gl::Api& api, const RenderTarget& target, const glm::ivec2& whole,
+                          int first, const RenderTarget& image) const {
+  image.framebuffer().bind();
+  forget(api, GL_COLOR_ATTACHMENT0);
+  draw(api, target, {.whole = whole, .part = {image.width(), image.height()}, .first = first});
+}
+
+void ResolvePass::to_window(gl::Api& api, const RenderTarget& target, int width, int height) const {
+  api.BindFramebuffer(GL_FRAMEBUFFER, 0);
+  forget(api, GL_COLOR);
+  draw(api, target, {.whole = {width, height}, .part = {width, height}, .upwards = true});
+}
+
+void ResolvePass::draw(gl::Api& api, const RenderTarget& target, const Part& part) const {
+  const glm::ivec2 size(target.blend_width(), target.blend_height());
+  const bool same = size == part.whole;
+  const glm::vec2 ratio = glm::vec2(size) / glm::vec2(part.whole);
   target.blend_texture().bind(0);
-  api.Viewport(0, 0, target.width(), target.height());
-  if (target.enlarges()) {
-    enlarge_.use();
-    api.Uniform2f(kRatio,
-                  static_cast<float>(target.blend_width()) / static_cast<float>(target.width()),
-                  static_cast<float>(target.blend_height()) / static_cast<float>(target.height()));
-  } else {
-    copy_.use();
-  }
+  api.Viewport(0, 0, part.part.x, part.part.y);
+  (same ? copy_ : enlarge_).use();
+  api.Uniform2f(kRatio, ratio.x, part.upwards ? -ratio.y : ratio.y);
+  api.Uniform2f(
+      kStart, 0,
+      part.upwards ? static_cast<float>(size.y) : ratio.y * static_cast<float>(part.first));
+  if (!same) api.Uniform2f(kLast, static_cast<float>(size.x - 1), static_cast<float>(size.y - 1));
   vertex_array_.bind();
   api.DrawArrays(GL_TRIANGLES, 0, 3);
   api.BindVertexArray(0);

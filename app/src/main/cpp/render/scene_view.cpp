@@ -38,10 +38,9 @@ void SceneView::close() {
 Expected<void> SceneView::draw(const Camera& camera, const RenderOptions& options) {
   if (auto ok = check_image_size(camera); !ok) return ok;
   const Size size{camera.width, camera.height};
-  bool fits = size == fitted_;
-  if (fits && settings_.scale != made_scale_) fits = make_target().has_value();
-  if (!fits)
+  if (size != fitted_)
     if (auto fitted = fit(size); !fitted) return fitted;
+  target_.set_scale(settings_.scale);
   if (auto drawn = renderer_->draw(camera, options, target_); !drawn) return drawn;
   auto whole = check_context();
   if (!whole) renderer_->sort_anew();  // who knows what became of the order
@@ -58,19 +57,14 @@ Expected<void> SceneView::check_first_frames() {
 /// Those that may be used, the most accurate first.
 std::vector<Accumulation> SceneView::accumulations() const {
   if (settings_.accumulation) return {*settings_.accumulation};
-  const Accumulation accurate = accurate_accumulation(api_->capabilities);
-  if (accurate != Accumulation::single_float || !api_->capabilities.half_float_targets)
-    return {accurate};
-  return {accurate, Accumulation::half_float};
+  const Accumulation first = default_accumulation(*api_);
+  if (first != Accumulation::single_float || !api_->capabilities.half_float_targets) return {first};
+  return {first, Accumulation::half_float};
 }
 
-// For any scale: scales change while something moves, and the splats are not to change with them.
 TargetPlan SceneView::plan(const Size& size, Accumulation accumulation) const {
-  return {.width = size.width,
-          .height = size.height,
-          .format = settings_.format,
-          .accumulation = accumulation,
-          .any_scale = true};
+  return {
+      .width = size.width, .height = size.height, .accumulation = accumulation, .for_window = true};
 }
 
 bool SceneView::driver_has(const Size& size) const {
@@ -121,7 +115,7 @@ std::size_t SceneView::splats_for(const TargetPlan& image) const {
 }
 
 std::size_t SceneView::memory() const {
-  return estimate_memory(largest_of(degrees_, shown_), renderer_->settings(), planned_).total();
+  return estimate_memory(largest_of(degrees_, shown_), renderer_->settings(), planned_).taken();
 }
 
 bool SceneView::is_reduced() const {
@@ -156,11 +150,9 @@ Expected<void> SceneView::make_target() {
   constexpr int kCheckedFrames = 3;
   unchecked_frames_ = kCheckedFrames;
   target_ = {};
-  made_scale_ = settings_.scale;
-  return gl::assign_or_error(
-      RenderTarget::create(*api_, planned_.width, planned_.height, planned_.format,
-                           planned_.accumulation, made_scale_),
-      target_);
+  return gl::assign_or_error(RenderTarget::create_for_window(*api_, planned_.width, planned_.height,
+                                                             planned_.accumulation),
+                             target_);
 }
 
 // As many splats as there is room for beside that image.

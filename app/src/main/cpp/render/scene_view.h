@@ -19,8 +19,7 @@ namespace fluxgs::render {
 
 struct SceneViewSettings {
   RendererSettings renderer = {};
-  TargetFormat format = TargetFormat::rgba8;
-  /// Not given: accurate_accumulation(), or half floats where there is no room for that.
+  /// Not given: default_accumulation(), or half floats where there is no room for that.
   std::optional<Accumulation> accumulation = {};
   double scale = 1;  ///< of the image that is blended, see RenderTarget
   /// Bytes that the scene, its frames and the image may take together (memory_estimate.h). Not
@@ -50,8 +49,15 @@ class SceneView {
   /// frames of a new image or scene.
   Expected<void> draw(const Camera& camera, const RenderOptions& options);
 
-  /// Sets the scale of the frames that follow; another image is made for the next one.
+  /// Sets the scale of the frames that follow.
   void set_scale(double scale);
+
+  /// Shows the last frame in the window, enlarged or reduced to its size.
+  void show(int width, int height) const { renderer_->show(target_, width, height); }
+  /// The last frame, see Renderer::read_shown().
+  Expected<Image<std::uint8_t>> read(int longest = 0) const {
+    return renderer_->read_shown(target_, longest);
+  }
 
   /// Lets go of all GL objects.
   void close();
@@ -104,8 +110,7 @@ class SceneView {
   std::unique_ptr<Renderer> renderer_;
   Size fitted_;  ///< the camera's size that there is an image for
   RenderTarget target_;
-  TargetPlan planned_;     ///< of target_, for any scale
-  double made_scale_ = 0;  ///< as target_ was made
+  TargetPlan planned_;  ///< of target_, for any scale
   std::size_t shown_ = 0;
   int unchecked_frames_ = 0;  ///< of which the driver has still to say that they went well
 };

@@ -1,24 +1,28 @@
 #version 310 es
-// Copies the accumulated image to the target, whose format limits and rounds it. ENLARGE: from a
-// smaller image, by bilinear interpolation (float textures need not be filterable in ES 3.1).
+// Copies the accumulated image to the target or the window, whose format limits and rounds it.
+// ENLARGE: to another number of pixels, by bilinear interpolation (float textures need not be
+// filterable in ES 3.1).
 precision highp float;
 
 layout(binding = 0) uniform highp sampler2D accumulated;
 layout(location = 0) out highp vec4 out_color;
 
+// From pixels of the framebuffer to those of the accumulated image: at * ratio + start.
+layout(location = 0) uniform vec2 ratio;
+layout(location = 1) uniform vec2 start;
+
 #ifdef ENLARGE
-layout(location = 0) uniform vec2 ratio;  // smaller over larger size
+layout(location = 2) uniform vec2 last;  // its last pixel; the texture may be larger
 
 vec4 sample_at(vec2 at) {
-  ivec2 last = textureSize(accumulated, 0) - 1;
   vec2 low = floor(at), f = at - low;
-  ivec2 a = clamp(ivec2(low), ivec2(0), last), b = clamp(ivec2(low) + 1, ivec2(0), last);
+  ivec2 a = ivec2(clamp(low, vec2(0), last)), b = ivec2(clamp(low + 1.0, vec2(0), last));
   vec4 top = mix(texelFetch(accumulated, a, 0), texelFetch(accumulated, ivec2(b.x, a.y), 0), f.x);
   vec4 bottom = mix(texelFetch(accumulated, ivec2(a.x, b.y), 0), texelFetch(accumulated, b, 0), f.x);
   return mix(top, bottom, f.y);
 }
 
-void main() { out_color = sample_at(gl_FragCoord.xy * ratio - 0.5); }
+void main() { out_color = sample_at(gl_FragCoord.xy * ratio + start - 0.5); }
 #else
-void main() { out_color = texelFetch(accumulated, ivec2(gl_FragCoord.xy), 0); }
+void main() { out_color = texelFetch(accumulated, ivec2(gl_FragCoord.xy * ratio + start), 0); }
 #endif

@@ -44,7 +44,7 @@ Expected<bool> Presenter::draw() {
     if (auto opened = viewer_.open(**api, width_, height_); !opened)
       return std::unexpected(opened.error());
   if (auto drawn = viewer_.draw(); !drawn) return std::unexpected(drawn.error());
-  return screen_->present(viewer_.target(), width_, height_);
+  return screen_->present([this] { viewer_.scene().show(width_, height_); }, width_, height_);
 }
 
 Expected<bool> Presenter::frame(double seconds) {
@@ -85,7 +85,7 @@ std::optional<Image<std::uint8_t>> Presenter::image(int longest) {
     redraw_ = true;  // on the window, too
     if (!viewer_.draw_sharp()) return std::nullopt;
   }
-  auto read = render::read_image(*screen_->api(), viewer_.target(), longest);
+  auto read = viewer_.scene().read(longest);
   if (!read) return std::nullopt;
   return std::move(*read);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "fluxgs/image.h"
@@ -32,10 +33,10 @@ class Screen {
   virtual void detach() = 0;
   virtual bool has_window() const = 0;
 
-  /// Copies an image to the window and shows it. Whether it did: not in a window that is about to
-  /// be taken away, nor where there is none. Fails, with the context marked as lost
-  /// (gl::context_lost()), when that is why.
-  virtual Expected<bool> present(const render::RenderTarget& target, int width, int height) = 0;
+  /// Draws an image into the window's framebuffer, number 0, of that size, and shows it. Whether it
+  /// did: not in a window that is about to be taken away, nor where there is none. Fails, with the
+  /// context marked as lost (gl::context_lost()), when that is why.
+  virtual Expected<bool> present(const std::function<void()>& draw, int width, int height) = 0;
 };
 
 }  // namespace fluxgs::viewer

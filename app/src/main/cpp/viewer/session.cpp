@@ -140,6 +140,16 @@ bool Session::frame(double seconds) {
   return true;
 }
 
+void Session::draw_now() {
+  post_and_wait([this] {
+    if (!presenter_->viewer().is_open()) return;
+    presenter_->redraw();
+    const auto last = last_frame_;
+    draw_frame(last.value_or(0));  // no time passes
+    last_frame_ = last;
+  });
+}
+
 void Session::touch(TouchPhase phase, int changed, std::vector<Finger> fingers, double seconds) {
   post([this, phase, changed, seconds, fingers = std::move(fingers)] {
     presenter_->viewer().touch({phase, changed, fingers, seconds});

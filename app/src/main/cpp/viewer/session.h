@@ -33,8 +33,8 @@ struct SessionState {
   double first_frame_ms = 0;  ///< from begin of loading until the first image was shown
 };
 
-/// Every function may be called from one thread, the shell's main thread, and image() and scene()
-/// from any. These, surface_destroyed() and the destructor wait for the drawing thread.
+/// Every function may be called from one thread, the shell's main thread, and image(), scene() and
+/// draw_now() from any. These, surface_destroyed() and the destructor wait for the drawing thread.
 class Session {
  public:
   /// `screen` is used on the session's thread only, and gone before the session is.
@@ -60,6 +60,10 @@ class Session {
   /// whether others are wanted: not, once all is at rest, until one of the other functions is
   /// called.
   bool frame(double seconds);
+
+  /// Draws a frame of the scene that is shown, if one is, and returns once it is handed to the
+  /// screen.
+  void draw_now();
 
   void touch(TouchPhase phase, int changed, std::vector<Finger> fingers, double seconds);
   void turn(const DevicePose& pose);

@@ -103,7 +103,6 @@ class Viewer {
   Expected<void> draw();
   /// The same at the scale of a view at rest.
   Expected<void> draw_sharp();
-  const render::RenderTarget& target() const { return scene_->target(); }
 
   /// After a frame was handed to the screen.
   void presented();

@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <initializer_list>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -46,6 +47,7 @@ class EglScreen final : public viewer::Screen {
     detach();
     drop_context();
     if (display_ != EGL_NO_DISPLAY) eglTerminate(display_);
+    eglReleaseThread();
   }
 
   Expected<gl::Api*> make_context() override {
@@ -72,9 +74,9 @@ class EglScreen final : public viewer::Screen {
   }
   bool has_window() const override { return window_ != nullptr; }
 
-  Expected<bool> present(const render::RenderTarget& target, int width, int height) override {
+  Expected<bool> present(const std::function<void()>& draw, int width, int height) override {
     if (const auto there = make_surface({width, height}); !there || !*there) return there;
-    render::copy_to_window(*api_, target, width, height);
+    draw();
     if (eglSwapBuffers(display_, window_surface_) == EGL_TRUE) return true;
     const EGLint error = eglGetError();
     if (error == EGL_CONTEXT_LOST) api_->lost = true;
@@ -132,21 +134,32 @@ class EglScreen final : public viewer::Screen {
     if (eglChooseConfig(display_, wanted, configs.data(), count, &count) != EGL_TRUE)
       return egl_failure("eglChooseConfig");
     if (count < 1) return fail("EGL", "config", "this device has no OpenGL ES 3.1");
-    // Those with more bits come first, such as 10 a colour, of which the image has no use
     configs.resize(static_cast<std::size_t>(count));
-    config_ = *std::ranges::min_element(configs, {}, [this](EGLConfig c) { return bits_of(c); });
+    config_ = *std::ranges::min_element(configs, {}, [this](EGLConfig c) { return rank_of(c); });
     return {};
+  }
+
+  int attribute_of(EGLConfig config, EGLint name) const {
+    EGLint value = 0;
+    eglGetConfigAttrib(display_, config, name, &value);
+    return value;
+  }
+
+  /// The least is the best: fast, of 4 bytes a pixel, which displays compress, and without bits of
+  /// which the image has no use, such as 10 a colour, though drivers name those first.
+  std::tuple<bool, bool, int> rank_of(EGLConfig config) const {
+    constexpr int kRgba8888 = 1, kRgbx8888 = 2;  // of AHardwareBuffer_Format
+    const int layout = attribute_of(config, EGL_NATIVE_VISUAL_ID);
+    return {attribute_of(config, EGL_CONFIG_CAVEAT) == EGL_SLOW_CONFIG,
+            layout != kRgba8888 && layout != kRgbx8888, bits_of(config)};
   }
 
   /// Bits of a pixel, of all its channels.
   int bits_of(EGLConfig config) const {
     int bits = 0;
     for (const EGLint part : {EGL_RED_SIZE, EGL_GREEN_SIZE, EGL_BLUE_SIZE, EGL_ALPHA_SIZE,
-                              EGL_DEPTH_SIZE, EGL_STENCIL_SIZE, EGL_SAMPLES}) {
-      EGLint value = 0;
-      eglGetConfigAttrib(display_, config, part, &value);
-      bits += value;
-    }
+                              EGL_DEPTH_SIZE, EGL_STENCIL_SIZE, EGL_SAMPLES})
+      bits += attribute_of(config, part);
     return bits;
   }
 
@@ -172,17 +185,18 @@ class EglScreen final : public viewer::Screen {
   }
 
   bool create_surface() {
-    EGLint format = 0;
-    eglGetConfigAttrib(display_, config_, EGL_NATIVE_VISUAL_ID, &format);
-    ANativeWindow_setBuffersGeometry(window_, 0, 0, format);
+    ANativeWindow_setBuffersGeometry(window_, 0, 0, attribute_of(config_, EGL_NATIVE_VISUAL_ID));
     window_surface_ = eglCreateWindowSurface(display_, config_, window_, nullptr);
     return window_surface_ != EGL_NO_SURFACE;
   }
 
   void destroy_surface() {
     if (window_surface_ == EGL_NO_SURFACE) return;
-    // A surface that is current is only marked for deletion
-    eglMakeCurrent(display_, idle_surface_, idle_surface_, context_);
+    // A surface that is current is only marked for deletion, and keeps its window
+    if (eglMakeCurrent(display_, idle_surface_, idle_surface_, context_) != EGL_TRUE) {
+      eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+      if (api_) api_->lost = true;  // nothing more reaches it
+    }
     eglDestroySurface(display_, window_surface_);
     window_surface_ = EGL_NO_SURFACE;
   }

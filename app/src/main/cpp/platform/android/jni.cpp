@@ -251,6 +251,10 @@ FLUXGS_JNI(jboolean, frame)(JNIEnv* env, jclass, jlong session, jlong nanosecond
   });
 }
 
+FLUXGS_JNI(void, drawNow)(JNIEnv* env, jclass, jlong session) {
+  guarded(env, [&] { sessions().find(session)->draw_now(); });
+}
+
 FLUXGS_JNI(void, touch)
 (JNIEnv* env, jclass, jlong session, jint phase, jint changed, jintArray ids, jfloatArray positions,
  jlong milliseconds) {

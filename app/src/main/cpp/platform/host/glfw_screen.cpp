@@ -96,8 +96,8 @@ class GlfwScreen final : public WindowScreen, private HostContext {
   void detach() override {}
   bool has_window() const override { return window_ != nullptr; }
 
-  Expected<bool> present(const render::RenderTarget& target, int width, int height) override {
-    render::copy_to_window(*api(), target, width, height);
+  Expected<bool> present(const std::function<void()>& draw, int width, int height) override {
+    draw();
     if (std::exchange(captures_, false)) {
       auto image = read_window(*api(), width, height);  // Nothing is defined there afterwards
       if (!image) return std::unexpected(image.error());

@@ -20,7 +20,7 @@ class OffscreenScreen final : public viewer::Screen {
   void detach() override { has_window_ = false; }
   bool has_window() const override { return has_window_; }
 
-  Expected<bool> present(const render::RenderTarget&, int, int) override {
+  Expected<bool> present(const std::function<void()>&, int, int) override {
     context_->api().Finish();  // as a display's queue would make it wait
     if (gl::context_lost(context_->api())) return fail("OpenGL", "", "the context was lost");
     return has_window_;

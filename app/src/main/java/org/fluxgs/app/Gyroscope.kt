@@ -23,7 +23,7 @@ internal class Gyroscope(
         set(value) {
             if (value == field || sensor == null) return
             field = value
-            if (value) manager.registerListener(this, sensor, SensorManager.SENSOR_DELAY_GAME)
+            if (value) manager.registerListener(this, sensor, PERIOD_US)
             else manager.unregisterListener(this)
         }
 
@@ -41,5 +41,9 @@ internal class Gyroscope(
         Surface.ROTATION_180 -> 2
         Surface.ROTATION_270 -> 3
         else -> 0
+    }
+
+    private companion object {
+        const val PERIOD_US = 5_000 // more often than any display; the most that needs no permission
     }
 }

@@ -5,7 +5,7 @@ import android.view.Surface
 /**
  * The native library (app/src/main/cpp/platform/android/jni.cpp). Sessions are numbers from [create];
  * one that does not exist is an IllegalStateException. Nothing here waits, but [waitForHeldScenes], and for
- * the drawing thread [surfaceDestroyed], [image], [selfTest] and [destroy]. [Session] is what the app
+ * the drawing thread [surfaceDestroyed], [drawNow], [image], [selfTest] and [destroy]. [Session] is what the app
  * uses.
  */
 internal object Native {
@@ -44,6 +44,9 @@ internal object Native {
 
     /** True if more frames are wanted: false once all is at rest, until something else is called. */
     @JvmStatic external fun frame(session: Long, nanoseconds: Long): Boolean
+
+    /** Draws a frame of the scene that is shown, if one is, and waits until it is on its way. From any thread. */
+    @JvmStatic external fun drawNow(session: Long)
 
     /** [positions]: x and y of each finger. [phase]: 0 down, 1 moved, 2 up, 3 cancelled. */
     @JvmStatic external fun touch(

@@ -36,17 +36,18 @@ internal class SceneActions : View.AccessibilityDelegate() {
     override fun performAccessibilityAction(host: View, id: Int, arguments: Bundle?): Boolean {
         val action = actions.find { it.id == id }
             ?: return super.performAccessibilityAction(host, id, arguments)
-        val session = (host as SceneSurface).session ?: return false
-        move(session, host.width, host.height, action.ways)
+        val surface = host as SceneSurface
+        val session = surface.session ?: return false
+        move(session, surface.ratio * surface.width, surface.ratio * surface.height, action.ways)
         return true
     }
 
-    private fun move(session: Session, width: Int, height: Int, ways: Array<out Way>) {
+    private fun move(session: Session, width: Float, height: Float, ways: Array<out Way>) {
         val ids = IntArray(ways.size) { FIRST_ID + it }
         val unit = minOf(width, height)
         fun places(x: (Way) -> Float, y: (Way) -> Float) = FloatArray(2 * ways.size) {
             val way = ways[it / 2]
-            if (it % 2 == 0) width / 2f + unit * x(way) else height / 2f + unit * y(way)
+            if (it % 2 == 0) width / 2 + unit * x(way) else height / 2 + unit * y(way)
         }
         val from = places({ it.fromX }, { it.fromY })
         val to = places({ it.toX }, { it.toY })

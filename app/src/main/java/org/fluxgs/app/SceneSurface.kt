@@ -1,6 +1,8 @@
 package org.fluxgs.app
 
 import android.content.Context
+import android.graphics.Rect
+import android.os.Build
 import android.util.AttributeSet
 import android.util.Size
 import android.view.Choreographer
@@ -9,13 +11,16 @@ import android.view.MotionEvent
 import android.view.Surface
 import android.view.SurfaceHolder
 import android.view.SurfaceView
+import kotlin.concurrent.thread
+import kotlin.math.min
+import kotlin.math.roundToInt
 
 /**
  * What the session draws on. While it is [running], every frame of the display is handed on, as long as
- * the session wants frames; touches always are. The size is that of the surface, in pixels.
+ * the session wants frames; touches always are. The surface has at most [MOST_PIXELS] across.
  */
 class SceneSurface(context: Context, attributes: AttributeSet?) :
-    SurfaceView(context, attributes), SurfaceHolder.Callback, Choreographer.FrameCallback {
+    SurfaceView(context, attributes), SurfaceHolder.Callback2, Choreographer.FrameCallback {
 
     /** May be another one at any time: it gets the surface that is there. */
     var session: Session? = null
@@ -78,8 +83,19 @@ class SceneSurface(context: Context, attributes: AttributeSet?) :
     }
 
     private fun tellSize() {
-        session?.surfaceChanged(size.width, size.height, resources.displayMetrics.density)
+        session?.surfaceChanged(size.width, size.height, resources.displayMetrics.density * ratio)
     }
+
+    /** The system shows the window after a turn of the device, say, once there is an image of its new size. */
+    override fun surfaceRedrawNeededAsync(holder: SurfaceHolder, drawn: Runnable) {
+        val session = session ?: return drawn.run()
+        thread(name = "redraw", isDaemon = true) {
+            session.drawNow()
+            drawn.run()
+        }
+    }
+
+    override fun surfaceRedrawNeeded(holder: SurfaceHolder) = Unit // of before Android 8
 
     override fun surfaceDestroyed(holder: SurfaceHolder) {
         drawnOn = null
@@ -90,6 +106,24 @@ class SceneSurface(context: Context, attributes: AttributeSet?) :
         isAwake = false
         if (session?.frame(nanoseconds) == true) wake()
     }
+
+    /** A finger that begins at the edge orbits; without this the system goes back. */
+    override fun onLayout(changed: Boolean, left: Int, top: Int, right: Int, bottom: Int) {
+        super.onLayout(changed, left, top, right, bottom)
+        if (Build.VERSION.SDK_INT >= 29) systemGestureExclusionRects = listOf(Rect(0, 0, width, height))
+    }
+
+    /** The display's own scaler enlarges what is drawn for it: for nothing, and hardly to be seen. */
+    override fun onSizeChanged(width: Int, height: Int, oldWidth: Int, oldHeight: Int) {
+        super.onSizeChanged(width, height, oldWidth, oldHeight)
+        ratio = min(1f, MOST_PIXELS / min(width, height).coerceAtLeast(1).toFloat())
+        if (ratio == 1f) holder.setSizeFromLayout()
+        else holder.setFixedSize((width * ratio).roundToInt(), (height * ratio).roundToInt())
+    }
+
+    /** Pixels of the surface in one of the view. */
+    internal var ratio = 1f
+        private set
 
     override fun performClick(): Boolean {
         super.performClick()
@@ -109,9 +143,13 @@ class SceneSurface(context: Context, attributes: AttributeSet?) :
         val count = event.pointerCount
         val ids = IntArray(count) { event.getPointerId(it) }
         val positions = FloatArray(2 * count) {
-            if (it % 2 == 0) event.getX(it / 2) else event.getY(it / 2)
+            ratio * if (it % 2 == 0) event.getX(it / 2) else event.getY(it / 2)
         }
         session?.touch(phase, ids[event.actionIndex], ids, positions, event.eventTime)
         return true
+    }
+
+    private companion object {
+        const val MOST_PIXELS = 1080 // of the shorter side
     }
 }

@@ -74,7 +74,7 @@ data class SessionState(
 }
 
 /**
- * Owns a native session. For the main thread, but for [image] and [selfTest]; does nothing once it is
+ * Owns a native session. For the main thread, but for [image], [drawNow] and [selfTest]; does nothing once it is
  * closed.
  */
 class Session : AutoCloseable {
@@ -117,6 +117,17 @@ class Session : AutoCloseable {
             number = Native.load(it, descriptor, name, bytes, memory, place)
         }
         return number
+    }
+
+    /** Returns once the present view is on the screen, if a scene is. Not for the main thread. */
+    fun drawNow() {
+        val session = handle
+        if (session == 0L) return
+        try {
+            Native.drawNow(session)
+        } catch (_: IllegalStateException) {
+            // closed meanwhile
+        }
     }
 
     fun cancelLoading() = call { Native.cancelLoading(it) }

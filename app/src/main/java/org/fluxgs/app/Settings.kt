@@ -11,7 +11,7 @@ data class Settings(
     val shDegree: Int = 3,
     /** 0: all. */
     val maxSplats: Int = 0,
-    val hud: Boolean = true,
+    val hud: Boolean = false,
 ) {
     fun save(context: Context) {
         preferences(context).edit()

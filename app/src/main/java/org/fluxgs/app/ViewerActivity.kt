@@ -178,8 +178,7 @@ class ViewerActivity : Activity() {
         loadingView.show(state, if (busy) name else shown?.name ?: name)
         if (state.drawn && state.shown != shown?.number) opened[state.shown]?.let { appeared(it, state) }
         val hud = findViewById<TextView>(R.id.hud)
-        hud.visibility = if (settings.hud && state.drawn) View.VISIBLE else View.GONE
-        if (settings.hud) Hud.show(hud, state.stats, heat)
+        if (state.drawn) Hud.show(hud, state.stats, heat, settings.hud) else hud.visibility = View.GONE
         stayAwake(state)
     }
 
