@@ -4,10 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
 #include <vector>
 
 #include <glm/gtc/quaternion.hpp>
 
+#include "viewer/frame_goal.h"
 #include "viewer/gestures.h"
 #include "viewer/gyroscope.h"
 #include "viewer/scale_control.h"
@@ -353,6 +355,89 @@ TEST(ScaleControl, HeatLowersItBeforeTheSystemDoes) {
   EXPECT_EQ(control.scale(), 0.7);
   for (int i = 0; i < 12; ++i) control.frame(0.05);
   EXPECT_EQ(control.scale(), 0.6) << "a step down is one that can be seen";
+}
+
+/// Draws for so many seconds frames that take `work` at scale 1, on a display that waits for whole
+/// frames of 1/120 s. Returns the mean rate of the last second.
+double play(FrameGoal& goal, double seconds, double work, double display = 1.0 / 120) {
+  double last_second = 0;
+  int frames = 0;
+  for (double t = 0; t < seconds;) {
+    const double needed = std::max(work * goal.scale() * goal.scale(), goal.seconds());
+    const double frame = std::ceil(needed / display - 1e-9) * display;
+    goal.frame(frame);
+    t += frame;
+    if (t > seconds - 1) last_second += frame, ++frames;
+  }
+  return frames / last_second;
+}
+
+TEST(FrameGoal, ASlowDisplayIsHeld) {
+  FrameGoal goal;
+  EXPECT_NEAR(play(goal, 10, 0.030, 1.0 / 60), 60, 1);
+  EXPECT_EQ(goal.scale(), 0.7);
+  goal.set_display(1.0 / 30);
+  EXPECT_EQ(goal.seconds(), 1.0 / 30);
+}
+
+TEST(FrameGoal, AFastDisplayIsUsedWhereNearlyAllPixelsAreThere) {
+  for (const auto& [work, rate, scale] :
+       {std::tuple(0.005, 120, 1.0), std::tuple(0.011, 120, 0.85), std::tuple(0.014, 60, 1.0),
+        std::tuple(0.020, 60, 0.85)}) {
+    FrameGoal goal;
+    goal.set_display(1.0 / 120);
+    EXPECT_NEAR(play(goal, 30, work), rate, 0.02 * rate) << work;
+    EXPECT_EQ(goal.scale(), scale) << work;
+  }
+}
+
+TEST(FrameGoal, TheFasterRateIsTriedMoreAndMoreSeldom) {
+  FrameGoal goal;
+  goal.set_display(1.0 / 120);
+  int changes = 0;
+  for (int i = 0; i < 240; ++i) {
+    const double before = goal.seconds();
+    play(goal, 0.5, 0.014);
+    changes += goal.seconds() != before;
+  }
+  EXPECT_GE(changes, 2);
+  EXPECT_LE(changes, 14) << "in two minutes";
+}
+
+// Bound by the sort: fewer pixels gain nothing, and neither does the faster rate.
+TEST(FrameGoal, FramesThatComeLateAllTheSameGiveItUp) {
+  FrameGoal goal;
+  goal.set_display(1.0 / 120);
+  for (int i = 0; i < 400; ++i) goal.frame(1.0 / 60);
+  for (int i = 0; i < 200; ++i) goal.frame(1.0 / 70);
+  EXPECT_EQ(goal.seconds(), 1.0 / 60);
+  EXPECT_EQ(goal.scale(), 1);
+}
+
+TEST(FrameGoal, HeatTakesTheRateFirst) {
+  FrameGoal goal;
+  goal.set_display(1.0 / 120);
+  EXPECT_NEAR(play(goal, 10, 0.005), 120, 1);
+  goal.set_heat({.status = 1});
+  EXPECT_EQ(goal.seconds(), 1.0 / 60);
+  EXPECT_EQ(goal.scale(), 1);
+  EXPECT_NEAR(play(goal, 10, 0.005), 60, 1) << "it is not tried while it is warm";
+  goal.set_heat({.status = 2});
+  EXPECT_EQ(goal.scale(), 0.7);
+  EXPECT_EQ(goal.coolest(), 0.7);
+  goal.set_heat({});
+  EXPECT_NEAR(play(goal, 20, 0.005), 120, 1);
+  EXPECT_EQ(goal.coolest(), 1);
+}
+
+TEST(FrameGoal, NonsenseIsNoFrame) {
+  FrameGoal goal;
+  goal.set_display(std::nan(""));
+  goal.set_display(-1);
+  EXPECT_EQ(goal.seconds(), 1.0 / 60);
+  goal.set_display(1.0 / 120);
+  for (const double odd : {std::nan(""), -1.0, 0.0, 100.0}) goal.frame(odd);
+  EXPECT_EQ(goal.seconds(), 1.0 / 60);
 }
 
 }  // namespace

@@ -6,11 +6,9 @@
 namespace fluxgs::viewer {
 namespace {
 
-constexpr double kTooLong = 1.2, kFits = 1.1;  // of the display's frame
 constexpr double kTimeSmoothing = 0.15;
 constexpr int kFramesToJudge = 12;                   // after a change
 constexpr double kLongestPatience = 60, kProof = 2;  // seconds
-constexpr double kLongestFrame = 0.5;                // beyond, something else was going on
 constexpr int kFramesOfChange = 3;                   // in which new images are made
 constexpr double kChange = 1.3;                      // of the frames' time: another view
 constexpr double kGain = 0.95;  // of a frame's time, at most, after a step that was worth it

@@ -126,15 +126,12 @@ void Viewer::set(const ViewerSettings& settings) {
   remake_ = remake_ || needs_remaking(settings);
   if (settings.gyroscope != settings_.gyroscope) anchor_anew(gyroscope_);
   settings_ = settings;
-  scale_control_.set_frame_seconds(settings.frame_seconds);
+  goal_.set_display(settings.frame_seconds);
   gestures_.one_finger = settings.gyroscope ? camera::DragAction::look : camera::DragAction::orbit;
   stale_ = true;
 }
 
-void Viewer::set_heat(const Heat& heat) {
-  heat_ = heat;
-  scale_control_.set_max(coolest_scale(heat));
-}
+void Viewer::set_heat(const Heat& heat) { goal_.set_heat(heat); }
 
 void Viewer::resize(int width, int height, double density) {
   if (std::isfinite(density) && density > 0) gestures_.options.density = density;
@@ -217,7 +214,7 @@ bool Viewer::advance(double seconds) {
   presented_.reset();
   still_ += std::min(seconds, kLongestStep);
   if (!rests()) return false;
-  scale_control_.pause();
+  goal_.pause();
   frame_seconds_ = 0;
   return scale_ != wanted_scale();
 }
@@ -232,7 +229,7 @@ bool Viewer::at_rest() const {
 /// There is time for all pixels when nothing moves.
 double Viewer::wanted_scale() const {
   if (settings_.scale > 0) return settings_.scale;
-  return rests() ? coolest_scale(heat_) : scale_control_.scale();
+  return rests() ? goal_.coolest() : goal_.scale();
 }
 
 Expected<void> Viewer::draw() {
@@ -269,7 +266,7 @@ void Viewer::presented() {
   if (presented_) {
     const double passed = seconds_between(*presented_, now);
     smooth(frame_seconds_, passed);
-    scale_control_.frame(passed);
+    goal_.frame(passed);
   }
   presented_ = now;
 }
@@ -306,6 +303,7 @@ ViewerStats Viewer::stats() {
   if (!is_open()) return {};
   measure();
   stats_.frames_per_second = frame_seconds_ > 0 ? 1 / frame_seconds_ : 0;
+  stats_.goal = 1 / goal_.seconds();
   stats_.shown = scene_->splats();
   stats_.splats = cloud_->size();
   stats_.reduced = scene_->is_reduced();

@@ -9,10 +9,10 @@
 #include "camera/navigation.h"
 #include "fluxgs/io/initial_view.h"
 #include "render/scene_view.h"
+#include "viewer/frame_goal.h"
 #include "viewer/gestures.h"
 #include "viewer/gyroscope.h"
 #include "viewer/mouse_and_keys.h"
-#include "viewer/scale_control.h"
 
 namespace fluxgs::viewer {
 
@@ -26,7 +26,7 @@ struct ViewerSettings {
   std::size_t max_splats = 0;              ///< 0: all
   bool gyroscope = false;                  ///< look around by turning the device
   bool measures = true;                    ///< times and counts for ViewerStats, from the GPU
-  double frame_seconds = 1.0 / 60;         ///< of the display
+  double frame_seconds = 1.0 / 60;         ///< the shortest of the display
   std::optional<std::size_t> memory = {};  ///< bytes of the GPU, see SceneViewSettings
   glm::dvec3 background{0.0};
   bool wait_for_sorts = false;  ///< every image in the order of its own view, however long it takes
@@ -36,6 +36,7 @@ struct ViewerSettings {
 /// Statistics over about the last second.
 struct ViewerStats {
   double frames_per_second = 0;       ///< while something moves; 0 at rest
+  double goal = 60;                   ///< frames a second that are aimed at
   double frame_ms = 0;                ///< the GPU's, or where it has no clock from frame to frame
   double draw_ms = 0;                 ///< the part of it without the sort; 0 without a clock
   double sort_ms = 0;                 ///< from when the camera moved to an order of that view
@@ -126,7 +127,6 @@ class Viewer {
   void steer(Input&& input);
 
   ViewerSettings settings_;
-  Heat heat_;
   std::shared_ptr<const SplatCloud> cloud_;
   std::optional<InitialView> initial_;
   std::optional<SavedView> saved_;  // to begin at
@@ -139,7 +139,7 @@ class Viewer {
   glm::ivec2 size_{0};
   gl::Api* api_ = nullptr;
   std::optional<render::SceneView> scene_;
-  ScaleControl scale_control_;
+  FrameGoal goal_;
   bool stale_ = true;    // the image is not of the present view
   double still_ = 0;     // seconds for which nothing has moved
   double scale_ = 0;     // of the last image; 0: there is none

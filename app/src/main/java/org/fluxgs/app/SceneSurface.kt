@@ -75,6 +75,7 @@ class SceneSurface(context: Context, attributes: AttributeSet?) :
     override fun surfaceCreated(holder: SurfaceHolder) {
         drawnOn = holder.surface
         session?.surfaceCreated(holder.surface)
+        askForGoal()
     }
 
     override fun surfaceChanged(holder: SurfaceHolder, format: Int, width: Int, height: Int) {
@@ -102,8 +103,27 @@ class SceneSurface(context: Context, attributes: AttributeSet?) :
         session?.surfaceDestroyed()
     }
 
+    /** Frames a second to be drawn, of a display that may have more; 0: as many as it has. */
+    var goal = 0f
+        set(value) {
+            if (value == field) return
+            field = value
+            askForGoal()
+        }
+
+    private fun askForGoal() {
+        val surface = drawnOn ?: return
+        if (Build.VERSION.SDK_INT >= 30 && surface.isValid)
+            surface.setFrameRate(goal, Surface.FRAME_RATE_COMPATIBILITY_DEFAULT)
+    }
+
+    private var lastFrame = 0L
+
     override fun doFrame(nanoseconds: Long) {
         isAwake = false
+        // Where the display goes on faster than it was asked to
+        if (goal > 0 && nanoseconds - lastFrame < EARLY * 1e9 / goal) return wake()
+        lastFrame = nanoseconds
         if (session?.frame(nanoseconds) == true) wake()
     }
 
@@ -151,5 +171,6 @@ class SceneSurface(context: Context, attributes: AttributeSet?) :
 
     private companion object {
         const val MOST_PIXELS = 1080 // of the shorter side
+        const val EARLY = 0.7 // of a frame's time: less is a frame too many
     }
 }

@@ -21,7 +21,8 @@ data class Loading(
 
 /** Numbers for the HUD. */
 data class Stats(
-    val fps: Double,
+    val fps: Double, // 0 at rest
+    val goal: Double, // frames a second that are aimed at
     val frameMs: Double,
     val sortMs: Double,
     val drawn: Long,
@@ -63,7 +64,7 @@ data class SessionState(
                 json.getString("error"), json.getInt("contexts"), json.getLong("dropped"),
                 json.getDouble("firstFrameMs"),
                 Stats(
-                    stats.getDouble("fps"), stats.getDouble("frameMs"), stats.getDouble("sortMs"),
+                    stats.getDouble("fps"), stats.getDouble("goal"), stats.getDouble("frameMs"), stats.getDouble("sortMs"),
                     stats.getLong("drawn"), stats.getLong("shown"), stats.getLong("splats"),
                     stats.getInt("width"), stats.getInt("height"), stats.getDouble("scale"),
                     stats.getLong("memory"), stats.getBoolean("reduced"), stats.getDouble("image"),

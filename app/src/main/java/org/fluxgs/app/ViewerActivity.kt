@@ -174,6 +174,7 @@ class ViewerActivity : Activity() {
         val state = session.state() ?: return
         if (frameSeconds() != appliedFrameSeconds) apply(settings)
         tellHeat()
+        surface.goal = if (state.stats.fps > 0) state.stats.goal.toFloat() else 0f
         fitMemory { budget.look(state.stats.memory, state.stats.reduced) }
         loadingView.show(state, if (busy) name else shown?.name ?: name)
         if (state.drawn && state.shown != shown?.number) opened[state.shown]?.let { appeared(it, state) }
@@ -279,9 +280,14 @@ class ViewerActivity : Activity() {
         session.set(changed, looksAround, appliedFrameSeconds, budget.bytes)
     }
 
+    /** The shortest that the display can have: what it has now may be what was asked for. */
     private fun frameSeconds(): Float {
         @Suppress("DEPRECATION") // Activity.display is of newer Android only
-        val rate = windowManager.defaultDisplay.refreshRate
+        val display = windowManager.defaultDisplay
+        val now = display.mode
+        val rate = display.supportedModes
+            .filter { it.physicalWidth == now.physicalWidth && it.physicalHeight == now.physicalHeight }
+            .maxOfOrNull { it.refreshRate } ?: now.refreshRate
         return if (rate > 1) 1 / rate else 1 / 60f
     }
 
