@@ -192,7 +192,7 @@ class MemoryTest : ViewerScreen() {
     fun aSceneThatIsDrawnAnewSaysSo() {
         fun drawn(memory: Long) = SessionState(
             Loading("ready", 0, 0, "", "", 0, 0), true, true, 1, false, "", 1, 0, 0.0,
-            Stats(0.0, 0.0, 0.0, 0, 0, 0, 0, 0, 1.0, memory, false, 1.0),
+            Stats(0.0, 60.0, 0.0, 0.0, 0, 0, 0, 0, 0, 1.0, memory, false, 1.0),
         )
         val themed = ContextThemeWrapper(RuntimeEnvironment.getApplication(), R.style.App_Viewer)
         val root = LayoutInflater.from(themed).inflate(R.layout.viewer, null).findViewById<View>(R.id.loading)

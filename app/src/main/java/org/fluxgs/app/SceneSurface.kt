@@ -1,5 +1,6 @@
 package org.fluxgs.app
 
+import android.annotation.TargetApi
 import android.content.Context
 import android.graphics.Rect
 import android.os.Build
@@ -113,9 +114,12 @@ class SceneSurface(context: Context, attributes: AttributeSet?) :
 
     private fun askForGoal() {
         val surface = drawnOn ?: return
-        if (Build.VERSION.SDK_INT >= 30 && surface.isValid)
-            surface.setFrameRate(goal, Surface.FRAME_RATE_COMPATIBILITY_DEFAULT)
+        if (Build.VERSION.SDK_INT >= 30 && surface.isValid) askForGoal(surface)
     }
+
+    @TargetApi(30)
+    private fun askForGoal(surface: Surface) =
+        surface.setFrameRate(goal, Surface.FRAME_RATE_COMPATIBILITY_DEFAULT)
 
     private var lastFrame = 0L
 
@@ -130,7 +134,12 @@ class SceneSurface(context: Context, attributes: AttributeSet?) :
     /** A finger that begins at the edge orbits; without this the system goes back. */
     override fun onLayout(changed: Boolean, left: Int, top: Int, right: Int, bottom: Int) {
         super.onLayout(changed, left, top, right, bottom)
-        if (Build.VERSION.SDK_INT >= 29) systemGestureExclusionRects = listOf(Rect(0, 0, width, height))
+        if (Build.VERSION.SDK_INT >= 29) keepEdges()
+    }
+
+    @TargetApi(29)
+    private fun keepEdges() {
+        systemGestureExclusionRects = listOf(Rect(0, 0, width, height))
     }
 
     /** The display's own scaler enlarges what is drawn for it: for nothing, and hardly to be seen. */
