@@ -54,7 +54,7 @@ internal class GraphicsBudget(private val context: Context) {
     }
 
     companion object {
-        const val LEAST = 32L shl 20 // with which there is still an image
+        const val LEAST = 16L shl 20 // with which there is still an image
         const val ASK_EVERY_MS = 5_000L
         const val EFFECT_MS = 30_000L // what was let go of has an effect by then
         const val FIRST_PATIENCE_MS = 60_000L
