@@ -216,7 +216,7 @@ TEST_F(EglScreenTest, EveryOrderEndsWithoutALeak) {
     // Whatever was: a new window works once nothing fails any more
     mock.failures.clear();
     screen_->attach(new_window());
-    if (!present()) present();  // the first may find that the context is lost
+    static_cast<void>(present());  // it may find that the context is lost
     ASSERT_EQ(present(), true) << "seed " << seed;
     ASSERT_EQ(windows_.back()->connected != nullptr, true);
   }

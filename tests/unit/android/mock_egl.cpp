@@ -31,9 +31,11 @@ void MockEgl::sweep() {
 
 namespace {
 
+/// EGL's handles are pointers, here to bytes that nobody reads.
 template <class Handle>
 Handle new_handle() {
-  return reinterpret_cast<Handle>(static_cast<std::uintptr_t>(mock.next++));
+  static char bytes[1 << 20];
+  return static_cast<Handle>(&bytes[mock.next++ % std::size(bytes)]);
 }
 
 EGLBoolean refuse(EGLint error) {
@@ -75,7 +77,7 @@ __eglMustCastToProperFunctionPointerType eglGetProcAddress(const char* name) {
 }
 
 EGLDisplay eglGetDisplay(EGLNativeDisplayType) {
-  return mock.fails("eglGetDisplay") ? EGL_NO_DISPLAY : reinterpret_cast<EGLDisplay>(1);
+  return mock.fails("eglGetDisplay") ? EGL_NO_DISPLAY : static_cast<EGLDisplay>(&mock);
 }
 
 EGLBoolean eglInitialize(EGLDisplay, EGLint*, EGLint*) {

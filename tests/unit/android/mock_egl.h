@@ -2,6 +2,7 @@
 // driver would, with the failures that a test wants, and what it must not do is written down.
 #pragma once
 
+#include <cstddef>
 #include <deque>
 #include <map>
 #include <memory>
@@ -43,7 +44,8 @@ struct MockEgl {
   bool initialized = false, terminated = false, thread_released = false;
   bool lost = false;  ///< the context: every use of it says so
   EGLint error = EGL_SUCCESS;
-  long calls = 0, next = 1;
+  long calls = 0;
+  std::size_t next = 1;                   ///< handle
   std::unique_ptr<host::HostContext> gl;  ///< whose functions are given out
 
   /// True, with the error set, if this call is to fail.
