@@ -49,9 +49,9 @@ std::vector<Camera> path_views(const SplatCloud& cloud, const std::optional<Init
                                const ImageSide& size, int frames);
 
 /// Every size with every sorter on every kind of views, in this order of nesting; none with the
-/// GPU's where Quirks::gpu_sort_fails. Sizes that the
-/// driver cannot make, and scenes that it has no room for, are errors. A benchmark that is stopped
-/// by `progress` has the rows that are finished.
+/// GPU's where Quirks::gpu_sort_fails. Sizes that the driver cannot make, and scenes that it has no
+/// room for, are errors. A benchmark that is stopped by `progress` has the rows that are
+/// finished.
 Expected<SceneBenchmark> benchmark_scene(gl::Api& api, const SplatCloud& cloud,
                                          const std::optional<InitialView>& start,
                                          const SceneBenchmarkPlan& plan,

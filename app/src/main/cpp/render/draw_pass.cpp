@@ -82,7 +82,7 @@ Expected<void> DrawPass::reserve(gl::Api& api, std::size_t projected_splat_bytes
 
 void clear(gl::Api& api, const glm::dvec3& background, const RenderTarget& target) {
   target.blend_framebuffer().bind();
-  // Of a part of the target no other tiles are cleared, drawn and stored
+  // The scissor keeps tiles outside of the part from being cleared, drawn and stored
   if (target.blends_in_a_part()) {
     api.Enable(GL_SCISSOR_TEST);
     api.Scissor(0, 0, target.blend_width(), target.blend_height());

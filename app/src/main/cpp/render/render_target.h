@@ -45,7 +45,7 @@ class RenderTarget {
   static Expected<RenderTarget> create_for_window(gl::Api& api, int width, int height,
                                                   Accumulation accumulation);
 
-  /// Of a target for a window: the scale, in (0, 1], of the frames that follow.
+  /// Sets the scale, in (0, 1], of the frames that follow; for targets of a window only.
   void set_scale(double scale);
 
   /// Rows of a window's image that are read at once.
@@ -69,7 +69,7 @@ class RenderTarget {
     return !for_window_ && (accumulation_ != Accumulation::direct || enlarges());
   }
   bool enlarges() const { return blend_width_ != width_ || blend_height_ != height_; }
-  /// Of the image; a target for a window has none.
+  /// The framebuffer of the image; a target for a window has none.
   const gl::Framebuffer& framebuffer() const { return framebuffer_; }
 
  private:

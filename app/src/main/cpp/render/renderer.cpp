@@ -189,7 +189,7 @@ Expected<Image<std::uint8_t>> Renderer::read_shown(const RenderTarget& target, i
   return whole;
 }
 
-/// Of as many rows of an image as there is room for.
+/// A strip of as many rows of an image as there is room for.
 Expected<RenderTarget> Renderer::make_strip(const glm::ivec2& size) const {
   for (int rows = std::min(size.y, RenderTarget::kRowsRead);; rows = (rows + 1) / 2) {
     auto strip =

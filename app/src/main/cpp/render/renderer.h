@@ -46,8 +46,8 @@ class Renderer {
   void show(const RenderTarget& target, int width, int height) const {
     resolve_.to_window(api_, target, width, height);
   }
-  /// What show() shows, as read_image() reads it of other targets. Waits for the GPU; takes little
-  /// of its memory.
+  /// The image that show() shows, as read_image() reads it of other targets. Waits for the GPU;
+  /// takes little of its memory.
   Expected<Image<std::uint8_t>> read_shown(const RenderTarget& target, int longest = 0) const;
 
   /// Switches the measuring of later frames, see stats(). On at first; without it a frame asks

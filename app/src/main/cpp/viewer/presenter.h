@@ -22,8 +22,8 @@ class Presenter {
   Viewer& viewer() { return viewer_; }
   const Viewer& viewer() const { return viewer_; }
 
-  /// What the driver gets wrong (bench/driver_check.h). For the contexts that are made from now on;
-  /// one that there is with others is given up.
+  /// Sets the faults of the driver (bench/driver_check.h) for the contexts that are made from now
+  /// on; one that there is with others is given up.
   void set_limits(const render::DriverLimits& limits);
 
   /// See Screen::attach(). What failed in the last window is tried again in this one.

@@ -11,7 +11,7 @@ namespace fluxgs::viewer {
 /// change makes new images.
 inline constexpr std::array<double, 6> kScales{1, 0.85, 0.7, 0.6, 0.5, 0.4};
 
-/// Of the time that a frame may take: more is too long, less fits.
+/// Multiples of the time that a frame may take: above the first is too long, below the second fits.
 inline constexpr double kTooLong = 1.2, kFits = 1.1;
 /// Seconds; beyond, something else was going on than a frame.
 inline constexpr double kLongestFrame = 0.5;

@@ -125,7 +125,7 @@ class SceneSurface(context: Context, attributes: AttributeSet?) :
 
     override fun doFrame(nanoseconds: Long) {
         isAwake = false
-        // Where the display goes on faster than it was asked to
+        // The display may go on faster than it was asked to
         if (goal > 0 && nanoseconds - lastFrame < EARLY * 1e9 / goal) return wake()
         lastFrame = nanoseconds
         if (session?.frame(nanoseconds) == true) wake()
