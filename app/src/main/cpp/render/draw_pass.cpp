@@ -113,7 +113,6 @@ void DrawPass::run(gl::Api& api, const gl::Buffer& projected_splats, const sort:
   api.DrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT, nullptr);
   api.BindVertexArray(0);
   api.Disable(GL_BLEND);
-  api.Disable(GL_SCISSOR_TEST);
 }
 
 }  // namespace fluxgs::render

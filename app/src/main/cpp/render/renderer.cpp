@@ -119,8 +119,8 @@ Expected<void> Renderer::draw(const Camera& camera, const RenderOptions& asked,
     stamp(1);
     stamp(2);
     clear(api_, options.background, target);
-    api_.Disable(GL_SCISSOR_TEST);
   }
+  api_.Disable(GL_SCISSOR_TEST);  // clear() may have set it, for the draw as well
   stamp(3);
   resolve_.run(api_, target);
   stamp(4);
