@@ -151,11 +151,11 @@ void RenderTarget::set_scale(double scale) {
 }
 
 const gl::Framebuffer& RenderTarget::blend_framebuffer() const {
-  return for_window_ || needs_resolve() ? blend_framebuffer_ : framebuffer_;
+  return blends_apart() ? blend_framebuffer_ : framebuffer_;
 }
 
 const gl::Texture& RenderTarget::blend_texture() const {
-  return for_window_ || needs_resolve() ? blend_color_ : color_;
+  return blends_apart() ? blend_color_ : color_;
 }
 
 Expected<Image<float>> read_pixels(gl::Api& api, const RenderTarget& target) {

@@ -73,6 +73,9 @@ class RenderTarget {
   const gl::Framebuffer& framebuffer() const { return framebuffer_; }
 
  private:
+  /// True if there is a texture of its own for the blending.
+  bool blends_apart() const { return for_window_ || needs_resolve(); }
+
   int width_ = 0, height_ = 0;
   int blend_width_ = 0, blend_height_ = 0;
   TargetFormat format_ = TargetFormat::rgba8;
