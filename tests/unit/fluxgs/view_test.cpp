@@ -53,8 +53,9 @@ class Window : public testing::Test {
   }
 
   Outcome view(const std::string& more) {
-    return fluxgs(fmt::format("view {} {}", quoted(folder_ / "scene.ply"), more),
-                  "DISPLAY=" + display_.name());
+    return fluxgs(
+        fmt::format("view {} --renderer {} {}", quoted(folder_ / "scene.ply"), renderer_, more),
+        "DISPLAY=" + display_.name());
   }
 
   /// With a script; the image goes to window.png.
@@ -84,6 +85,7 @@ class Window : public testing::Test {
     EXPECT_LT(psnr(*shown, *expected, false, true), 30);
   }
 
+  std::string renderer_ = "gles";
   test::VirtualDisplay display_{"800x600"};
   test::TempFolder folder_;
 };
@@ -92,6 +94,23 @@ const json kPrint = {{"step", 0}, {"type", "p"}};
 
 TEST_F(Window, ShowsWhatRenderDraws) {
   expect_window_shows(play(json::array({kPrint}), 2), 320, 240);
+}
+
+TEST_F(Window, ShowsWhatTheProcessorDraws) {
+  const json script = {{{"step", 1}, {"resize", {301, 203}}},
+                       {{"step", 3}, {"scroll", 2}, {"at", {50, 100}}},
+                       {{"step", 20}, {"lose_context", true}},
+                       {{"step", 39}, {"type", "p"}}};
+  renderer_ = "cpu";
+  const Outcome by_processor = play(script, 40);
+  EXPECT_NE(by_processor.err.find("drawn by the processor"), std::string::npos) << by_processor.err;
+  expect_window_shows(by_processor, 301, 203);
+  const auto shown = read_image(folder_ / "window.png");
+  renderer_ = "gles";
+  expect_window_shows(play(script, 40), 301, 203);
+  const auto by_opengl = read_image(folder_ / "window.png");
+  ASSERT_TRUE(shown && by_opengl);
+  EXPECT_GT(psnr(*shown, *by_opengl), 50);
 }
 
 // --follow: what is drawn last is what was written last

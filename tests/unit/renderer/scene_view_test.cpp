@@ -52,6 +52,39 @@ class SceneViewTest : public GlTest {
   void survive_a_loss_at_every_call(const SceneViewSettings& settings, bool reset_status);
 };
 
+TEST_P(SceneViewTest, ShowsWhatTheProcessorDrew) {
+  std::vector<Camera> asked;
+  SceneViewSettings settings;
+  settings.software = [&](const Camera& camera, const RenderOptions&) {
+    asked.push_back(camera);
+    render::SoftwareFrame frame{.image = {camera.width, camera.height, 4}, .drawn = 7};
+    for (std::size_t i = 0; i < frame.image.pixels.size(); ++i)
+      frame.image.pixels[i] = static_cast<std::uint8_t>(i % 251);
+    return frame;
+  };
+  SceneView view(shared_cloud(300), settings);
+  must(view.open(api(), kWidth, kHeight));
+  const Image<std::uint8_t> shown = must(image(view));
+  EXPECT_TRUE(view.shows_all());
+  EXPECT_EQ(view.drawn_in_software(), 7U);
+  for (int y = 0; y < kHeight; ++y)
+    for (int k = 0; k < 4 * kWidth; ++k)
+      ASSERT_EQ(shown.pixels[static_cast<std::size_t>(4 * kWidth * y + k)],
+                (4 * kWidth * y + k) % 251)
+          << y << ' ' << k;
+  // A smaller image is enlarged, and another size of the window means another image
+  view.set_scale(0.5);
+  EXPECT_EQ(must(image(view)).width, kWidth);
+  EXPECT_EQ(asked.back().width, kWidth / 2);
+  EXPECT_DOUBLE_EQ(asked.back().fx, kCamera.fx / 2);
+  view.set_scale(1);
+  const Camera other = orbit_camera(kWidth + 3, kHeight, {}, 2, 2, 4);
+  EXPECT_EQ(must(image(view, other)).width, kWidth + 3);
+  Camera unsound = kCamera;
+  unsound.fx = 0;
+  EXPECT_FALSE(view.draw(unsound, {}));
+}
+
 // Every call of a frame for which the image is made anew, of its reading and its counting:
 // nothing hangs or crashes, it is noticed, and nothing that was left half done is in the images
 // after.

@@ -182,7 +182,9 @@ Expected<void> render(const RenderSettings& s) {
   RenderOptions options;
   options.background = s.data.background_color();
   options.sh_degree = s.sh_degree;
-  const auto renderer = make_renderer(s.choice, scene->cloud, options, threads);
+  RendererChoice choice = s.choice;
+  choice.renderer = renderer_for(s.choice);
+  const auto renderer = make_renderer(choice, scene->cloud, options, threads);
   if (!renderer) return std::unexpected(renderer.error());
   std::optional<ViewRenderer> reference;
   if (s.check)
@@ -198,7 +200,7 @@ Expected<void> render(const RenderSettings& s) {
     if (progress) progress(i + 1, shots->size());
     if (!s.as_json) print_entry(*entry);
   }
-  json result = {{"renderer", s.choice.renderer}, {"images", images}};
+  json result = {{"renderer", choice.renderer}, {"images", images}};
   if (s.check) {
     double worst = 0;
     for (const json& p : images) worst = std::max(worst, p["reference_max_error"].get<double>());

@@ -47,6 +47,7 @@ struct ViewSettings {
   std::string scene, up = "auto", camera_file, screenshot, input;
   DataOptions data;
   ImageSize size{1280, 720};
+  std::string renderer = kAnyRenderer;
   int sh_degree = 3, frames = 0;
   bool follow = false;
   double memory = 0;  // MB; 0: what there is
@@ -302,6 +303,16 @@ Expected<void> view(const ViewSettings& s) {
             .script = std::move(script),
             .told = {.splats = scene->cloud->size()}};
   d.presenter.viewer().set(viewer_settings(s));
+  const Threads threads(s.data.threads);
+  const bool on_cpu = s.renderer == "cpu" || (s.renderer == kAnyRenderer && s.memory == 0 &&
+                                              window.api()->quirks.runs_on_cpu);
+  if (on_cpu) {
+    spdlog::info("drawn by the processor; --renderer gles: by OpenGL");
+    d.presenter.viewer().draw_in_software(
+        [&threads](const std::shared_ptr<const SplatCloud>& cloud) {
+          return software_renderer(*cloud, threads);
+        });
+  }
   d.presenter.show(scene->cloud, scene->navigation);
   if (s.frames == 0 && !s.follow) say(kKeys);
   if (auto done = run(d, s, file); !done) return done;
@@ -337,6 +348,13 @@ void add_view(CLI::App& app, Action& action) {
   add_size_option(*command, s->size, "WIDTHxHEIGHT of the window (default: 1280x720)");
   command->add_option("--sh-degree", s->sh_degree, "highest SH degree to evaluate")
       ->check(whole_in(0, 3));
+  command
+      ->add_option(
+          "--renderer", s->renderer,
+          "gles (the phone's), cpu (the trainer's), or auto: gles on a graphics card, else "
+          "cpu")
+      ->check(CLI::IsMember({kAnyRenderer, "gles", "cpu"}))
+      ->capture_default_str();
   command
       ->add_option("--memory", s->memory,
                    "limit of graphics memory, MB; splats of least contribution are left out")

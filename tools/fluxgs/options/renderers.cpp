@@ -1,5 +1,7 @@
 #include "tools/fluxgs/options/renderers.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <optional>
 
@@ -34,6 +36,24 @@ struct Gles {
     return planes_of(*pixels);
   }
 };
+
+/// As a window shows it: 8 bits, A = 1 − transmittance.
+Image<std::uint8_t> rgba_of(const PlanarImage& color, const PlanarImage& transmittance) {
+  const auto byte = [](float value) {
+    // Rounded from halves: lround() takes several times as long
+    return static_cast<std::uint8_t>(
+        (static_cast<unsigned>(510 * std::clamp(value, 0.0f, 1.0f)) + 1) / 2);
+  };
+  Image<std::uint8_t> image(color.width(), color.height(), 4);
+  for (int y = 0; y < image.height; ++y) {
+    std::uint8_t* out = image.at(0, y);
+    for (int x = 0; x < image.width; ++x, out += 4) {
+      for (int c = 0; c < 3; ++c) out[c] = byte(color.row(c, y)[x]);
+      out[3] = byte(1 - transmittance.row(0, y)[x]);
+    }
+  }
+  return image;
+}
 
 /// EGL, or where a system has none ANGLE, which packages bring along. The error is EGL's.
 Expected<std::unique_ptr<host::HostContext>> first_context() {
@@ -70,6 +90,22 @@ Expected<ViewRenderer> make_gles(const RendererChoice& choice, const SplatCloud&
 
 }  // namespace
 
+std::string renderer_for(const RendererChoice& choice) {
+  if (choice.renderer != kAnyRenderer) return choice.renderer;
+  if (choice.gl != kAnyGl || choice.format != "rgba8") return "gles";  // asked for by its options
+  const auto context = context_of(choice.gl);
+  return context && !(*context)->api().quirks.runs_on_cpu ? "gles" : "cpu";
+}
+
+render::SoftwareRenderer software_renderer(const SplatCloud& cloud, const Threads& threads) {
+  const auto rasterizer = std::make_shared<CloudRasterizer>(cloud, threads);
+  return [=](const Camera& camera, const RenderOptions& options) {
+    const Rasterizer& drawn = rasterizer->render(camera, options);
+    return render::SoftwareFrame{rgba_of(drawn.color(), drawn.transmittance()),
+                                 static_cast<std::uint32_t>(drawn.counts().visible)};
+  };
+}
+
 void warn_of_undrawable(const render::Renderer& renderer) {
   if (renderer.undrawable() == 0) return;
   spdlog::warn("warning: {} of {} splats are not drawn: an attribute is beyond 1e15 or not finite",
@@ -80,8 +116,10 @@ void add_renderer_options(CLI::App& command, RendererChoice& choice) {
   std::vector<std::string> gl_names = kGlNames;
   gl_names.emplace_back(kAnyGl);
   command
-      .add_option("--renderer", choice.renderer,
-                  "gles (the phone's), cpu (the trainer's) or reference (float64)")
+      .add_option(
+          "--renderer", choice.renderer,
+          "gles (the phone's), cpu (the trainer's), reference (float64), or auto: gles on a\n"
+          "graphics card, else cpu")
       ->check(CLI::IsMember(kRendererNames))
       ->capture_default_str();
   command.add_option("--gl", choice.gl, "for gles: egl, osmesa, angle, or auto: egl, else angle")
@@ -91,8 +129,9 @@ void add_renderer_options(CLI::App& command, RendererChoice& choice) {
 
 Expected<ViewRenderer> make_renderer(const RendererChoice& choice, const SplatCloud& cloud,
                                      const RenderOptions& options, const Threads& threads) {
-  if (choice.renderer == "gles") return make_gles(choice, cloud, options);
-  if (choice.renderer == "cpu") return cpu_view_renderer(cloud, options, threads);
+  const std::string renderer = renderer_for(choice);
+  if (renderer == "gles") return make_gles(choice, cloud, options);
+  if (renderer == "cpu") return cpu_view_renderer(cloud, options, threads);
   return [cloud, options](const Camera& camera) -> Expected<PlanarImage> {
     return planes_of(render_reference(cloud, camera, options).color);
   };

@@ -18,7 +18,8 @@ Quirks find_quirks(const Capabilities& capabilities) {
     quirks.tiles = quirks.tiles || capabilities.renderer.contains(family);
   quirks.half_float_blending_truncates = capabilities.renderer.starts_with("llvmpipe");
   quirks.runs_on_cpu = capabilities.renderer.starts_with("llvmpipe") ||
-                       capabilities.renderer.contains("SwiftShader");
+                       capabilities.renderer.contains("SwiftShader") ||
+                       capabilities.renderer.starts_with("softpipe");
   quirks.timer_queries_crash =
       capabilities.renderer.contains("Mali") || capabilities.renderer.contains("Immortalis");
   return quirks;

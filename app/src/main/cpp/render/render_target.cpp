@@ -145,6 +145,12 @@ Expected<RenderTarget> RenderTarget::create_for_window(gl::Api& api, int width, 
   return target;
 }
 
+void RenderTarget::fill(gl::Api& api, const Image<std::uint8_t>& image) const {
+  blend_texture().bind(0);
+  api.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, image.width, image.height, GL_RGBA, GL_UNSIGNED_BYTE,
+                    image.pixels.data());
+}
+
 void RenderTarget::set_scale(double scale) {
   blend_width_ = scaled_size(width_, scale);
   blend_height_ = scaled_size(height_, scale);

@@ -45,6 +45,10 @@ class RenderTarget {
   static Expected<RenderTarget> create_for_window(gl::Api& api, int width, int height,
                                                   Accumulation accumulation);
 
+  /// Takes an image of what the splats are blended into, RGBA. Precondition: its size is that, and
+  /// the format is rgba8 without another accumulation.
+  void fill(gl::Api& api, const Image<std::uint8_t>& image) const;
+
   /// Sets the scale, in (0, 1], of the frames that follow; for targets of a window only.
   void set_scale(double scale);
 

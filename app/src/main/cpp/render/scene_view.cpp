@@ -4,6 +4,7 @@
 #include <string>
 
 #include "gl/expected_chain.h"
+#include "render/scaled_camera.h"
 #include "render/scene_buffers.h"
 #include "render/splat_budget.h"
 #include "render/view_check.h"
@@ -14,7 +15,7 @@ Expected<void> SceneView::open(gl::Api& api, int width, int height) {
   close();
   api_ = &api;
   if (auto sound = check_cloud(*cloud_); !sound) return sound;
-  degrees_ = count_degrees(*cloud_);
+  degrees_ = settings_.software ? DegreeCounts{} : count_degrees(*cloud_);
   return gl::chain(
       [&] { return gl::assign_or_error(Renderer::create(api, settings_.renderer), renderer_); },
       [&] { return fit({width, height}); }, [&] { return check_context(); });
@@ -41,10 +42,21 @@ Expected<void> SceneView::draw(const Camera& camera, const RenderOptions& option
   if (size != fitted_)
     if (auto fitted = fit(size); !fitted) return fitted;
   target_.set_scale(settings_.scale);
-  if (auto drawn = renderer_->draw(camera, options, target_); !drawn) return drawn;
+  auto drawn = settings_.software ? draw_in_software(camera, options)
+                                  : renderer_->draw(camera, options, target_);
+  if (!drawn) return drawn;
   auto whole = check_context();
   if (!whole) renderer_->sort_anew();  // who knows what became of the order
   return whole ? check_first_frames() : whole;
+}
+
+Expected<void> SceneView::draw_in_software(const Camera& camera, const RenderOptions& options) {
+  if (auto ok = check_view(camera, options); !ok) return ok;
+  const Camera scaled = scaled_camera(camera, target_.blend_width(), target_.blend_height());
+  const SoftwareFrame frame = settings_.software(scaled, options);
+  target_.fill(*api_, frame.image);
+  drawn_in_software_ = frame.drawn;
+  return {};
 }
 
 /// A driver that refuses to draw does so from the start; to ask it about every frame takes time.
@@ -56,6 +68,7 @@ Expected<void> SceneView::check_first_frames() {
 
 /// Those that may be used, the most accurate first.
 std::vector<Accumulation> SceneView::accumulations() const {
+  if (settings_.software) return {Accumulation::direct};  // nothing is blended
   if (settings_.accumulation) return {*settings_.accumulation};
   const Accumulation first = default_accumulation(*api_);
   if (first != Accumulation::single_float || !api_->capabilities.half_float_targets) return {first};
@@ -103,13 +116,14 @@ Expected<TargetPlan> SceneView::image_for(Size size) const {
 
 /// And that the driver can have.
 std::size_t SceneView::splats_asked() const {
+  if (settings_.software) return cloud_->size();
   const std::uint64_t most = max_splats(api_->capabilities, degrees_);
   return static_cast<std::size_t>(
       std::min<std::uint64_t>(most, std::min(settings_.max_splats.value_or(~0UL), cloud_->size())));
 }
 
 std::size_t SceneView::splats_for(const TargetPlan& image) const {
-  if (!settings_.memory) return splats_asked();
+  if (!settings_.memory || settings_.software) return splats_asked();
   const auto fit = splats_that_fit(*settings_.memory, degrees_, renderer_->settings(), image);
   return static_cast<std::size_t>(std::min<std::uint64_t>(fit, splats_asked()));
 }
@@ -125,6 +139,10 @@ bool SceneView::is_reduced() const {
 
 Expected<void> SceneView::upload(std::size_t splats) {
   if (splats == shown_) return {};
+  if (settings_.software) {
+    shown_ = splats;
+    return {};
+  }
   shown_ = 0;
   auto uploaded = splats == cloud_->size()
                       ? renderer_->upload(*cloud_)

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -17,6 +18,14 @@
 
 namespace fluxgs::render {
 
+/// A frame that was drawn without the GPU.
+struct SoftwareFrame {
+  Image<std::uint8_t> image;  ///< RGBA, of the camera's size, A = 1 − transmittance
+  std::uint32_t drawn = 0;    ///< splats that were not culled
+};
+/// Draws the scene's image for a camera on the CPU.
+using SoftwareRenderer = std::function<SoftwareFrame(const Camera&, const RenderOptions&)>;
+
 struct SceneViewSettings {
   RendererSettings renderer = {};
   /// Not given: default_accumulation(), or half floats where there is no room for that.
@@ -26,6 +35,9 @@ struct SceneViewSettings {
   /// given: what the driver has.
   std::optional<std::size_t> memory = {};
   std::optional<std::size_t> max_splats = {};  ///< show no more than these
+  /// Draws in place of the GPU, which then only shows the image: `max_splats` and `accumulation`
+  /// have no effect, `memory` is that of the image.
+  SoftwareRenderer software = {};
 };
 
 /// Not thread-safe; every call on the thread on which the context is current. When a call fails and
@@ -61,6 +73,9 @@ class SceneView {
 
   /// Lets go of all GL objects.
   void close();
+
+  /// What the CPU drew last; nothing where the GPU draws.
+  std::optional<std::uint32_t> drawn_in_software() const { return drawn_in_software_; }
 
   /// Number of splats that there is room for: those that contribute most (splat_budget.h).
   std::size_t splats() const { return shown_; }
@@ -101,6 +116,7 @@ class SceneView {
   Expected<void> make_target();
   Expected<void> upload(std::size_t splats);
   Expected<void> check_context() const;
+  Expected<void> draw_in_software(const Camera& camera, const RenderOptions& options);
   Expected<void> check_first_frames();
 
   std::shared_ptr<const SplatCloud> cloud_;
@@ -112,6 +128,7 @@ class SceneView {
   RenderTarget target_;
   TargetPlan planned_;  ///< of target_, for any scale
   std::size_t shown_ = 0;
+  std::optional<std::uint32_t> drawn_in_software_;
   int unchecked_frames_ = 0;  ///< of which the driver has still to say that they went well
 };
 

@@ -87,6 +87,7 @@ render::SceneViewSettings Viewer::scene_settings(const gl::Api& api) const {
   s.memory = settings_.memory;
   if (settings_.max_splats > 0) s.max_splats = settings_.max_splats;
   s.scale = wanted_scale();
+  if (make_software_) s.software = make_software_(cloud_);
   return s;
 }
 
@@ -275,6 +276,11 @@ void Viewer::presented() {
 /// rest, is waited for.
 void Viewer::measure() {
   if (!measurable_ || !settings_.measures) return;
+  if (const auto drawn = scene_->drawn_in_software()) {
+    stats_.drawn = *drawn;
+    stats_.frame_ms = 1e3 * frame_seconds_;
+    return;
+  }
   render::Renderer& renderer = scene_->renderer();
   std::optional<render::FrameStats> frame;
   if (rests()) {

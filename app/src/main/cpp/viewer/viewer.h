@@ -3,8 +3,10 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "camera/navigation.h"
 #include "fluxgs/io/initial_view.h"
@@ -49,6 +51,10 @@ struct ViewerStats {
   double image = 1;                   ///< its width, of the window's: less where memory is short
 };
 
+/// Makes a renderer of a scene that needs no GPU.
+using MakeSoftwareRenderer =
+    std::function<render::SoftwareRenderer(std::shared_ptr<const SplatCloud>)>;
+
 /// A view of a scene, to be kept over the end of the process.
 struct SavedView {
   camera::ViewState view;
@@ -68,6 +74,9 @@ class Viewer {
   /// The same, but from where `navigation` stands.
   void show(std::shared_ptr<const SplatCloud> cloud, const camera::Navigation& navigation);
   bool has_scene() const { return cloud_ != nullptr; }
+
+  /// Has scenes drawn without the GPU from the next open() on.
+  void draw_in_software(MakeSoftwareRenderer make) { make_software_ = std::move(make); }
 
   /// Makes the GL objects of the scene for images of this size, after another scene, in a new
   /// context. Fails as SceneView::open() does.
@@ -127,6 +136,7 @@ class Viewer {
   void steer(Input&& input);
 
   ViewerSettings settings_;
+  MakeSoftwareRenderer make_software_;
   std::shared_ptr<const SplatCloud> cloud_;
   std::optional<InitialView> initial_;
   std::optional<SavedView> saved_;  // to begin at
