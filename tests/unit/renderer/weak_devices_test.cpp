@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "image_fixture.h"
-#include "render/vertex_source.h"
+#include "render/ordered_splats.h"
 
 namespace fluxgs::test {
 namespace {
@@ -232,11 +232,11 @@ TEST_P(WeakDevicesTest, SmallLimitsAreNamed) {
   driver.now().max_viewport_width = 100;
   EXPECT_THAT(RenderTarget::create(api(), 101, 8, TargetFormat::rgba8).error().message(),
               HasSubstr("1×1 to 100×"));
-  driver.now().max_texture_size = 64;  // rows, of which one holds 1024 projected_splats of 32 bytes
-  const auto textures = render::VertexTextures::create(
-      api(), render::texture_padded(std::size_t{32} * 1024 * 65), render::texture_padded(4096));
-  ASSERT_FALSE(textures);
-  EXPECT_THAT(textures.error().message(), AllOf(HasSubstr("65 rows"), HasSubstr("offers 64")));
+  driver.now().max_texture_size = 64;  // rows, of which one holds 1024 splats of 32 bytes
+  auto ordered = must(render::OrderedSplats::create(api(), 128, render::SplatPrecision::full));
+  const auto reserved = ordered.reserve(api(), 1024 * 65);
+  ASSERT_FALSE(reserved);
+  EXPECT_THAT(reserved.error().message(), AllOf(HasSubstr("65 rows"), HasSubstr("offers 64")));
   driver.now().max_compute_storage_blocks = 0;
   const auto refused = render::Renderer::create(api());
   ASSERT_FALSE(refused);

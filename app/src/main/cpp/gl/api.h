@@ -20,7 +20,7 @@
 // clang-format off
 #define FLUXGS_GL_FUNCTIONS(X) \
   X(ActiveTexture) X(AttachShader) X(BeginQuery) X(BindBuffer) X(BindBufferBase) \
-  X(BindFramebuffer) X(BindTexture) X(BindVertexArray) X(BlendFuncSeparate) X(BlitFramebuffer) \
+  X(BindFramebuffer) X(BindImageTexture) X(BindTexture) X(BindVertexArray) X(BlendFuncSeparate) X(BlitFramebuffer) \
   X(BufferData) X(BufferSubData) X(CheckFramebufferStatus) X(ClearBufferfv) X(ClientWaitSync) \
   X(CompileShader) X(CopyBufferSubData) X(CreateProgram) X(CreateShader) X(DeleteBuffers) \
   X(DeleteFramebuffers) X(DeleteProgram) X(DeleteQueries) X(DeleteShader) X(DeleteSync) \

@@ -106,7 +106,7 @@ Expected<void> check_limits(const Capabilities& c) {
                     std::to_string(have));
   };
   // ES 3.1's own minimums (table 20.45): a driver with less is not one of ES 3.1. Storage blocks in
-  // the vertex stage are optional there, and here (render/vertex_source.h).
+  // the vertex stage are optional there, and here (render/ordered_splats.h).
   return chain(
       [&] {
         return need("GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS", c.max_work_group_invocations, 128);

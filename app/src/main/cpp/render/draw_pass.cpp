@@ -10,8 +10,9 @@
 namespace fluxgs::render {
 namespace {
 
-constexpr int kMaxPerBatch = 128;            // the work group of shaders/draw_arguments.comp
-constexpr std::size_t kArgumentsBytes = 20;  // DrawElementsIndirectCommand
+constexpr int kMaxPerBatch = 128;  // the work group of shaders/draw_arguments.comp
+// shaders/draw_arguments.comp: DrawElementsIndirectCommand, DispatchIndirectCommand
+constexpr std::size_t kDispatchOffset = 20;
 
 // Two triangles per quad of corners 4q … 4q + 3 (bit 0: right, bit 1: bottom).
 std::vector<std::uint16_t> quad_indices(int quads) {
@@ -51,12 +52,16 @@ Expected<DrawPass> DrawPass::create(gl::Api& api, int batch, SplatPrecision prec
       [&] {
         return gl::assign_or_error(gl::Program::create(api, splat, defines), pass.splat_program_);
       },
+      [&]() -> Expected<void> {
+        if (!texture_fetch) return {};
+        return gl::assign_or_error(OrderedSplats::create(api, batch, precision), pass.ordered_);
+      },
       [&] {
         return gl::assign_or_error(
             gl::Buffer::create(api, corner_bytes, corners.data(), GL_STATIC_DRAW), pass.indices_);
       },
       [&] {
-        return gl::assign_or_error(gl::Buffer::create(api, kArgumentsBytes), pass.arguments_);
+        return gl::assign_or_error(gl::Buffer::create(api, kDrawArgumentsBytes), pass.arguments_);
       });
   if (!made) return std::unexpected(made.error());
   pass.vertex_array_ = gl::VertexArray(api);
@@ -72,12 +77,8 @@ void DrawPass::write_arguments(gl::Api& api, const sort::Sorter& sorter) const {
   api.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
 }
 
-Expected<void> DrawPass::reserve(gl::Api& api, std::size_t projected_splat_bytes,
-                                 std::size_t order_bytes) {
-  if (!texture_fetch_) return {};
-  textures_ = {};  // There may not be room for both
-  return gl::assign_or_error(VertexTextures::create(api, projected_splat_bytes, order_bytes),
-                             textures_);
+Expected<void> DrawPass::reserve(gl::Api& api, std::uint64_t entries) {
+  return texture_fetch_ ? ordered_.reserve(api, entries) : Expected<void>();
 }
 
 void clear(gl::Api& api, const glm::dvec3& background, const RenderTarget& target) {
@@ -101,7 +102,7 @@ void DrawPass::run(gl::Api& api, const gl::Buffer& projected_splats, const sort:
   api.Enable(GL_BLEND);
   api.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   if (texture_fetch_) {
-    textures_.update(api, projected_splats, sorter.order());
+    ordered_.update(api, projected_splats, sorter, arguments_, kDispatchOffset);
   } else {
     projected_splats.bind_base(GL_SHADER_STORAGE_BUFFER, 0);
     sorter.order().bind_base(GL_SHADER_STORAGE_BUFFER, 1);

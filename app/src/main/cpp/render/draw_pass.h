@@ -5,12 +5,14 @@
 
 #include "gl/program.h"
 #include "gl/vertex_array.h"
+#include "render/ordered_splats.h"
 #include "render/render_target.h"
 #include "render/settings.h"
-#include "render/vertex_source.h"
 #include "sort/sorter.h"
 
 namespace fluxgs::render {
+
+inline constexpr std::size_t kDrawArgumentsBytes = 32;  // shaders/draw_arguments.comp
 
 class DrawPass {
  public:
@@ -18,8 +20,8 @@ class DrawPass {
   static Expected<DrawPass> create(gl::Api& api, int batch, SplatPrecision precision,
                                    bool texture_fetch);
 
-  /// Makes room for projected_splats and an order of these sizes, if they come through textures.
-  Expected<void> reserve(gl::Api& api, std::size_t projected_splat_bytes, std::size_t order_bytes);
+  /// Makes room for an order of that many entries, if splats come through a texture.
+  Expected<void> reserve(gl::Api& api, std::uint64_t entries);
 
   /// Clears the target to the background and blends the sorted splats over it. The frame's uniforms
   /// must be bound at 0; the sorter must have room for batch() spare entries.
@@ -33,7 +35,7 @@ class DrawPass {
 
   int batch_ = 0;
   bool texture_fetch_ = false;
-  VertexTextures textures_;
+  OrderedSplats ordered_;
   gl::Program arguments_program_, splat_program_;
   gl::Buffer arguments_, indices_;
   gl::VertexArray vertex_array_;

@@ -4,10 +4,11 @@
 #include <cmath>
 #include <numeric>
 
+#include "render/draw_pass.h"
 #include "render/frame_meter.h"
 #include "render/frame_uniforms.h"
+#include "render/ordered_splats.h"
 #include "render/scene_packing.h"
-#include "render/vertex_source.h"
 
 namespace fluxgs::render {
 namespace {
@@ -31,9 +32,9 @@ std::size_t gpu_sorter_bytes(std::uint64_t count, int digit_bits) {
 }
 
 std::size_t frame_bytes(std::uint64_t count, const RendererSettings& s) {
-  const std::size_t projected_splats =
-      texture_padded(projected_splat_bytes(s.splat_precision) * (count + 1));
-  const std::size_t order = texture_padded(kWord * (count + static_cast<std::size_t>(s.batch)));
+  const std::size_t projected_splats = projected_splat_bytes(s.splat_precision) * (count + 1);
+  const std::uint64_t entries = count + static_cast<std::uint64_t>(s.batch);
+  const std::size_t order = kWord * entries;
   std::size_t bytes = projected_splats + at_least_a_word(kWord * count);
   switch (s.sorter) {
     case SorterKind::gpu_radix:
@@ -46,9 +47,9 @@ std::size_t frame_bytes(std::uint64_t count, const RendererSettings& s) {
       bytes += order + kWord;
       break;
   }
-  if (s.texture_fetch) bytes += projected_splats + order;
-  constexpr std::size_t kArguments = 20, kIndexBytesOfAQuad = 12;
-  return bytes + kArguments + kIndexBytesOfAQuad * static_cast<std::size_t>(s.batch) +
+  if (s.texture_fetch) bytes += ordered_splat_bytes(entries, s.splat_precision);
+  constexpr std::size_t kIndexBytesOfAQuad = 12;
+  return bytes + kDrawArgumentsBytes + kIndexBytesOfAQuad * static_cast<std::size_t>(s.batch) +
          sizeof(FrameUniforms) + FrameMeter::kBytes;
 }
 

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "gl/expected_chain.h"
-#include "render/vertex_source.h"
 #include "shaders/shaders.h"
 
 namespace fluxgs::render {
@@ -36,8 +35,7 @@ Expected<void> ProjectionPass::prepare(gl::Api& api, bool compensated) {
 }
 
 Expected<void> ProjectionPass::reserve(gl::Api& api, std::uint32_t count) {
-  const std::size_t bytes =
-      texture_padded(projected_splat_bytes(precision_) * (std::size_t{count} + 1));
+  const std::size_t bytes = projected_splat_bytes(precision_) * (std::size_t{count} + 1);
   return gl::chain([&] { return projected_splats_.remake(api, bytes); },
                    [&] { return keys_.remake(api, sizeof(std::uint32_t) * count); });
 }

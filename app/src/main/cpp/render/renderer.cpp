@@ -72,14 +72,10 @@ Expected<void> Renderer::set_approximation(const ApproximationSettings& approxim
 }
 
 Expected<void> Renderer::make_room(std::uint32_t count, std::vector<glm::vec3> positions) {
-  // The order is filled up to whole batches, and its buffer to whole rows of a texture
-  const std::size_t entries = count + static_cast<std::size_t>(settings_.batch);
-  const std::size_t order_bytes = texture_padded(sizeof(std::uint32_t) * entries);
-  const auto spare = static_cast<std::uint32_t>(order_bytes / sizeof(std::uint32_t) - count);
-  return gl::chain(
-      [&] { return projection_.reserve(api_, count); },
-      [&] { return sorter_->set_scene(count, spare, std::move(positions)); },
-      [&] { return draw_.reserve(api_, projection_.projected_splats().size(), order_bytes); });
+  const auto spare = static_cast<std::uint32_t>(settings_.batch);  // fill up the last instance
+  return gl::chain([&] { return projection_.reserve(api_, count); },
+                   [&] { return sorter_->set_scene(count, spare, std::move(positions)); },
+                   [&] { return draw_.reserve(api_, std::uint64_t{count} + spare); });
 }
 
 Expected<void> Renderer::upload(const SplatCloud& cloud,
@@ -141,7 +137,7 @@ void Renderer::draw_scene(const Camera& camera, const RenderOptions& options,
   // The frame before may still draw from what is written now: stores of shaders wait for nobody
   // unasked (ES 3.1, 7.11.2), and a tiler reads projected_splats late
   api_.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
-                     GL_PIXEL_BUFFER_BARRIER_BIT);
+                     GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
   projection_.run(api_, scene_, options.filter->compensated);
   stamp(1);
   sort(sorted_for);

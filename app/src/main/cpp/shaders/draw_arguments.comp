@@ -14,6 +14,7 @@ layout(std430, binding = 2) restrict writeonly buffer Arguments {  // DrawElemen
   uint index_count, instance_count, first_index;
   int base_vertex;
   uint reserved;
+  uint groups[3];  // DispatchIndirectCommand of gather.comp
 };
 
 void main() {
@@ -27,5 +28,8 @@ void main() {
     first_index = 0u;
     base_vertex = 0;
     reserved = 0u;
+    groups[0] = max((instances * batch + 127u) / 128u, 1u);  // none is a case of its own to drivers
+    groups[1] = 1u;
+    groups[2] = 1u;
   }
 }

@@ -107,7 +107,7 @@ void main() {
 #ifdef FIRST_PASS
   if (block == 0u && thread == 0u) {  // The passes that follow see only what was not dropped
     state.count = total;
-    state.blocks[0] = (total + BLOCK - 1u) / BLOCK;
+    state.blocks[0] = max((total + BLOCK - 1u) / BLOCK, 1u);
     state.blocks[1] = 1u;
     state.blocks[2] = 1u;
   }

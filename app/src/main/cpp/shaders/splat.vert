@@ -8,15 +8,11 @@ precision highp int;
 #include "projected_splat.glsl"
 
 #ifdef TEXTURE_FETCH
-// For drivers without storage buffers in the vertex stage: the same data as textures.
-layout(binding = 0) uniform highp usampler2D projected_splats;
-layout(binding = 1) uniform highp usampler2D order;
-const uint WIDTH = 2048u;  // render/vertex_source.h
-uvec4 fetch(highp usampler2D from, uint i) {
-  return texelFetch(from, ivec2(i % WIDTH, i / WIDTH), 0);
-}
-uint splat_at(uint place) { return fetch(order, place).x; }
-uvec4 part_of_splat(uint i) { return fetch(projected_splats, i); }
+// For drivers without storage buffers in the vertex stage: the splats in drawing order.
+#include "ordered_splats.glsl"
+layout(binding = 0) uniform highp usampler2D ordered;
+uint splat_at(uint place) { return place; }
+uvec4 part_of_splat(uint i) { return texelFetch(ordered, ordered_texel(i), 0); }
 #else
 layout(std430, binding = 0) restrict readonly buffer ProjectedSplats { uvec4 projected_splats[]; };
 layout(std430, binding = 1) restrict readonly buffer Order { uint order[]; };
