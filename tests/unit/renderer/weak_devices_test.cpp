@@ -252,6 +252,8 @@ TEST_P(WeakDevicesTest, TilersBlendInHalfFloats) {
     EXPECT_TRUE(gl::find_quirks(phone).tiles) << name;
   }
   EXPECT_FALSE(api().quirks.tiles) << api().capabilities.renderer;
+  EXPECT_EQ(render::default_approximation(gl::find_quirks(phone)).key_bits, 16);
+  EXPECT_EQ(render::default_approximation(api().quirks), render::ApproximationSettings());
   EXPECT_EQ(render::default_accumulation(api()), render::accurate_accumulation(api().capabilities));
   if (!api().capabilities.float_targets) return;
   api().quirks.tiles = true;

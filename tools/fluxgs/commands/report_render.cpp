@@ -69,9 +69,9 @@ SettingRow row(std::string group, std::string name, const Change& change) {
 constexpr double kSamePsnr = 0.1;  // dB: less is no difference
 
 constexpr const char* kDefaults = "defaults";
-constexpr std::array kGroups = {kDefaults,         "target",  "key-bits", "sh-degree",
-                                "splat-precision", "cut-off", "extent",   "size",
-                                "scale",           "sorter",  "re-sort"};
+constexpr std::array kGroups = {kDefaults,   "phone",           "target",  "key-bits",
+                                "sh-degree", "splat-precision", "cut-off", "extent",
+                                "size",      "scale",           "sorter",  "re-sort"};
 
 std::vector<SettingRow> all_rows(int sh_degree) {
   using T = TuningOptions;
@@ -81,11 +81,15 @@ std::vector<SettingRow> all_rows(int sh_degree) {
   };
   add(kDefaults, "all exact, RGBA16F", [](T&) {});
   add(kDefaults, "the same once more", [](T&) {});  // shows how well times repeat
+  add("phone", "a phone's defaults", [](T& t) {
+    const auto phone = render::default_approximation({.tiles = true});
+    t.format = "rgba8", t.blend = "half", t.key_bits = phone.key_bits;
+  });
   add("target", "RGBA8, blended in float", [](T& t) { t.format = "rgba8"; });
   add("target", "RGBA8, blended in half", [](T& t) { t.format = "rgba8", t.blend = "half"; });
   add("target", "RGBA8, blended in RGBA8", [](T& t) { t.format = "rgba8", t.blend = "direct"; });
   add("target", "RGBA16F, blended in half", [](T& t) { t.blend = "half"; });
-  for (const int bits : {10, 12, 14, 16, 20, 24})
+  for (const int bits : {10, 12, 14, 16, 20, 32})
     add("key-bits", fmt::format("{}-bit keys", bits), [&](T& t) { t.key_bits = bits; });
   for (int degree = 0; degree < sh_degree; ++degree)
     add("sh-degree", fmt::format("SH degree {}", degree), [&](T& t) { t.sh_degree = degree; });

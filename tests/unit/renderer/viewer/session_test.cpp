@@ -446,7 +446,7 @@ TEST_P(SessionTest, LessMemoryThanTheSceneTakesLeavesOutSplats) {
   session_->set(settings_);
   EXPECT_GT(psnr(image(), before), 50);
   EXPECT_EQ(session_->state().stats.shown, all.splats);
-  settings_.memory = all.memory / 2;
+  settings_.memory = all.memory / 4;
   session_->set(settings_);
   image();
   const ViewerStats fewer = session_->state().stats;

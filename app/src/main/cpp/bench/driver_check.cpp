@@ -32,10 +32,11 @@ Accumulation accumulation_for(const DriverLimits& limits, const gl::Api& api) {
   return limits.no_float_targets ? Accumulation::direct : render::default_accumulation(api);
 }
 
-render::RendererSettings settings_for(const DriverLimits& limits) {
+render::RendererSettings settings_for(const DriverLimits& limits, const gl::Quirks& quirks) {
   return {
       .sorter = limits.no_gpu_sort ? render::SorterKind::cpu_async : render::SorterKind::gpu_radix,
-      .texture_fetch = limits.no_vertex_storage};
+      .texture_fetch = limits.no_vertex_storage,
+      .approximation = render::default_approximation(quirks)};
 }
 
 /// By the shader that its message names.
@@ -103,8 +104,8 @@ class OneWay {
   Expected<void> make(const SplatCloud& scene) {
     return gl::chain(
         [&] {
-          return gl::assign_or_error(render::Renderer::create(api_, settings_for(limits_)),
-                                     renderer_);
+          return gl::assign_or_error(
+              render::Renderer::create(api_, settings_for(limits_, api_.quirks)), renderer_);
         },
         [&] { return renderer_->upload(scene); },
         [&] { return gl::check_errors(api_, "loading the scene"); });

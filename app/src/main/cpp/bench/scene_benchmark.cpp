@@ -39,7 +39,10 @@ Expected<Stage> set_up(gl::Api& api, const SplatCloud& cloud, const SceneBenchma
                        const SceneBenchmarkRow& row) {
   Stage stage;
   const auto accumulation = plan.accumulation.value_or(render::default_accumulation(api));
-  const render::RendererSettings settings{.sorter = row.sorter, .timestamps = true};
+  const render::RendererSettings settings{
+      .sorter = row.sorter,
+      .timestamps = true,
+      .approximation = render::default_approximation(api.quirks)};
   auto done = gl::chain(
       [&] { return gl::assign_or_error(render::Renderer::create(api, settings), stage.renderer); },
       [&] { return stage.renderer->upload(cloud); },

@@ -7,6 +7,13 @@
 
 namespace fluxgs::render {
 
+ApproximationSettings default_approximation(const gl::Quirks& quirks) {
+  constexpr int kPhoneKeyBits = 16;
+  ApproximationSettings made;
+  if (quirks.tiles) made.key_bits = kPhoneKeyBits;
+  return made;
+}
+
 Expected<void> check_approximation(const ApproximationSettings& s) {
   if (s.key_bits < sort::kFewestKeyBits || s.key_bits > sort::kMaxKeyBits) {
     return fail("approximation", "key_bits",

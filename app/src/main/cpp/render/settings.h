@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "fluxgs/error.h"
+#include "gl/quirks.h"
 
 namespace fluxgs::render {
 
@@ -26,10 +27,10 @@ constexpr std::size_t projected_splat_bytes(SplatPrecision precision) {
 
 /// Details that a frame may leave out. They can be changed from frame to frame.
 struct ApproximationSettings {
-  /// Maximum bits of a depth key: 10…32. 32 order the splats by all the bits of their float32
-  /// depths, and take no more than the scene's range of depths needs, usually 26; see
-  /// sort/depth_keys.h.
-  int key_bits = 32;
+  /// Maximum bits of a depth key: 10…32. A scene's range of depths usually needs 26, which order
+  /// the splats by all the bits of their float32 depths. 24 cost no measurable error and one pass
+  /// of the GPU's sort less; see sort/depth_keys.h.
+  int key_bits = 24;
   /// px: splats whose box is smaller in both directions are not drawn.
   double min_size = 0;
   /// Quads end at so many standard deviations, or where α falls below alpha_min if that is nearer;
@@ -38,6 +39,7 @@ struct ApproximationSettings {
   /// The camera may move by so much before the splats are sorted again, in radians: the angle it
   /// turned by, or the distance it moved by over its distance to the scene's middle.
   double resort_motion = 0;
+  bool operator==(const ApproximationSettings&) const = default;
 };
 
 /// Settings that the programs and buffers are made for.
@@ -51,6 +53,10 @@ struct RendererSettings {
   bool texture_fetch = false;
   ApproximationSettings approximation = {};
 };
+
+/// Those to look at a scene with: 16-bit keys where the GPU is a phone's (gl::Quirks::tiles), which
+/// take two passes instead of three and cost less than half floats do (docs/renderer.md).
+ApproximationSettings default_approximation(const gl::Quirks& quirks);
 
 /// Fails, naming the field, on values out of their range.
 Expected<void> check_approximation(const ApproximationSettings& approximation);

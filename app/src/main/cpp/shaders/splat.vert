@@ -5,11 +5,11 @@ precision highp float;
 precision highp int;
 
 #include "frame.glsl"
+#include "ordered_splats.glsl"
 #include "projected_splat.glsl"
 
 #ifdef TEXTURE_FETCH
 // For drivers without storage buffers in the vertex stage: the splats in drawing order.
-#include "ordered_splats.glsl"
 layout(binding = 0) uniform highp usampler2D ordered;
 uint splat_at(uint place) { return place; }
 uvec4 part_of_splat(uint i) { return texelFetch(ordered, ordered_texel(i), 0); }

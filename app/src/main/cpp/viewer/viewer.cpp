@@ -80,7 +80,8 @@ void Viewer::begin_navigation() {
 
 render::SceneViewSettings Viewer::scene_settings(const gl::Api& api) const {
   using render::SorterKind;
-  render::SceneViewSettings s{.renderer = {.timestamps = true}};
+  render::SceneViewSettings s{
+      .renderer = {.timestamps = true, .approximation = render::default_approximation(api.quirks)}};
   const bool on_cpu = settings_.sorter == SorterChoice::cpu || api.quirks.gpu_sort_fails ||
                       (settings_.sorter == SorterChoice::automatic && api.quirks.runs_on_cpu);
   s.renderer.sorter = on_cpu ? SorterKind::cpu_async : SorterKind::gpu_radix;
