@@ -69,6 +69,10 @@ FetchContent_MakeAvailable(zstd)
 set(CMAKE_UNITY_BUILD ${FLUXGS_UNITY})  # its hundred small files take three minutes one by one
 fluxgs_dependency(draco ${_github}/google/draco 1.5.5)
 set(CMAKE_UNITY_BUILD OFF)
+if(FLUXGS_PHONE)
+  # Without images of other kinds than RGBA and without scaling, which nothing here asks for
+  string(APPEND CMAKE_C_FLAGS " -DWEBP_REDUCE_CSP -DWEBP_REDUCE_SIZE")
+endif()
 fluxgs_dependency(WebP ${_github}/webmproject/libwebp v1.5.0)
 fluxgs_dependency(libzip ${_github}/nih-at/libzip v1.10.1)
 # Every system has it, phones too; fetched, its target would clash with the copy inside a fetched

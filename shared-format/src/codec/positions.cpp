@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include <draco/compression/decode.h>
 #include <draco/compression/expert_encode.h>
+#include <draco/compression/point_cloud/point_cloud_sequential_decoder.h>
 #include <draco/point_cloud/point_cloud_builder.h>
 #include <fmt/format.h>
 #include <glm/common.hpp>
@@ -113,12 +113,11 @@ Expected<void> decode_positions(ByteReader& in, std::span<glm::vec3> positions) 
 
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes->data()), bytes->size());
-  draco::Decoder decoder;
-  const auto decoded = decoder.DecodePointCloudFromBuffer(&buffer);
-  if (!decoded.ok())
-    return fail("", "positions",
-                fmt::format("Draco cannot decode them: {}", decoded.status().error_msg()));
-  const draco::PointCloud& cloud = *decoded.value();
+  // Not draco::Decoder, which would bring the decoders of all other kinds into the app
+  draco::PointCloudSequentialDecoder decoder;
+  draco::PointCloud cloud;
+  if (const auto status = decoder.Decode({}, &buffer, &cloud); !status.ok())
+    return fail("", "positions", fmt::format("Draco cannot decode them: {}", status.error_msg()));
   const draco::PointAttribute* attribute =
       cloud.GetNamedAttribute(draco::GeometryAttribute::POSITION);
   if (!attribute || cloud.num_points() != positions.size() || attribute->num_components() != 3 ||

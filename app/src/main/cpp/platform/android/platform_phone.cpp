@@ -1,3 +1,5 @@
+#include <cstddef>
+
 #include <android/native_window_jni.h>
 
 #include "platform/android/egl_screen.h"
@@ -14,3 +16,11 @@ void* window_of(JNIEnv* env, jobject surface) {
 }
 
 }  // namespace fluxgs::android
+
+// In place of libc++abi's own, which takes a twentieth of the library to write the type of an
+// uncaught exception in words into the log; c++filt does so too.
+extern "C" char* __cxa_demangle(const char*, char*, std::size_t*, int* status) {
+  constexpr int kNoMemory = -1;
+  if (status != nullptr) *status = kNoMemory;
+  return nullptr;
+}
