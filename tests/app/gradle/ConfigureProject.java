@@ -16,25 +16,29 @@ import org.gradle.testfixtures.ProjectBuilder;
 
 /**
  * Android's own plugin configures app/build.gradle, without Gradle and without an SDK, and says what
- * came out: a line "name value" each. Arguments: the folder of the project (a copy: it is written
- * to), and properties NAME=VALUE of the command line. Exit status 1 and one line a cause when it does
- * not take the file.
+ * came out: a line "name value" each, in the file `facts` of the project's folder; where it does not take
+ * the file, one line a cause. Arguments: the folder of the project (a copy: it is written to), and
+ * properties NAME=VALUE of the command line; "--" before the next project.
  */
 public class ConfigureProject {
-  public static void main(String[] arguments) {
-    int status = 0;
-    try {
-      configure(arguments);
-    } catch (Throwable problem) {
-      for (Throwable cause = problem; cause != null; cause = cause.getCause())
-        System.out.println("error " + cause.getClass().getSimpleName() + ": " + cause.getMessage());
-      status = 1;
+  public static void main(String[] arguments) throws IOException {
+    for (String project : String.join("\n", arguments).split("\n--\n")) {
+      String[] words = project.split("\n");
+      Path facts = Path.of(words[0], "facts");
+      try {
+        Files.writeString(facts, configure(words));
+      } catch (Throwable problem) {
+        StringBuilder said = new StringBuilder();
+        for (Throwable cause = problem; cause != null; cause = cause.getCause())
+          said.append("error " + cause.getClass().getSimpleName() + ": " + cause.getMessage() + "\n");
+        Files.writeString(facts, said);
+      }
     }
     System.out.flush();
-    Runtime.getRuntime().halt(status); // threads of Gradle would stay
+    Runtime.getRuntime().halt(0); // threads of Gradle would stay
   }
 
-  private static void configure(String[] arguments) throws Exception {
+  private static String configure(String[] arguments) throws Exception {
     File folder = new File(arguments[0]);
     Project root =
         ProjectBuilder.builder()
@@ -59,7 +63,7 @@ public class ConfigureProject {
     Files.writeString(script, ""); // evaluate() runs it
     project.apply(Map.of("from", body.toFile()));
     ((ProjectInternal) project).evaluate();
-    report(project);
+    return report(project);
   }
 
   /** The libraries of the version catalogue as a build file writes them: libs.some.library. */
@@ -88,7 +92,7 @@ public class ConfigureProject {
     return (Map<String, Object>) map.computeIfAbsent(name, unused -> new HashMap<String, Object>());
   }
 
-  private static void report(Project project) {
+  private static String report(Project project) {
     var android =
         (com.android.build.gradle.internal.dsl.BaseAppModuleExtension)
             project.getExtensions().getByName("android");
@@ -117,7 +121,9 @@ public class ConfigureProject {
     facts.put("tasks", tasks.size());
     for (String task : List.of("assembleRelease", "minifyReleaseWithR8", "compileReleaseKotlin"))
       facts.put("has-" + task, tasks.contains(task));
-    facts.forEach((name, value) -> System.out.println(name + " " + value));
+    StringBuilder lines = new StringBuilder();
+    facts.forEach((name, value) -> lines.append(name + " " + value + "\n"));
+    return lines.toString();
   }
 
   private static Set<String> dependencies(Project project) {
