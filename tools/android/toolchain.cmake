@@ -17,7 +17,7 @@ set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_C_FLAGS_INIT "-fno-sanitize=all -ffunction-sections -fdata-sections")  # zig turns some on by itself
 set(CMAKE_CXX_FLAGS_INIT "-fno-sanitize=all -ffunction-sections -fdata-sections")
-set(CMAKE_SHARED_LINKER_FLAGS_INIT "-Wl,-z,max-page-size=16384")
+set(CMAKE_SHARED_LINKER_FLAGS_INIT "-Wl,-z,max-page-size=16384 -Wl,--build-id=sha1")
 # The phone's own library, of which only the names are here
 set(ZLIB_INCLUDE_DIR ${_toolchain}/others CACHE PATH "")
 set(ZLIB_LIBRARY ${_toolchain}/lib/libz.so CACHE FILEPATH "")
