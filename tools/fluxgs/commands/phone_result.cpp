@@ -79,6 +79,9 @@ PhoneRow row_of(Fields& f, std::size_t i) {
   row.views = f.text(at + "views");
   row.sorter = f.text(at + "sorter");
   row.draw_ms = f.number(at + "draw_ms/median", kShortest, kMaxMs);
+  row.in_flight_ms = f.at(at + "in_flight_ms").is_null()
+                         ? row.draw_ms
+                         : f.number(at + "in_flight_ms/median", kShortest, kMaxMs);
   row.sort_to_display_ms = f.number(at + "sort_to_display_ms/median", kShortest, kMaxMs);
   row.pipelined_ms = f.number(at + "pipelined_ms", kShortest, kMaxMs);
   return row;

@@ -16,6 +16,7 @@ namespace fluxgs::cli {
 struct PhoneRow {
   int width = 0, height = 0;
   std::string views, sorter;
+  double in_flight_ms = 0;  ///< draw_ms in results of older apps, which lack it
   double draw_ms = 0, sort_to_display_ms = 0, pipelined_ms = 0;
 
   std::string name() const;  ///< the same for the same measurement in another run

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <deque>
 #include <limits>
 
 #include <glm/geometric.hpp>
 
 #include "gl/expected_chain.h"
+#include "gl/fence.h"
 #include "render/projected_splat.h"
 #include "render/sort_view.h"
 
@@ -36,6 +39,9 @@ class Restored {
   ApproximationSettings approximation_;
 };
 
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::seconds kLongestFrame{10};
+
 class Protocol {
  public:
   Protocol(gl::Api& api, Renderer& renderer, const ApproximationSettings& approximation,
@@ -57,7 +63,8 @@ class Protocol {
     FrameBenchmark result;
     auto done =
         gl::chain([&] { return warm_up(); }, [&] { return time_waiting(result); },
-                  [&] { return time_draws(result); }, [&] { return time_pipeline(result); });
+                  [&] { return time_draws(result); }, [&] { return time_in_flight(result); },
+                  [&] { return time_pipeline(result); });
     if (!done) return std::unexpected(done.error());
     return result;
   }
@@ -91,7 +98,7 @@ class Protocol {
   }
 
   Expected<void> go_on() const {
-    if (!progress_ || progress_(done_, protocol_.warmup + 3 * protocol_.frames)) return {};
+    if (!progress_ || progress_(done_, protocol_.warmup + 4 * protocol_.frames)) return {};
     return fail("benchmark", "", kStopped);
   }
 
@@ -125,17 +132,56 @@ class Protocol {
     return {};
   }
 
+  // So many frames one after another are of one view, whose order they keep.
+  int frames_of_view() const {
+    return std::max(1, protocol_.frames / static_cast<int>(views_.size()));
+  }
+
+  Expected<void> keep_order_of(int frame) {
+    if (auto ok = draw_sorted(frame); !ok) return ok;
+    api_.Finish();
+    sorts_anew_ = false;
+    return renderer_.set_approximation(kept_);
+  }
+
+  // Two frames of it, as an app has them: the next is given to the GPU while it draws the last.
+  Expected<void> time_in_flight(FrameBenchmark& result) {
+    constexpr std::size_t kInFlight = 2;
+    std::vector<double> samples;
+    std::deque<gl::Fence> ends;
+    Clock::time_point last;
+    const auto take_end = [&] {
+      if (!ends.front().wait(kLongestFrame)) api_.Finish();
+      ends.pop_front();
+      const Clock::time_point now = Clock::now();
+      samples.push_back(std::chrono::duration<double, std::milli>(now - last).count());
+      last = now;
+    };
+    const int per_view = frames_of_view();
+    for (int i = 0; i < protocol_.frames; ++i) {
+      if (i % per_view == 0) {
+        while (!ends.empty()) take_end();
+        if (auto ok = keep_order_of(i / per_view); !ok) return ok;
+        last = Clock::now();
+      }
+      if (ends.size() == kInFlight) take_end();
+      if (auto ok = draw(i / per_view); !ok) return ok;
+      ends.emplace_back(api_);
+      ++done_;
+      if (auto ok = go_on(); !ok) return ok;
+    }
+    while (!ends.empty()) take_end();
+    result.in_flight_ms = summarize(std::move(samples));
+    return {};
+  }
+
   Expected<void> time_draws(FrameBenchmark& result) {
     std::vector<double> samples;
-    const int per_view = std::max(1, protocol_.frames / static_cast<int>(views_.size()));
+    const int per_view = frames_of_view();
     for (int i = 0; i < protocol_.frames; ++i) {
       const int at = i / per_view;
-      if (i % per_view == 0) {
-        if (auto ok = draw_sorted(at); !ok) return ok;
-        api_.Finish();
-        sorts_anew_ = false;
-        if (auto ok = renderer_.set_approximation(kept_); !ok) return ok;
-      }
+      if (i % per_view == 0)
+        if (auto ok = keep_order_of(at); !ok) return ok;
       const auto ms = timed(at);
       if (!ms) return std::unexpected(ms.error());
       samples.push_back(*ms);

@@ -18,9 +18,12 @@ struct FrameBenchmarkOptions {
 };
 
 struct FrameBenchmark {
-  /// Time of draw() until the GPU has finished, the splats being in order already: cull, project,
-  /// draw, resolve. Comparable with renderers that sort elsewhere (Flux-GS, "Deployment on
-  /// Mobiles").
+  /// From the end of one frame on the GPU to that of the next, with two frames in flight as in an
+  /// app; the splats are in order already: cull, project, draw, resolve. Comparable with renderers
+  /// that sort elsewhere (Flux-GS, "Deployment on Mobiles").
+  Summary in_flight_ms;
+  /// Time of such a draw() until the GPU has finished, alone: longer by the way there and back, and
+  /// by the clock that a GPU lowers while it waits.
   Summary draw_ms;
   /// The same with the sort of the frame's own view, waited for: what a finger feels.
   Summary sort_to_display_ms;

@@ -125,6 +125,7 @@ json json_of(const SceneBenchmarkRow& row) {
           {"height", row.size.height},
           {"sorter", row.sorter == render::SorterKind::gpu_radix ? "gpu" : "cpu"},
           {"views", row.moves ? "path" : "still"},
+          {"in_flight_ms", json_of(row.times.in_flight_ms)},
           {"draw_ms", json_of(row.times.draw_ms)},
           {"sort_to_display_ms", json_of(row.times.sort_to_display_ms)},
           {"pipelined_ms", row.times.pipelined_ms},

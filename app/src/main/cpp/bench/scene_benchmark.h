@@ -58,8 +58,8 @@ Expected<SceneBenchmark> benchmark_scene(gl::Api& api, const SplatCloud& cloud,
                                          const FrameProgress& progress = {});
 
 /// The rows as a JSON list; times in milliseconds. Each row: width, height, sorter ("gpu", "cpu"),
-/// views ("still", "path"), draw_ms and sort_to_display_ms (median, p95, mean, least),
-/// pipelined_ms, stages (project, sort, draw, resolve; null where the driver has no clock),
+/// views ("still", "path"), in_flight_ms, draw_ms and sort_to_display_ms (median, p95, mean,
+/// least), pipelined_ms, stages (project, sort, draw, resolve; null where the driver has no clock),
 /// splats_drawn, fragments, blended_in, bytes_per_frame (of a GPU with tiles),
 /// gpu_memory_bytes.
 std::string rows_json(const SceneBenchmark& benchmark);

@@ -1,6 +1,7 @@
 // A point in the GPU's work that one can ask for without waiting (ES 3.1, 4.1).
 #pragma once
 
+#include <chrono>
 #include <utility>
 
 #include "gl/api.h"
@@ -27,6 +28,14 @@ class Fence {
   bool passed() const {
     if (sync_ == nullptr) return false;
     const GLenum state = api_->ClientWaitSync(sync_, 0, 0);
+    return state == GL_ALREADY_SIGNALED || state == GL_CONDITION_SATISFIED;
+  }
+
+  /// Waits for it, so long at most; whether it has passed.
+  bool wait(std::chrono::nanoseconds timeout) const {
+    if (sync_ == nullptr) return false;
+    const GLenum state = api_->ClientWaitSync(sync_, GL_SYNC_FLUSH_COMMANDS_BIT,
+                                              static_cast<GLuint64>(timeout.count()));
     return state == GL_ALREADY_SIGNALED || state == GL_CONDITION_SATISFIED;
   }
 
