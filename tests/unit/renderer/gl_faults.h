@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstring>
 #include <map>
 #include <string>
 #include <tuple>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "gl/api.h"
+#include "render/frame_uniforms.h"
 
 namespace fluxgs::test {
 
@@ -26,6 +28,7 @@ struct Defects {
   std::string unlinkable = {};         ///< programs with this text in a shader do not link
   bool slow = false;                   ///< no frame is finished yet, when asked
   bool wild_clock = false;             ///< of timer queries
+  bool shifts_projection = false;      ///< the centre of a frame's camera is another
 };
 
 /// What the functions of the one Api under a GlFaults do.
@@ -120,6 +123,14 @@ bool before(A... arguments) {
   [[maybe_unused]] const auto all = std::make_tuple(arguments...);
   if constexpr (kIs<Member, &gl::Api::BindBuffer>) {
     faults.buffer_at[std::get<0>(all)] = std::get<1>(all);
+  } else if constexpr (kIs<Member, &gl::Api::BufferSubData>) {
+    if (faults.defects.shifts_projection && std::get<2>(all) == sizeof(render::FrameUniforms)) {
+      render::FrameUniforms moved;
+      std::memcpy(&moved, std::get<3>(all), sizeof moved);
+      moved.camera_centre[0] += 0.02F;
+      driver<Member>(std::get<0>(all), std::get<1>(all), std::get<2>(all), &moved);
+      return false;
+    }
   } else if constexpr (kIs<Member, &gl::Api::BindTexture>) {
     faults.texture_at[std::get<0>(all)] = std::get<1>(all);
   } else if constexpr (kIs<Member, &gl::Api::BufferData>) {

@@ -73,6 +73,12 @@ TEST_P(HostileDriversTest, DrawsThatFailAreNamed) {
   EXPECT_THAT(done.faults.front(), HasSubstr("drawing: GL_INVALID_OPERATION"));
 }
 
+TEST_P(HostileDriversTest, AProjectionThatIsWrongIsNamed) {
+  const DriverCheck done = check({.shifts_projection = true});
+  EXPECT_FALSE(done.right);
+  EXPECT_THAT(done.faults.front(), HasSubstr("the projection put "));
+}
+
 TEST_P(HostileDriversTest, VertexStorageGivesWayToTextures) {
   if (api().capabilities.max_vertex_storage_blocks < 2) GTEST_SKIP() << "has none";
   const DriverCheck done = check({.loses_vertex_storage = true});

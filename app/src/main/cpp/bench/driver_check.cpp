@@ -2,15 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
 #include "gl/expected_chain.h"
+#include "render/projected_splat.h"
 #include "render/renderer.h"
+#include "render/sort_view.h"
 #include "sort/cpu_radix_sort.h"
 
 namespace fluxgs::bench {
@@ -79,6 +83,43 @@ Expected<std::string> fault_of_order(const render::Renderer& renderer) {
              : fmt::format("the sort put {} splats of {} in a wrong place", wrong, expected.size());
 }
 
+/// Compares the centres and depths of the last frame with a projection in doubles. A line if they
+/// differ.
+Expected<std::string> fault_of_projection(const render::Renderer& renderer, const SplatCloud& scene,
+                                          const Camera& camera, double near_plane) {
+  const auto count = static_cast<std::uint32_t>(scene.size());
+  const auto keys = renderer.projection().keys().read_all<std::uint32_t>(count);
+  if (!keys) return std::unexpected(keys.error());
+  const render::RendererSettings& settings = renderer.settings();
+  const auto splats =
+      render::read_projected_splats(renderer.projection().projected_splats(), count,
+                                    settings.splat_precision, camera.width, camera.height);
+  if (!splats) return std::unexpected(splats.error());
+  const sort::DepthKeys depths =
+      render::sort_view(camera, near_plane, renderer.scene(), settings.approximation.key_bits).keys;
+  constexpr double kNearby = 0.1;        // px
+  constexpr float kLeastLevel = -1e29F;  // below: hidden, its centre was not written
+  std::size_t seen = 0, wrong = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const render::ProjectedSplat& splat = (*splats)[i];
+    if ((*keys)[i] == sort::kDropped || !(splat.level > kLeastLevel)) continue;
+    const glm::dvec3 p = camera.rotation * glm::dvec3(scene.positions[i]) + camera.translation;
+    const glm::dvec2 centre(camera.fx * p.x / p.z + camera.cx, camera.fy * p.y / p.z + camera.cy);
+    const std::int64_t key = sort::depth_key(depths, static_cast<float>(p.z));
+    // Depths are rounded a few times on their way, here they are not
+    const std::int64_t rounding = 1 + (64 >> depths.shift);
+    const bool right = glm::distance(centre, glm::dvec2(splat.centre)) < kNearby &&
+                       std::abs(key - std::int64_t{(*keys)[i]}) <= rounding;
+    ++seen;
+    wrong += right ? 0 : 1;
+  }
+  if (seen == 0) return std::string("the projection kept no splat");
+  // A few may lie at the border of being drawn
+  return wrong * 100 <= seen
+             ? std::string()
+             : fmt::format("the projection put {} splats of {} in a wrong place", wrong, seen);
+}
+
 /// Draws in one way and looks at what came out.
 class OneWay {
  public:
@@ -97,6 +138,9 @@ class OneWay {
         gl::chain([&] { return renderer_->draw(camera, {.near_plane = near_plane}, *target); },
                   [&] { return gl::check_errors(api_, "drawing"); });
     if (!drawn) return {Suspect::unknown, drawn.error().message()};
+    const auto fault = fault_of_projection(*renderer_, scene, camera, near_plane);
+    if (!fault) return {Suspect::unknown, fault.error().message()};
+    if (!fault->empty()) return {Suspect::unknown, *fault};
     return judge(*target, golden);
   }
 
