@@ -73,6 +73,25 @@ TEST_P(HostileDriversTest, DrawsThatFailAreNamed) {
   EXPECT_THAT(done.faults.front(), HasSubstr("drawing: GL_INVALID_OPERATION"));
 }
 
+TEST_P(HostileDriversTest, WhatTheDriverSaysIsKept) {
+  const Sample s = next_sample();
+  api().debug.messages.push_back({gl::Severity::high, gl::MessageKind::error, "before"});
+  static gl::DebugLog* log = nullptr;
+  static decltype(gl::Api::Viewport) viewport = nullptr;
+  log = &api().debug;
+  viewport = std::exchange(api().Viewport, [](GLint x, GLint y, GLsizei w, GLsizei h) {
+    log->messages.push_back({gl::Severity::high, gl::MessageKind::error, std::string(1000, 'x')});
+    log->messages.push_back({gl::Severity::low, gl::MessageKind::performance, "slow"});
+    viewport(x, y, w, h);
+  });
+  const DriverCheck done = bench::check_driver(api(), s.cloud, s.camera, s.near_plane, s.golden);
+  api().Viewport = viewport;
+  api().debug.messages.clear();
+  ASSERT_FALSE(done.messages.empty());
+  EXPECT_EQ(done.messages.front(), std::string(300, 'x'));
+  EXPECT_LE(done.messages.size(), 8U);
+}
+
 TEST_P(HostileDriversTest, AProjectionThatIsWrongIsNamed) {
   const DriverCheck done = check({.shifts_projection = true});
   EXPECT_FALSE(done.right);

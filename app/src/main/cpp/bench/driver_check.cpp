@@ -197,9 +197,24 @@ std::string way(const DriverLimits& limits) {
 
 }  // namespace
 
+namespace {
+
+/// Those of the newest attempts, which may be of many.
+std::vector<std::string> first_messages(const gl::DebugLog& log, std::size_t from) {
+  constexpr std::size_t kMost = 8, kLongest = 300;
+  std::vector<std::string> texts;
+  const auto mistakes = log.mistakes();
+  for (std::size_t i = std::min(from, mistakes.size()); i < mistakes.size(); ++i)
+    if (texts.size() < kMost) texts.push_back(mistakes[i].text.substr(0, kLongest));
+  return texts;
+}
+
+}  // namespace
+
 DriverCheck check_driver(gl::Api& api, const SplatCloud& scene, const Camera& camera,
                          double near_plane, const Image<std::uint8_t>& golden) {
   DriverCheck check;
+  const std::size_t said_before = api.debug.mistakes().size();
   DriverLimits known;  // that faults have asked for by name
   const auto attempt = [&](const DriverLimits& limits) {
     const Attempt done = OneWay(api, limits).run(scene, camera, near_plane, golden);
@@ -223,6 +238,7 @@ DriverCheck check_driver(gl::Api& api, const SplatCloud& scene, const Camera& ca
     }
     if (check.right || gl::context_lost(api)) break;
   }
+  check.messages = first_messages(api.debug, said_before);
   return check;
 }
 
@@ -233,7 +249,8 @@ std::string to_json(const DriverCheck& check, const gl::Api& api) {
               {"right", check.right},
               {"limits", check.limits.names()},
               {"psnr", check.psnr},
-              {"faults", check.faults}}
+              {"faults", check.faults},
+              {"messages", check.messages}}
       .dump(-1, ' ', false, json::error_handler_t::replace);
 }
 

@@ -22,6 +22,8 @@ struct DriverCheck {
   double psnr = 0;              ///< of the last picture, dB
   /// One line for each way that went wrong, in the order in which they were tried.
   std::vector<std::string> faults;
+  /// What the driver itself said of mistakes (KHR_debug, where it has that): the first few.
+  std::vector<std::string> messages;
 };
 
 /// `golden`: 8 bits, RGB or RGBA, the camera's size, over black, drawn with default options and
@@ -29,7 +31,7 @@ struct DriverCheck {
 DriverCheck check_driver(gl::Api& api, const SplatCloud& scene, const Camera& camera,
                          double near_plane, const Image<std::uint8_t>& golden);
 
-/// One JSON object: renderer and version (of the driver), right, limits, psnr, faults.
+/// One JSON object: renderer and version (of the driver), right, limits, psnr, faults, messages.
 std::string to_json(const DriverCheck& check, const gl::Api& api);
 
 }  // namespace fluxgs::bench
