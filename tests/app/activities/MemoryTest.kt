@@ -191,7 +191,7 @@ class MemoryTest : ViewerScreen() {
     @Test
     fun aSceneThatIsDrawnAnewSaysSo() {
         fun drawn(memory: Long) = SessionState(
-            Loading("ready", 0, 0, "", "", 0, 0), true, true, 1, false, "", 1, 0, 0.0,
+            Loading("ready", 0, 0, "", "", 0, 0), true, true, 1, false, "", "", 1, 0, 0.0,
             Stats(0.0, 60.0, 0.0, 0.0, 0, 0, 0, 0, 0, 1.0, memory, false, 1.0),
         )
         val themed = ContextThemeWrapper(RuntimeEnvironment.getApplication(), R.style.App_Viewer)

@@ -5,6 +5,7 @@ import android.graphics.Bitmap
 import android.net.Uri
 import android.os.Bundle
 import android.os.SystemClock
+import android.provider.Settings.Global
 import android.view.MotionEvent
 import org.junit.After
 import org.junit.Before
@@ -29,12 +30,18 @@ abstract class ViewerScreen {
         pauseDisplay()
         Documents.install()
         Settings(scale = 1f, sorter = 2).save(context)
+        animations(0f)
     }
 
     @After
     fun close() {
         controller?.end()
         controller = null
+    }
+
+    /** The system's scale of animations; 0: nothing moves by itself. */
+    protected fun animations(scale: Float) {
+        Global.putFloat(context.contentResolver, Global.ANIMATOR_DURATION_SCALE, scale)
     }
 
     protected fun start(intent: Intent, state: Bundle? = null) {

@@ -502,6 +502,26 @@ TEST_P(SessionTest, TheGyroscopeLooksAround) {
   EXPECT_LT(psnr(image(), before), 30);
 }
 
+TEST_P(SessionTest, DriftsUntilItIsTouched) {
+  ASSERT_TRUE(load(file_with_start()));
+  const auto before = image();
+  EXPECT_EQ(session_->state().motion, Motion::none);
+  session_->drift(true);
+  EXPECT_TRUE(run_until([](const SessionState& s) { return s.motion == Motion::drift; }));
+  for (int i = 0; i < 120; ++i) {
+    EXPECT_TRUE(session_->frame(time_ += 1.0 / 60)) << "frames are wanted";
+    std::this_thread::sleep_for(2ms);
+  }
+  const std::vector<Finger> finger{{0, {48, 32}}};
+  const int frames =
+      comes_to_rest_after([&] { session_->touch(TouchPhase::down, 0, finger, time_); });
+  EXPECT_LT(frames, 300);
+  EXPECT_EQ(session_->state().motion, Motion::none);
+  session_->drift(true);
+  EXPECT_LT(comes_to_rest_after([] {}), 300) << "not under a finger";
+  EXPECT_LT(psnr(*session_->image(), before), 45);
+}
+
 TEST_P(SessionTest, BenchmarksAndDrawsOn) {
   ASSERT_TRUE(load(file_with_start()));
   const auto before = image();

@@ -29,6 +29,7 @@ Navigation navigation_from(const ViewState& view, const glm::dvec3& up, const Sc
 void touch(Navigation& n) {
   n.glide = {};
   n.transition.reset();
+  n.drift.reset();
 }
 
 void drag(Navigation& n, DragAction action, const glm::dvec2& pixels, const glm::dvec2& size) {
@@ -55,6 +56,11 @@ void go_to(Navigation& n, const ViewState& view) {
   n.transition = Transition{.from = n.view, .to = view};
 }
 
+void drift(Navigation& n) {
+  touch(n);
+  n.drift = drift_from(n.view, n.units);
+}
+
 void reset(Navigation& n) { go_to(n, n.home); }
 
 void flip_up(Navigation& n) {
@@ -64,15 +70,17 @@ void flip_up(Navigation& n) {
   n.up = -n.up;
 }
 
-bool moving(const Navigation& n) {
-  return moving(n.glide) || n.transition.has_value() || is_flying(n.flying);
-}
+bool moving_by_itself(const Navigation& n) { return moving(n.glide) || n.transition || n.drift; }
+
+bool moving(const Navigation& n) { return moving_by_itself(n) || is_flying(n.flying); }
 
 bool advance(Navigation& n, double seconds, const glm::dvec2& size) {
   if (!moving(n)) return false;
   if (n.transition) {
     n.view = advance(*n.transition, seconds);
     if (finished(*n.transition)) n.transition.reset();
+  } else if (n.drift) {
+    n.view = advance(*n.drift, seconds, n.view, n.up);
   }
   if (moving(n.glide)) drag(n, n.gliding, advance(n.glide, seconds), size);
   if (is_flying(n.flying))

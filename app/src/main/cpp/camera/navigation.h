@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "camera/drift.h"
 #include "camera/fly.h"
 #include "camera/inertia.h"
 #include "camera/orbit.h"
@@ -29,6 +30,7 @@ struct Navigation {
   Glide glide;
   DragAction gliding = DragAction::orbit;
   std::optional<Transition> transition;
+  std::optional<Drift> drift;  ///< waits for a transition
 };
 
 /// Starts at a view, which is also home.
@@ -46,6 +48,9 @@ void release(Navigation& n, DragAction action, const glm::dvec2& velocity);
 /// Goes smoothly to a view.
 void go_to(Navigation& n, const ViewState& view);
 
+/// Turns slowly round the target from now on, from where the view is.
+void drift(Navigation& n);
+
 /// Smoothly to where it began.
 void reset(Navigation& n);
 
@@ -53,6 +58,9 @@ void reset(Navigation& n);
 /// scene's ground, and so does home.
 void flip_up(Navigation& n);
 
+/// True while something goes on that a touch would end.
+bool moving_by_itself(const Navigation& n);
+/// The same, or a key is held.
 bool moving(const Navigation& n);
 
 /// Lets time pass. Whether the view changed or will change.

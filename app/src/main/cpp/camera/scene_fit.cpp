@@ -66,7 +66,9 @@ SceneUnits units_of(const SceneBounds& bounds) {
   const double r = bounds.radius;
   return {.near_plane = 0.002 * r,
           .speed = 0.4 * r,
-          .distances = {.nearest = 0.002 * r, .farthest = 50 * r}};
+          .distances = {.nearest = 0.002 * r, .farthest = 50 * r},
+          .center = bounds.center,
+          .radius = r};
 }
 
 glm::dvec3 level_front(const glm::dvec3& up) {

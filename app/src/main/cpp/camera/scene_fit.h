@@ -33,11 +33,13 @@ enum class SplatWeight {
 /// they are.
 SceneBounds robust_bounds(const SplatCloud& cloud, SplatWeight weight = SplatWeight::opacity);
 
-/// Units of movement through a scene.
+/// Units of movement through a scene, and where it lies.
 struct SceneUnits {
   double near_plane = 0.01;  ///< for RenderOptions, scene units
   double speed = 0.5;        ///< of flying, scene units per second
   DistanceLimits distances;
+  glm::dvec3 center{0.0};  ///< of SceneBounds, and its radius
+  double radius = 1;
 };
 
 SceneUnits units_of(const SceneBounds& bounds);

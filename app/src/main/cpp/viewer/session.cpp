@@ -180,6 +180,10 @@ void Session::reset_view() {
   post([this] { presenter_->viewer().reset_view(); });
 }
 
+void Session::drift(bool on) {
+  post([this, on] { presenter_->viewer().drift(on); });
+}
+
 void Session::free_graphics() {
   {
     const std::lock_guard lock(mutex_);
@@ -287,6 +291,7 @@ void Session::publish() {
   state_.has_scene = cloud_ != nullptr && !presenter_->has_failed();
   state_.drawn = presenter_->has_drawn();
   state_.flipped = viewer.is_flipped();
+  state_.motion = viewer.motion();
   saved_ = saved;
 }
 

@@ -26,6 +26,7 @@ struct SessionState {
   bool drawn = false;       ///< and an image of it was shown
   std::uint64_t shown = 0;  ///< which loading it is of, by the number that load() gave; 0: none
   bool flipped = false;
+  Motion motion = Motion::none;
   ViewerStats stats;
   std::string error;  ///< of drawing, one line; it is over until there is another scene, or window
   int contexts = 0;   ///< how many were made: more than 1 means that some were lost
@@ -73,6 +74,8 @@ class Session {
   void set_driver_limits(const render::DriverLimits& limits);
   void flip_up();
   void reset_view();
+  /// See Viewer::drift().
+  void drift(bool on);
   /// Gives back what is drawn with; the next frame makes it again.
   void free_graphics();
 

@@ -126,7 +126,10 @@ bool Viewer::needs_remaking(const ViewerSettings& s) const {
 void Viewer::set(const ViewerSettings& settings) {
   if (settings == settings_) return;
   remake_ = remake_ || needs_remaking(settings);
-  if (settings.gyroscope != settings_.gyroscope) anchor_anew(gyroscope_);
+  if (settings.gyroscope != settings_.gyroscope) {
+    anchor_anew(gyroscope_);
+    drift(false);
+  }
   settings_ = settings;
   goal_.set_display(settings.frame_seconds);
   gestures_.one_finger = settings.gyroscope ? camera::DragAction::look : camera::DragAction::orbit;
@@ -171,7 +174,7 @@ void Viewer::handle(const WindowEvent& event, double seconds) {
 
 void Viewer::turn(const DevicePose& pose) {
   if (!navigated_ || !settings_.gyroscope || !gestures_.fingers.empty()) return;
-  if (navigation_.transition || camera::moving(navigation_.glide)) return anchor_anew(gyroscope_);
+  if (camera::moving_by_itself(navigation_)) return anchor_anew(gyroscope_);
   const camera::ViewState before = navigation_.view;
   follow(pose, gyroscope_, navigation_);
   // Sensors tremble; what nobody sees is not drawn
@@ -197,6 +200,16 @@ void Viewer::reset_view() {
   camera::reset(navigation_);
   anchor_anew(gyroscope_);
 }
+
+void Viewer::drift(bool on) {
+  if (!navigated_ || !gestures_.fingers.empty()) return;
+  if (on)
+    camera::drift(navigation_);
+  else
+    navigation_.drift.reset();
+}
+
+Motion Viewer::motion() const { return navigation_.drift ? Motion::drift : Motion::none; }
 
 std::optional<SavedView> Viewer::saved_view() const {
   if (!navigated_) return saved_;

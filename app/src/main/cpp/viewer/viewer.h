@@ -55,6 +55,9 @@ struct ViewerStats {
 using MakeSoftwareRenderer =
     std::function<render::SoftwareRenderer(std::shared_ptr<const SplatCloud>)>;
 
+/// What moves the view, but for fingers and what they threw.
+enum class Motion { none, drift };
+
 /// A view of a scene, to be kept over the end of the process.
 struct SavedView {
   camera::ViewState view;
@@ -98,6 +101,10 @@ class Viewer {
   void turn(const DevicePose& pose);
   void flip_up();
   void reset_view();
+  /// Turns slowly round what is looked at until somebody touches something, or no longer. Does
+  /// nothing while fingers touch.
+  void drift(bool on);
+  Motion motion() const;
   /// True if the scene stands upside down, compared with how it was shown first.
   bool is_flipped() const;
   /// The present view, to be saved.

@@ -332,6 +332,10 @@ FLUXGS_JNI(void, resetView)(JNIEnv* env, jclass, jlong session) {
   guarded(env, [&] { sessions().find(session)->reset_view(); });
 }
 
+FLUXGS_JNI(void, drift)(JNIEnv* env, jclass, jlong session, jboolean on) {
+  guarded(env, [&] { sessions().find(session)->drift(on == JNI_TRUE); });
+}
+
 FLUXGS_JNI(void, freeGraphics)(JNIEnv* env, jclass, jlong session) {
   guarded(env, [&] { sessions().find(session)->free_graphics(); });
 }

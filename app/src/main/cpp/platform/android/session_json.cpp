@@ -26,6 +26,16 @@ const char* name_of(viewer::LoadPhase phase) {
   return "";
 }
 
+const char* name_of(viewer::Motion motion) {
+  switch (motion) {
+    case viewer::Motion::none:
+      break;
+    case viewer::Motion::drift:
+      return "drift";
+  }
+  return "";
+}
+
 // Errors may quote the bytes of strangers.
 std::string text_of(const json& value) {
   return value.dump(-1, ' ', false, json::error_handler_t::replace);
@@ -67,6 +77,7 @@ std::string to_json(const viewer::SessionState& s) {
                   {"drawn", s.drawn},
                   {"shown", s.shown},
                   {"flipped", s.flipped},
+                  {"motion", name_of(s.motion)},
                   {"error", s.error},
                   {"contexts", s.contexts},
                   {"dropped", s.dropped},

@@ -9,7 +9,7 @@ namespace fluxgs::android {
 
 /// {"loading": {"phase": "idle" | "reading" | "decoding" | "ready" | "failed" | "cancelled",
 /// "read", "bytes", "error", "format", "splats", "shDegree", "memory"}, "hasScene", "drawn",
-/// "shown", "flipped", "error", "contexts", "dropped", "firstFrameMs",
+/// "shown", "flipped", "motion": "" | "drift", "error", "contexts", "dropped", "firstFrameMs",
 /// "stats": {"fps", "frameMs", "sortMs", "drawn", "shown", "splats", "width", "height", "scale"}}.
 /// format to memory are 0 or "" until the file is read.
 std::string to_json(const viewer::SessionState& state);

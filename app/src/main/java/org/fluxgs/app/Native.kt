@@ -79,6 +79,9 @@ internal object Native {
 
     @JvmStatic external fun resetView(session: Long)
 
+    /** Turns slowly round what is looked at until the next touch, or no longer. */
+    @JvmStatic external fun drift(session: Long, on: Boolean)
+
     /** Frees the GL objects; the next frame makes them again. */
     @JvmStatic external fun freeGraphics(session: Long)
 

@@ -42,6 +42,7 @@ data class SessionState(
     val drawn: Boolean,
     val shown: Long, // the number of the loading whose scene it is, 0 for none
     val flipped: Boolean,
+    val motion: String, // what moves the view by itself: "drift", or nothing
     val error: String,
     val contexts: Int,
     val dropped: Long,
@@ -60,7 +61,7 @@ data class SessionState(
                     loading.getLong("splats"), loading.getLong("memory"),
                 ),
                 json.getBoolean("hasScene"), json.getBoolean("drawn"), json.getLong("shown"),
-                json.getBoolean("flipped"),
+                json.getBoolean("flipped"), json.getString("motion"),
                 json.getString("error"), json.getInt("contexts"), json.getLong("dropped"),
                 json.getDouble("firstFrameMs"),
                 Stats(
@@ -158,6 +159,8 @@ class Session : AutoCloseable {
     fun flipUp() = change { Native.flipUp(it) }
 
     fun resetView() = change { Native.resetView(it) }
+
+    fun drift(on: Boolean) = change { Native.drift(it, on) }
 
     fun freeGraphics() = change { Native.freeGraphics(it) }
 

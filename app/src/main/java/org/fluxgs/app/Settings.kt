@@ -12,6 +12,8 @@ data class Settings(
     /** 0: all. */
     val maxSplats: Int = 0,
     val hud: Boolean = false,
+    /** A scene that is opened turns slowly until it is touched. */
+    val autoOrbit: Boolean = true,
 ) {
     fun save(context: Context) {
         preferences(context).edit()
@@ -20,6 +22,7 @@ data class Settings(
             .putInt("shDegree", shDegree)
             .putInt("maxSplats", maxSplats)
             .putBoolean("hud", hud)
+            .putBoolean("autoOrbit", autoOrbit)
             .apply()
     }
 
@@ -36,6 +39,7 @@ data class Settings(
                 kept.getInt("shDegree", defaults.shDegree).coerceIn(0, 3),
                 BUDGETS.find { it == kept.getInt("maxSplats", defaults.maxSplats) } ?: 0,
                 kept.getBoolean("hud", defaults.hud),
+                kept.getBoolean("autoOrbit", defaults.autoOrbit),
             )
         }
 

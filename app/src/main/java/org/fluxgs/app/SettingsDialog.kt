@@ -32,6 +32,9 @@ internal class SettingsDialog(
         val hud = view.findViewById<Switch>(R.id.hud)
         hud.isChecked = settings.hud
         hud.setOnCheckedChangeListener { _, on -> change(settings.copy(hud = on)) }
+        val autoOrbit = view.findViewById<Switch>(R.id.auto_orbit)
+        autoOrbit.isChecked = settings.autoOrbit
+        autoOrbit.setOnCheckedChangeListener { _, on -> change(settings.copy(autoOrbit = on)) }
         view.findViewById<View>(R.id.flip).setOnClickListener { onFlip() }
         return AlertDialog.Builder(activity)
             .setTitle(R.string.settings)

@@ -47,6 +47,9 @@ class ViewerActivity : Activity() {
     private var droppedPlace: DoubleArray? = null // of a scene that made room for another viewer's
     private val main = Handler(Looper.getMainLooper())
 
+    private var startsStill = false // the view is one that people left, not one to begin at
+    private val motion = MotionMenu(this) { session }
+
     private val look = object : Runnable {
         override fun run() {
             update()
@@ -110,6 +113,7 @@ class ViewerActivity : Activity() {
         session.cancelLoading()
         name = ""
         busy = true
+        startsStill = place != null
         budget.begin()
         apply(settings)
         loadingView.opening()
@@ -195,7 +199,8 @@ class ViewerActivity : Activity() {
      * while after a touch, a turn of the device that is no trembling, or another part of a file.
      */
     private fun stayAwake(state: SessionState) {
-        val turn = session.place()?.copyOfRange(3, 7) // w, x, y, z
+        val drifts = state.motion == "drift" // which nobody may be looking at
+        val turn = if (drifts) null else session.place()?.copyOfRange(3, 7) // w, x, y, z
         val turned = turn != null && abs((0..3).sumOf { turn[it] * lastTurn[it] }) < STILL
         if (turned || state.loading.read != lastRead) {
             touchedAt = SystemClock.elapsedRealtime()
@@ -218,6 +223,8 @@ class ViewerActivity : Activity() {
         if (!busy) uri = scene.uri
         remember()
         tellOfDropped(state)
+        if (settings.autoOrbit && !startsStill && !looksAround && Motion.isWelcome(this)) session.drift(true)
+        startsStill = false
     }
 
     private fun tellOfDropped(state: SessionState) {
@@ -246,6 +253,7 @@ class ViewerActivity : Activity() {
         button(R.id.screenshot) { takeScreenshot() }
         button(R.id.options) { showSettings() }
         button(R.id.measure) { measure() }
+        button(R.id.motion) { motion.show(findViewById(R.id.motion)) }
         button(R.id.gyroscope) { lookAround(!looksAround) }
         if (!gyroscope.isThere) findViewById<View>(R.id.gyroscope).visibility = View.GONE
     }
@@ -369,6 +377,7 @@ class ViewerActivity : Activity() {
         measuring = false
         Insets.immersive(window)
         gyroscope.on = looksAround
+        if (!Motion.isWelcome(this)) session.drift(false)
     }
 
     override fun onPause() {
