@@ -9,9 +9,11 @@
 #include "camera/inertia.h"
 #include "camera/orbit.h"
 #include "camera/pan_zoom.h"
+#include "camera/path.h"
 #include "camera/scene_fit.h"
 #include "camera/transition.h"
 #include "camera/view_state.h"
+#include "camera/walk.h"
 
 namespace fluxgs::camera {
 
@@ -25,18 +27,23 @@ struct Navigation {
   SceneUnits units;
   double speed_factor = 1;  ///< of flying
   FlyDirection flying;      ///< for as long as it is not zero
+  /// The eye's height along up while people walk: then `flying` is walking.
+  std::optional<double> walking;
 
   // What goes on by itself; a touch ends it.
   Glide glide;
   DragAction gliding = DragAction::orbit;
   std::optional<Transition> transition;
-  std::optional<Drift> drift;  ///< waits for a transition
+  // These two wait for a transition
+  std::optional<Playback> playback;
+  std::optional<Drift> drift;
 };
 
 /// Starts at a view, which is also home.
 Navigation navigation_from(const ViewState& view, const glm::dvec3& up, const SceneUnits& units);
 
-/// A finger or button went down: what went on by itself ends.
+/// A finger or button went down: what went on by itself ends, but for the way to where a walk
+/// begins.
 void touch(Navigation& n);
 
 /// A pointer that is down moved by `drag` pixels.
@@ -47,6 +54,16 @@ void release(Navigation& n, DragAction action, const glm::dvec2& velocity);
 
 /// Goes smoothly to a view.
 void go_to(Navigation& n, const ViewState& view);
+
+/// Goes smoothly to the beginning of a path and plays it.
+void play(Navigation& n, std::shared_ptr<const CameraPath> path, const glm::dvec2& size);
+
+/// Goes smoothly to eye height and walks from there. What leads away from there ends a walk: a
+/// path, auto-orbit, reset() and flip_up().
+void start_walking(Navigation& n);
+void stop_walking(Navigation& n);
+/// While people walk: the view, put on foot again after it was moved otherwise.
+void keep_on_foot(Navigation& n);
 
 /// Turns slowly round the target from now on, from where the view is.
 void drift(Navigation& n);
