@@ -179,6 +179,80 @@ class Life {
   std::mt19937 random_;
 };
 
+TEST_F(EglScreenTest, AVideoHasItsOwnWindowAndTimes) {
+  ANativeWindow* window = new_window();
+  screen_->attach(window);
+  EXPECT_EQ(present(), true);
+  ANativeWindow* encoder = new_window();
+  ASSERT_TRUE(screen_->begin_video(encoder));
+  int drawn = 0;
+  for (const long time : {0L, 33'333'333L, 66'666'667L})
+    ASSERT_TRUE(screen_->video_frame(
+        [&] {
+          ++drawn;
+          EXPECT_EQ(mock.current, encoder->connected) << "into the encoder's framebuffer";
+        },
+        time));
+  EXPECT_EQ(drawn, 3);
+  EXPECT_EQ(encoder->shown, 3);
+  EXPECT_THAT(encoder->times, testing::ElementsAre(0, 33'333'333, 66'666'667));
+  EXPECT_EQ(present(), true) << "the screen, between the frames";
+  screen_->detach();
+  ASSERT_TRUE(screen_->video_frame([] {}, 1)) << "the window may go meanwhile";
+  screen_->end_video();
+  expect_gone(encoder);
+  EXPECT_EQ(encoder->shown, 4);
+}
+
+TEST_F(EglScreenTest, AVideoThatFailsLetsGoOfItsWindow) {
+  ASSERT_TRUE(screen_->make_context());
+  for (const char* function : {"eglCreateWindowSurface", "eglMakeCurrent",
+                               "eglPresentationTimeANDROID", "eglSwapBuffers"}) {
+    ANativeWindow* encoder = new_window();
+    mock.failures[function] = {EGL_BAD_ALLOC};
+    auto failed = screen_->begin_video(encoder);
+    if (failed) failed = screen_->video_frame([] {}, 0);
+    ASSERT_FALSE(failed) << function;
+    EXPECT_THAT(failed.error().message(), HasSubstr(function));
+    screen_->end_video();
+    expect_gone(encoder);
+    mock.failures.clear();
+    screen_->attach(new_window());
+    EXPECT_EQ(present(), true) << "the screen goes on";
+  }
+  mock.has_times = false;
+  ANativeWindow* encoder = new_window();
+  const auto without = screen_->begin_video(encoder);
+  ASSERT_FALSE(without);
+  EXPECT_THAT(without.error().message(), HasSubstr("EGL_ANDROID_presentation_time"));
+  screen_->end_video();
+  expect_gone(encoder);
+}
+
+TEST_F(EglScreenTest, AContextThatIsLostEndsAVideo) {
+  ASSERT_TRUE(screen_->make_context());
+  ANativeWindow* encoder = new_window();
+  ASSERT_TRUE(screen_->begin_video(encoder));
+  mock.lost = true;
+  EXPECT_FALSE(screen_->video_frame([] {}, 0));
+  EXPECT_TRUE(screen_->api()->lost);
+  screen_->end_video();
+  expect_gone(encoder);
+  screen_->attach(new_window());
+  EXPECT_EQ(present(), true);
+}
+
+TEST_F(EglScreenTest, AVideoWithoutAContextOrToItsEndIsNoLeak) {
+  ANativeWindow* encoder = new_window();
+  EXPECT_FALSE(screen_->begin_video(encoder));
+  ASSERT_TRUE(screen_->make_context());
+  ANativeWindow* other = new_window();
+  ASSERT_TRUE(screen_->begin_video(other));
+  expect_gone(encoder);
+  screen_.reset();
+  expect_gone(other);
+}
+
 TEST_F(EglScreenTest, EveryOrderEndsWithoutALeak) {
   const std::array functions{"eglCreateWindowSurface", "eglMakeCurrent", "eglSwapBuffers",
                              "eglCreateContext", "eglCreatePbufferSurface"};

@@ -51,6 +51,13 @@ struct Config {
 constexpr Config kConfigs[] = {
     {10, 2, 43, EGL_NONE}, {8, 0, 2, EGL_SLOW_CONFIG}, {8, 8, 1, EGL_NONE}, {8, 0, 3, EGL_NONE}};
 
+EGLBoolean present_at(EGLDisplay, EGLSurface surface, std::int64_t nanoseconds) {
+  if (mock.fails("eglPresentationTimeANDROID")) return EGL_FALSE;
+  if (surface != mock.current) mock.wrong("a frame gets a time that is not current");
+  mock.surfaces[surface].window->times.push_back(nanoseconds);
+  return EGL_TRUE;
+}
+
 const Config& config_of(EGLConfig config) { return *static_cast<const Config*>(config); }
 
 }  // namespace
@@ -67,6 +74,9 @@ EGLint eglGetError() {
 }
 
 __eglMustCastToProperFunctionPointerType eglGetProcAddress(const char* name) {
+  using Function = __eglMustCastToProperFunctionPointerType;
+  if (std::strcmp(name, "eglPresentationTimeANDROID") == 0)
+    return mock.has_times ? reinterpret_cast<Function>(&present_at) : nullptr;
   const fluxgs::gl::Api& api = mock.gl->api();
 #define FLUXGS_MOCK_GL(function)              \
   if (std::strcmp(name, "gl" #function) == 0) \

@@ -23,6 +23,7 @@ struct ANativeWindow {
   bool abandoned = false;          ///< its Surface is gone: buffers are refused
   int geometry = 0;                ///< format that was asked for
   int shown = 0;                   ///< images
+  std::vector<long> times = {};    ///< of the frames of a video, nanoseconds
 };
 
 namespace fluxgs::test {
@@ -42,7 +43,8 @@ struct MockEgl {
   EGLSurface current = EGL_NO_SURFACE;
   EGLContext current_context = EGL_NO_CONTEXT;
   bool initialized = false, terminated = false, thread_released = false;
-  bool lost = false;  ///< the context: every use of it says so
+  bool has_times = true;  ///< EGL_ANDROID_presentation_time
+  bool lost = false;      ///< the context: every use of it says so
   EGLint error = EGL_SUCCESS;
   long calls = 0;
   std::size_t next = 1;                   ///< handle

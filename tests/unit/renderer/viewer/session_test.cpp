@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "camera/initial_view.h"
+#include "camera/orbit.h"
 #include "fluxgs/io/gltf.h"
 #include "platform/host/offscreen_screen.h"
 #include "tests/support/scenes.h"
@@ -502,6 +503,22 @@ TEST_P(SessionTest, TheGyroscopeLooksAround) {
   EXPECT_LT(psnr(image(), before), 30);
 }
 
+TEST_P(SessionTest, WhatBeginsToMoveIsDrawnHoweverLateTheDisplayAsks) {
+  ASSERT_TRUE(load(file_with_start()));
+  const SavedView home = *session_->saved_view();
+  SavedView other = home;
+  other.view = camera::orbit(other.view, {30, 0}, {kWidth, kHeight}, other.up);
+  for (const SavedView& next : {other, home}) {
+    EXPECT_LT(comes_to_rest_after([] {}), 300);
+    session_->go_to(next);
+    std::this_thread::sleep_for(100ms);  // the drawing thread has it, and no frame is asked for
+    EXPECT_TRUE(session_->frame(time_ += 1.0 / 60));
+    EXPECT_LT(comes_to_rest_after([] {}), 300);
+    const SavedView now = *session_->saved_view();
+    EXPECT_LT(glm::distance(camera::eye(now.view), camera::eye(next.view)), 1e-9);
+  }
+}
+
 TEST_P(SessionTest, DriftsUntilItIsTouched) {
   ASSERT_TRUE(load(file_with_start()));
   const auto before = image();
@@ -522,13 +539,149 @@ TEST_P(SessionTest, DriftsUntilItIsTouched) {
   EXPECT_LT(psnr(*session_->image(), before), 45);
 }
 
+TEST_P(SessionTest, PlaysAPathUntilItIsTouched) {
+  ASSERT_TRUE(load(file_with_start()));
+  session_->play(true);
+  image();
+  EXPECT_EQ(session_->state().motion, Motion::none) << "there is no path yet";
+  const SavedView start = *session_->saved_view();
+  EXPECT_EQ(session_->set_path(camera::orbit_path(start.view, start.up, 5)), 5);
+  session_->play(true);
+  EXPECT_TRUE(run_until([](const SessionState& s) { return s.motion == Motion::path; }));
+  for (int i = 0; i < 90; ++i) {
+    EXPECT_TRUE(session_->frame(time_ += 1.0 / 60)) << "frames are wanted";
+    std::this_thread::sleep_for(2ms);
+  }
+  session_->touch(TouchPhase::down, 0, {{0, {48, 32}}}, time_);
+  EXPECT_TRUE(run_until([](const SessionState& s) { return s.motion == Motion::none; }));
+  const SavedView now = *session_->saved_view();
+  EXPECT_GT(glm::distance(camera::eye(now.view), camera::eye(start.view)), 0.1);
+}
+
+TEST_P(SessionTest, GoesToASavedViewButNotToOneThatIsNone) {
+  ASSERT_TRUE(load(file_with_start()));
+  SavedView other = *session_->saved_view();
+  other.view = camera::orbit(other.view, {30, 10}, {kWidth, kHeight}, other.up);
+  session_->go_to(other);
+  const auto arrived = [&](const SessionState&) {
+    const SavedView now = *session_->saved_view();
+    return glm::distance(camera::eye(now.view), camera::eye(other.view)) < 1e-9;
+  };
+  EXPECT_TRUE(run_until(arrived));
+  SavedView none = other;
+  none.view.distance = NAN;
+  session_->go_to(none);
+  other.view.distance *= 2;
+  other.up = -other.up;
+  EXPECT_LT(comes_to_rest_after([] {}), 300);
+  EXPECT_FALSE(session_->state().flipped);
+  session_->go_to(other);
+  EXPECT_TRUE(run_until(arrived));
+  EXPECT_TRUE(session_->state().flipped);
+}
+
+/// An encoder behind the screen.
+class FilmingScreen : public Screen {
+ public:
+  FilmingScreen(host::HostGl gl, std::vector<std::int64_t>& times)
+      : screen_(host::make_offscreen_screen(gl)), times_(times) {}
+  Expected<gl::Api*> make_context() override { return screen_->make_context(); }
+  gl::Api* api() override { return screen_->api(); }
+  void attach(void* window) override { screen_->attach(window); }
+  void detach() override { screen_->detach(); }
+  bool has_window() const override { return screen_->has_window(); }
+  Expected<bool> present(const std::function<void()>& draw, int w, int h) override {
+    return screen_->present(draw, w, h);
+  }
+  Expected<void> begin_video(void* window) override {
+    return window != nullptr ? Expected<void>() : fail("video", "", "no window");
+  }
+  Expected<void> video_frame(const std::function<void()>&, std::int64_t nanoseconds) override {
+    times_.push_back(nanoseconds);
+    return {};
+  }
+
+ private:
+  std::unique_ptr<Screen> screen_;
+  std::vector<std::int64_t>& times_;
+};
+
+TEST_P(SessionTest, MakesAVideoAndDrawsOn) {
+  std::vector<std::int64_t> times;
+  begin_on(std::make_unique<FilmingScreen>(GetParam(), times));
+  ASSERT_TRUE(load(file_with_start()));
+  const auto before = image();
+  const SavedView start = *session_->saved_view();
+  session_->set_path(camera::orbit_path(start.view, start.up, 1));
+  session_->start_video(this, {.width = 80, .height = 48, .fps = 12});
+  EXPECT_TRUE(run_until([this](const SessionState&) { return !session_->video().running; }));
+  const RunState state = session_->video();
+  EXPECT_EQ(state.error, "");
+  EXPECT_EQ(state.stopped, "");
+  EXPECT_EQ(state.done, 12);
+  ASSERT_EQ(times.size(), 12U);
+  EXPECT_EQ(times[6], 500'000'000);
+  EXPECT_GT(psnr(image(), before), 50) << "the window shows its own view again";
+}
+
+TEST_P(SessionTest, AVideoCanBeStoppedAndLosesNothing) {
+  std::vector<std::int64_t> times;
+  begin_on(std::make_unique<FilmingScreen>(GetParam(), times));
+  ASSERT_TRUE(load(file_with_start()));
+  session_->start_video(this, {});
+  EXPECT_TRUE(run_until([this](const SessionState&) { return !session_->video().running; }));
+  EXPECT_THAT(session_->video().error, HasSubstr("there is no camera path"));
+  const SavedView start = *session_->saved_view();
+  session_->set_path(camera::orbit_path(start.view, start.up, 1000));
+  session_->start_video(this, {.width = 80, .height = 48});
+  EXPECT_TRUE(run_until([this](const SessionState&) { return session_->video().done > 3; }));
+  session_->surface_destroyed();  // does not wait for its end
+  session_->stop_video("enough");
+  EXPECT_TRUE(run_until([this](const SessionState&) { return !session_->video().running; }));
+  EXPECT_EQ(session_->video().stopped, "enough");
+  session_->start_video(this, {.width = 80, .height = 48});
+  EXPECT_TRUE(run_until([this](const SessionState&) { return session_->video().done > 3; }));
+  session_->free_graphics();
+  EXPECT_TRUE(run_until([this](const SessionState&) { return !session_->video().running; }));
+  EXPECT_THAT(session_->video().error, HasSubstr("no longer shown"));
+}
+
+TEST_P(SessionTest, WalksWithAStickAndByKeys) {
+  ASSERT_TRUE(load(file_with_start()));
+  session_->stick(0, 1);
+  EXPECT_LT(comes_to_rest_after([] {}), 300) << "nobody walks";
+  session_->walk(true);
+  EXPECT_TRUE(run_until([](const SessionState& s) { return s.motion == Motion::walk; }));
+  EXPECT_LT(comes_to_rest_after([] {}), 300);
+  const SavedView begin = *session_->saved_view();
+  session_->stick(0, 1);
+  for (int i = 0; i < 30; ++i) {
+    EXPECT_TRUE(session_->frame(time_ += 1.0 / 60));
+    std::this_thread::sleep_for(5ms);
+  }
+  EXPECT_LT(comes_to_rest_after([&] { session_->stick(0, 0); }), 300);
+  const SavedView there = *session_->saved_view();
+  EXPECT_GT(glm::distance(camera::eye(there.view), camera::eye(begin.view)), 0.01);
+  session_->handle({.kind = WindowEvent::Kind::key, .down = true, .key = 'S'}, time_);
+  for (int i = 0; i < 30; ++i) {
+    EXPECT_TRUE(session_->frame(time_ += 1.0 / 60));
+    std::this_thread::sleep_for(5ms);
+  }
+  EXPECT_LT(
+      comes_to_rest_after([&] { session_->handle({.kind = WindowEvent::Kind::focus_lost}, 0); }),
+      300);
+  const SavedView back = *session_->saved_view();
+  EXPECT_LT(glm::distance(camera::eye(back.view), camera::eye(begin.view)),
+            glm::distance(camera::eye(there.view), camera::eye(begin.view)));
+}
+
 TEST_P(SessionTest, BenchmarksAndDrawsOn) {
   ASSERT_TRUE(load(file_with_start()));
   const auto before = image();
   session_->start_benchmark(
       {.sizes = {{64, 48}, {32, 24}}, .protocol = {.warmup = 1, .frames = 3}});
   EXPECT_TRUE(run_until([this](const SessionState&) { return !session_->benchmark().running; }));
-  const BenchmarkState state = session_->benchmark();
+  const RunState state = session_->benchmark();
   EXPECT_EQ(state.error, "");
   EXPECT_EQ(state.stopped, "");
   EXPECT_EQ(state.done, state.all);

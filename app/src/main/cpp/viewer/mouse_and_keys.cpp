@@ -26,9 +26,9 @@ bool is_flying(const MouseAndKeys& input) {
   return std::ranges::any_of(kFlying, [&](char letter) { return is_down(input, letter); });
 }
 
-DragAction action_of(PointerButton button, const MouseAndKeys& input) {
+DragAction action_of(PointerButton button, const MouseAndKeys& input, const Navigation& n) {
   if (button != PointerButton::left) return DragAction::pan;
-  return is_flying(input) ? DragAction::look : DragAction::orbit;
+  return n.walking || is_flying(input) ? DragAction::look : DragAction::orbit;
 }
 
 /// True if this press of the left button is the second of two.
@@ -56,7 +56,7 @@ void lift(const WindowEvent& event, double time, MouseAndKeys& input, Navigation
   if (input.dragging != event.button) return;
   input.dragging.reset();
   if (!n.transition)
-    camera::release(n, action_of(event.button, input), camera::velocity(input.trail, time));
+    camera::release(n, action_of(event.button, input, n), camera::velocity(input.trail, time));
 }
 
 void move(const WindowEvent& event, double time, const glm::dvec2& size, MouseAndKeys& input,
@@ -66,7 +66,7 @@ void move(const WindowEvent& event, double time, const glm::dvec2& size, MouseAn
   if (!input.dragging || way == glm::dvec2(0.0)) return;
   camera::touch(n);
   camera::add(input.trail, time, event.position);
-  camera::drag(n, action_of(*input.dragging, input), way, size);
+  camera::drag(n, action_of(*input.dragging, input, n), way, size);
 }
 
 void hold(char key, bool down, MouseAndKeys& input, Navigation& n) {
@@ -87,6 +87,11 @@ void type(char letter, Navigation& n) {
     case 'f':
     case 'F':
       camera::flip_up(n);
+      break;
+    case 'o':
+    case 'O':
+      if (!n.drift) return camera::drift(n);
+      n.drift.reset();
       break;
     case 'r':
     case 'R':

@@ -18,6 +18,7 @@ inline constexpr std::string_view kMouseAndKeysHelp =
     "  double click look at what is there, from nearer\n"
     "  W A S D      fly forward, left, back, right; Q E: down, up\n"
     "  + -          fly faster, slower\n"
+    "  O            auto-orbit until a click\n"
     "  F            turn the scene upside down\n"
     "  R            reset the view\n";
 

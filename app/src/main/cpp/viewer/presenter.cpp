@@ -79,6 +79,24 @@ void Presenter::lose_context() {
   redraw_ = true;
 }
 
+Expected<void> Presenter::begin_video(void* window) {
+  const auto api = context();
+  if (auto begun = screen_->begin_video(window); !begun) return begun;  // has the window now
+  if (!api) return std::unexpected(api.error());
+  return viewer_.is_open() ? Expected<void>() : viewer_.open(**api, width_, height_);
+}
+
+Expected<void> Presenter::video_frame(const camera::ViewState& view, const VideoPlan& plan,
+                                      std::int64_t nanoseconds) {
+  if (auto drawn = viewer_.draw_exact(view, plan.width, plan.height); !drawn) return drawn;
+  return screen_->video_frame([&] { viewer_.scene().show(plan.width, plan.height); }, nanoseconds);
+}
+
+void Presenter::end_video() {
+  screen_->end_video();
+  redraw_ = true;
+}
+
 std::optional<Image<std::uint8_t>> Presenter::image(int longest) {
   if (!viewer_.is_open() || !drawn_) return std::nullopt;
   if (longest == 0) {

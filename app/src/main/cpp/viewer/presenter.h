@@ -9,6 +9,7 @@
 
 #include "render/driver_limits.h"
 #include "viewer/screen.h"
+#include "viewer/video.h"
 #include "viewer/viewer.h"
 
 namespace fluxgs::viewer {
@@ -62,6 +63,14 @@ class Presenter {
   bool has_drawn() const { return drawn_; }
   /// True if frame() would change nothing until somebody does something.
   bool at_rest() const;
+
+  /// See Screen::begin_video(); fails too where there is no scene. It is opened if it is not.
+  Expected<void> begin_video(void* window);
+  /// Draws a frame of a video, exactly, and hands it on.
+  Expected<void> video_frame(const camera::ViewState& view, const VideoPlan& plan,
+                             std::int64_t nanoseconds);
+  /// Afterwards the window is drawn again.
+  void end_video();
 
   /// The image of the present view, RGBA, as large as the window and as sharp as it is at rest. Or
   /// the last one, reduced until its longer side is `longest` pixels. Nothing where there is none.

@@ -37,6 +37,15 @@ class Screen {
   /// did: not in a window that is about to be taken away, nor where there is none. Fails, with the
   /// context marked as lost (gl::context_lost()), when that is why.
   virtual Expected<bool> present(const std::function<void()>& draw, int width, int height) = 0;
+
+  /// The images of a video go to this window of an encoder until end_video(); ownership is passed,
+  /// also where it fails.
+  virtual Expected<void> begin_video(void* window);
+  /// Draws an image into the framebuffer, number 0, of that window, and hands it to the encoder
+  /// with its time from the beginning. May wait for the encoder.
+  virtual Expected<void> video_frame(const std::function<void()>& draw, std::int64_t nanoseconds);
+  /// That window is no longer touched when this returns.
+  virtual void end_video() {}
 };
 
 }  // namespace fluxgs::viewer

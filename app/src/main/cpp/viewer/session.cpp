@@ -26,6 +26,7 @@ Session::~Session() {
     loading_.cancel();
   }
   benchmark_.stop("closed");
+  video_.stop("closed");
   changed_.notify_all();
   thread_.join();
 }
@@ -184,6 +185,39 @@ void Session::drift(bool on) {
   post([this, on] { presenter_->viewer().drift(on); });
 }
 
+void Session::walk(bool on) {
+  post([this, on] { presenter_->viewer().walk(on); });
+}
+
+void Session::stick(double right, double ahead) {
+  post([this, right, ahead] { presenter_->viewer().stick(right, ahead); });
+}
+
+void Session::handle(const WindowEvent& event, double seconds) {
+  post([this, event, seconds] { presenter_->viewer().handle(event, seconds); });
+}
+
+void Session::go_to(const SavedView& saved) {
+  post([this, saved] { presenter_->viewer().go_to(saved); });
+}
+
+double Session::set_path(camera::CameraPath path) {
+  const std::lock_guard lock(mutex_);
+  path_ = std::make_shared<const camera::CameraPath>(std::move(path));
+  return path_->seconds;
+}
+
+std::shared_ptr<const camera::CameraPath> Session::path() const {
+  const std::lock_guard lock(mutex_);
+  return path_;
+}
+
+void Session::play(bool on) {
+  const auto path = on ? this->path() : nullptr;
+  if (on && !path) return;
+  post([this, path] { presenter_->viewer().play(path); });
+}
+
 void Session::free_graphics() {
   {
     const std::lock_guard lock(mutex_);
@@ -322,7 +356,39 @@ void Session::run_benchmark(const bench::SceneBenchmarkPlan& plan) {
     }
   }();
   presenter_->redraw();
-  benchmark_.finish(result);
+  if (!result) return benchmark_.finish(std::unexpected(result.error()));
+  benchmark_.finish(RunResult{bench::rows_json(*result), result->stopped});
+}
+
+void Session::start_video(void* window, const VideoPlan& plan) {
+  video_.begin();
+  post([this, window, plan] {
+    const auto result = [&]() -> Expected<RunResult> {
+      try {
+        return film(window, plan);
+      } catch (const std::exception& problem) {
+        return fail("video", "memory", problem.what());
+      }
+    }();
+    presenter_->end_video();
+    video_.finish(result);
+  });
+}
+
+Expected<RunResult> Session::film(void* window, const VideoPlan& plan) {
+  if (auto begun = presenter_->begin_video(window); !begun) return std::unexpected(begun.error());
+  publish_driver();
+  const auto path = this->path();
+  if (!path) return fail("video", "", "there is no camera path");
+  return make_frames(
+      *path, plan,
+      [&](const camera::ViewState& view, std::int64_t nanoseconds) {
+        return presenter_->video_frame(view, plan, nanoseconds);
+      },
+      [this](int done, int all) {
+        run_tasks();  // the window may be taken away
+        return video_.report(done, all);
+      });
 }
 
 }  // namespace fluxgs::viewer

@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "viewer/benchmark_run.h"
+#include "bench/scene_benchmark.h"
 #include "viewer/presenter.h"
 #include "viewer/scene_loading.h"
 
@@ -76,6 +76,18 @@ class Session {
   void reset_view();
   /// See Viewer::drift().
   void drift(bool on);
+  /// See Viewer::walk(), Viewer::stick().
+  void walk(bool on);
+  void stick(double right, double ahead);
+  /// Of a mouse or a keyboard, `seconds` as in touch().
+  void handle(const WindowEvent& event, double seconds);
+  /// See Viewer::go_to().
+  void go_to(const SavedView& saved);
+
+  /// The path that play() plays; returns its seconds of once through.
+  double set_path(camera::CameraPath path);
+  /// See Viewer::play(); does nothing where no path was set.
+  void play(bool on);
   /// Gives back what is drawn with; the next frame makes it again.
   void free_graphics();
 
@@ -94,7 +106,13 @@ class Session {
   void start_benchmark(const bench::SceneBenchmarkPlan& plan);
   /// `why` is what the result says of it: a call, heat.
   void stop_benchmark(const std::string& why) { benchmark_.stop(why); }
-  BenchmarkState benchmark() const { return benchmark_.state(); }
+  RunState benchmark() const { return benchmark_.state(); }
+
+  /// Makes a video of the path that was set, into the window of an encoder, whose ownership is
+  /// passed: every frame exact, nothing drawn to the screen meanwhile. No other one may be running.
+  void start_video(void* window, const VideoPlan& plan);
+  void stop_video(const std::string& why) { video_.stop(why); }
+  RunState video() const { return video_.state(); }
 
   /// Acts as if the GPU had been reset (tests, debugging).
   void lose_context();
@@ -112,8 +130,10 @@ class Session {
   void give_up(const Error& error);
   Expected<bench::SceneBenchmark> measure(const bench::SceneBenchmarkPlan& plan);
   void run_benchmark(const bench::SceneBenchmarkPlan& plan);
+  std::shared_ptr<const camera::CameraPath> path() const;
   void publish();
   void publish_driver();
+  Expected<RunResult> film(void* window, const VideoPlan& plan);
 
   // The drawing thread's own
   std::optional<Presenter> presenter_;
@@ -136,7 +156,8 @@ class Session {
   std::chrono::steady_clock::time_point load_began_;
   SessionState state_;
   std::optional<SavedView> saved_;
-  BenchmarkRun benchmark_;
+  std::shared_ptr<const camera::CameraPath> path_;
+  WatchedRun benchmark_, video_;
 
   std::thread thread_;
 };

@@ -12,7 +12,6 @@ namespace {
 
 constexpr double kStatsSmoothing = 0.1;
 constexpr double kRest = 0.25;  // seconds without movement: less is a finger that hesitates
-constexpr double kMaxCoordinate = 1e12;  // of a saved view
 
 using Seconds = std::chrono::duration<double>;
 
@@ -23,20 +22,6 @@ double seconds_between(std::chrono::steady_clock::time_point from,
 
 void smooth(double& mean, double value) {
   mean = mean > 0 ? std::lerp(mean, value, kStatsSmoothing) : value;
-}
-
-/// A saved view with directions of unit length, if it is a view at all.
-std::optional<SavedView> restored(SavedView saved) {
-  camera::ViewState& view = saved.view;
-  const double turn = glm::length(view.orientation), up = glm::length(saved.up);
-  const bool sound = glm::length(view.target) <= kMaxCoordinate && turn > 0.5 &&
-                     turn <= kMaxCoordinate && up > 0.5 && up <= kMaxCoordinate &&
-                     view.distance > 0 && view.distance <= kMaxCoordinate && view.fov > 0 &&
-                     view.fov < std::numbers::pi;
-  if (!sound) return std::nullopt;
-  view.orientation = glm::normalize(view.orientation);
-  saved.up = glm::normalize(saved.up);
-  return saved;
 }
 
 bool same(const camera::ViewState& a, const camera::ViewState& b) {
@@ -73,9 +58,14 @@ void Viewer::begin_navigation() {
   navigated_ = true;
   const auto saved = saved_ ? restored(*saved_) : std::nullopt;
   if (!saved) return;
-  if (glm::dot(saved->up, first_up_) < 0) camera::flip_up(navigation_);
+  take_up_of(*saved);
   navigation_.view = saved->view;
-  navigation_.up = saved->up;
+}
+
+/// What is up in a saved view is up in the scene.
+void Viewer::take_up_of(const SavedView& saved) {
+  if (glm::dot(saved.up, navigation_.up) < 0) camera::flip_up(navigation_);
+  navigation_.up = saved.up;
 }
 
 render::SceneViewSettings Viewer::scene_settings(const gl::Api& api) const {
@@ -132,7 +122,6 @@ void Viewer::set(const ViewerSettings& settings) {
   }
   settings_ = settings;
   goal_.set_display(settings.frame_seconds);
-  gestures_.one_finger = settings.gyroscope ? camera::DragAction::look : camera::DragAction::orbit;
   stale_ = true;
 }
 
@@ -153,6 +142,7 @@ void Viewer::steer(Input&& input) {
   if (!navigated_) return;
   const camera::ViewState before = navigation_.view;
   const std::optional<glm::dvec2> pixel = input();
+  camera::keep_on_foot(navigation_);
   if (!same(before, navigation_.view)) {
     anchor_anew(gyroscope_);
     stale_ = true;
@@ -165,6 +155,8 @@ void Viewer::steer(Input&& input) {
 }
 
 void Viewer::touch(const TouchEvent& event) {
+  const bool looks = settings_.gyroscope || navigation_.walking;
+  gestures_.one_finger = looks ? camera::DragAction::look : camera::DragAction::orbit;
   steer([&] { return apply(event, glm::dvec2(size_), gestures_, navigation_); });
 }
 
@@ -209,7 +201,43 @@ void Viewer::drift(bool on) {
     navigation_.drift.reset();
 }
 
-Motion Viewer::motion() const { return navigation_.drift ? Motion::drift : Motion::none; }
+void Viewer::play(std::shared_ptr<const camera::CameraPath> path) {
+  if (!navigated_) return;
+  if (path)
+    camera::play(navigation_, std::move(path), glm::dvec2(size_));
+  else
+    navigation_.playback.reset();
+}
+
+void Viewer::go_to(const SavedView& saved) {
+  const auto sound = restored(saved);
+  if (!navigated_ || !sound) return;
+  const camera::ViewState from = navigation_.view;
+  camera::stop_walking(navigation_);
+  take_up_of(*sound);
+  navigation_.view = from;
+  camera::go_to(navigation_, sound->view);
+}
+
+void Viewer::walk(bool on) {
+  if (!navigated_) return;
+  if (on)
+    camera::start_walking(navigation_);
+  else
+    camera::stop_walking(navigation_);
+}
+
+void Viewer::stick(double right, double ahead) {
+  if (!navigation_.walking || !std::isfinite(right) || !std::isfinite(ahead)) return;
+  navigation_.flying = {.right = std::clamp(right, -1.0, 1.0),
+                        .forward = std::clamp(ahead, -1.0, 1.0)};
+}
+
+Motion Viewer::motion() const {
+  if (navigation_.walking) return Motion::walk;
+  if (navigation_.playback) return Motion::path;
+  return navigation_.drift ? Motion::drift : Motion::none;
+}
 
 std::optional<SavedView> Viewer::saved_view() const {
   if (!navigated_) return saved_;
@@ -237,14 +265,31 @@ bool Viewer::advance(double seconds) {
 bool Viewer::rests() const { return still_ >= kRest; }
 
 bool Viewer::at_rest() const {
-  return is_open() && rests() && !stale_ && scale_ == wanted_scale() &&
-         scene_->renderer().order_is_current();
+  return is_open() && rests() && !stale_ && !camera::moving(navigation_) &&
+         scale_ == wanted_scale() && scene_->renderer().order_is_current();
 }
 
 /// There is time for all pixels when nothing moves.
 double Viewer::wanted_scale() const {
   if (settings_.scale > 0) return settings_.scale;
   return rests() ? goal_.coolest() : goal_.scale();
+}
+
+RenderOptions Viewer::render_options() const {
+  RenderOptions options;
+  options.sh_degree = settings_.sh_degree;
+  options.near_plane = navigation_.units.near_plane;
+  options.background = settings_.background;
+  return options;
+}
+
+Expected<void> Viewer::draw_exact(const camera::ViewState& view, int width, int height) {
+  if (!is_open()) return fail("viewer", "", "the scene is no longer shown");
+  stale_ = true;  // the window shows another view
+  scene_->set_scale(1);
+  scene_->renderer().wait_for_sorts(true);
+  scene_->renderer().measure(false);
+  return scene_->draw(camera::camera_of(view, width, height), render_options());
 }
 
 Expected<void> Viewer::draw() {
@@ -255,13 +300,9 @@ Expected<void> Viewer::draw() {
   const double scale = wanted_scale();
   scene_->set_scale(scale);
   const Camera camera = camera::camera_of(navigation_.view, size_.x, size_.y);
-  RenderOptions options;
-  options.sh_degree = settings_.sh_degree;
-  options.near_plane = navigation_.units.near_plane;
-  options.background = settings_.background;
   scene_->renderer().wait_for_sorts(settings_.wait_for_sorts);
   scene_->renderer().measure(settings_.measures);
-  auto drawn = scene_->draw(camera, options);
+  auto drawn = scene_->draw(camera, render_options());
   if (!drawn) return drawn;
   stale_ = false;
   scale_ = scale;

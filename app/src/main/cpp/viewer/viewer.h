@@ -15,6 +15,7 @@
 #include "viewer/gestures.h"
 #include "viewer/gyroscope.h"
 #include "viewer/mouse_and_keys.h"
+#include "viewer/saved_view.h"
 
 namespace fluxgs::viewer {
 
@@ -56,13 +57,7 @@ using MakeSoftwareRenderer =
     std::function<render::SoftwareRenderer(std::shared_ptr<const SplatCloud>)>;
 
 /// What moves the view, but for fingers and what they threw.
-enum class Motion { none, drift };
-
-/// A view of a scene, to be kept over the end of the process.
-struct SavedView {
-  camera::ViewState view;
-  glm::dvec3 up{0, -1, 0};
-};
+enum class Motion { none, drift, path, walk };
 
 /// Not thread-safe. Between open() and close() a context must be current; close() may be called
 /// without one after it was lost.
@@ -104,6 +99,14 @@ class Viewer {
   /// Turns slowly round what is looked at until somebody touches something, or no longer. Does
   /// nothing while fingers touch.
   void drift(bool on);
+  /// Plays a path from its beginning, or no longer where it is null.
+  void play(std::shared_ptr<const camera::CameraPath> path);
+  /// Goes smoothly to a saved view, if its values are sound.
+  void go_to(const SavedView& saved);
+  /// Walks at eye height, or no longer.
+  void walk(bool on);
+  /// While people walk: where a thumb's stick points, −1…1 to the right and ahead.
+  void stick(double right, double ahead);
   Motion motion() const;
   /// True if the scene stands upside down, compared with how it was shown first.
   bool is_flipped() const;
@@ -121,6 +124,10 @@ class Viewer {
   /// The same at the scale of a view at rest.
   Expected<void> draw_sharp();
 
+  /// The same of a view and size that are not the window's, in the order of that view. Fails too
+  /// where the scene was closed.
+  Expected<void> draw_exact(const camera::ViewState& view, int width, int height);
+
   /// After a frame was handed to the screen.
   void presented();
 
@@ -135,10 +142,12 @@ class Viewer {
   Expected<void> make(gl::Api& api);
   render::SceneViewSettings scene_settings(const gl::Api& api) const;
   double wanted_scale() const;
+  RenderOptions render_options() const;
   bool rests() const;
   void measure();
   bool needs_remaking(const ViewerSettings& settings) const;
   void begin_navigation();
+  void take_up_of(const SavedView& saved);
   template <class Input>
   void steer(Input&& input);
 

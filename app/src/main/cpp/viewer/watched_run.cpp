@@ -1,8 +1,8 @@
-#include "viewer/benchmark_run.h"
+#include "viewer/watched_run.h"
 
 namespace fluxgs::viewer {
 
-bool BenchmarkRun::begin() {
+bool WatchedRun::begin() {
   const std::lock_guard lock(mutex_);
   if (state_.running) return false;
   state_ = {};
@@ -11,30 +11,30 @@ bool BenchmarkRun::begin() {
   return true;
 }
 
-void BenchmarkRun::stop(const std::string& why) {
+void WatchedRun::stop(const std::string& why) {
   const std::lock_guard lock(mutex_);
   if (state_.running && !stop_) stop_ = why;
 }
 
-bool BenchmarkRun::report(int done, int all) {
+bool WatchedRun::report(int done, int all) {
   const std::lock_guard lock(mutex_);
   state_.done = done;
   state_.all = all;
   return !stop_;
 }
 
-void BenchmarkRun::finish(const Expected<bench::SceneBenchmark>& result) {
+void WatchedRun::finish(const Expected<RunResult>& result) {
   const std::lock_guard lock(mutex_);
   state_.running = false;
   if (!result) {
     state_.error = result.error().message();
     return;
   }
-  state_.rows = bench::rows_json(*result);
+  state_.rows = result->rows;
   if (!result->stopped.empty()) state_.stopped = stop_.value_or(result->stopped);
 }
 
-BenchmarkState BenchmarkRun::state() const {
+RunState WatchedRun::state() const {
   const std::lock_guard lock(mutex_);
   return state_;
 }

@@ -1,24 +1,31 @@
-// Progress and result of a benchmark that runs on one thread and is watched from another.
+// Progress and result of a benchmark or a video that is made on one thread and watched from
+// another.
 #pragma once
 
 #include <mutex>
 #include <optional>
 #include <string>
 
-#include "bench/scene_benchmark.h"
+#include "fluxgs/error.h"
 
 namespace fluxgs::viewer {
 
-struct BenchmarkState {
+struct RunState {
   bool running = false;
   int done = 0, all = 0;  ///< frames
-  std::string rows;       ///< bench::rows_json(), when it has ended
+  std::string rows;       ///< of a benchmark that has ended: bench::rows_json()
   std::string stopped;    ///< why, if it ended early
   std::string error;
 };
 
+/// How a run ended.
+struct RunResult {
+  std::string rows;
+  std::string stopped;  ///< not empty: early
+};
+
 /// All functions may be called from any thread.
-class BenchmarkRun {
+class WatchedRun {
  public:
   /// Begins a run. Returns false while another goes on.
   bool begin();
@@ -26,12 +33,12 @@ class BenchmarkRun {
   void stop(const std::string& why);
   /// Returns whether the run shall go on.
   bool report(int done, int all);
-  void finish(const Expected<bench::SceneBenchmark>& result);
-  BenchmarkState state() const;
+  void finish(const Expected<RunResult>& result);
+  RunState state() const;
 
  private:
   mutable std::mutex mutex_;
-  BenchmarkState state_;
+  RunState state_;
   std::optional<std::string> stop_;
 };
 

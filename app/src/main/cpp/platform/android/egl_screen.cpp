@@ -41,9 +41,12 @@ void* function(const char* name) {
   return reinterpret_cast<void*>(eglGetProcAddress(name));
 }
 
+constexpr EGLint kRecordable = 0x3142;  // EGL_RECORDABLE_ANDROID
+
 class EglScreen final : public viewer::Screen {
  public:
   ~EglScreen() override {
+    end_video();
     detach();
     drop_context();
     if (display_ != EGL_NO_DISPLAY) eglTerminate(display_);
@@ -85,7 +88,50 @@ class EglScreen final : public viewer::Screen {
     return egl_failure("eglSwapBuffers", error);
   }
 
+  Expected<void> begin_video(void* window) override {
+    end_video();
+    video_window_ = static_cast<ANativeWindow*>(window);
+    if (context_ == EGL_NO_CONTEXT) return fail("EGL", "video", "there is no context");
+    present_at_ =
+        reinterpret_cast<PresentationTime>(eglGetProcAddress("eglPresentationTimeANDROID"));
+    if (present_at_ == nullptr)
+      return fail("EGL", "video",
+                  "this device gives frames no times (EGL_ANDROID_presentation_time)");
+    video_surface_ = create_surface(video_window_);
+    if (video_surface_ == EGL_NO_SURFACE) return egl_failure("eglCreateWindowSurface");
+    return {};
+  }
+
+  Expected<void> video_frame(const std::function<void()>& draw, std::int64_t nanoseconds) override {
+    if (eglMakeCurrent(display_, video_surface_, video_surface_, context_) != EGL_TRUE)
+      return lost_or_failure("eglMakeCurrent");
+    draw();
+    if (present_at_(display_, video_surface_, nanoseconds) != EGL_TRUE)
+      return lost_or_failure("eglPresentationTimeANDROID");
+    if (eglSwapBuffers(display_, video_surface_) != EGL_TRUE)
+      return lost_or_failure("eglSwapBuffers");
+    if (const EGLint error = make_current(); error != EGL_SUCCESS)
+      return egl_failure("eglMakeCurrent", error);
+    return {};
+  }
+
+  void end_video() override {
+    if (video_surface_ != EGL_NO_SURFACE) {
+      if (make_current() != EGL_SUCCESS) let_go();  // a frame that failed has left it current
+      eglDestroySurface(display_, std::exchange(video_surface_, EGL_NO_SURFACE));
+    }
+    if (video_window_ != nullptr) ANativeWindow_release(std::exchange(video_window_, nullptr));
+  }
+
  private:
+  using PresentationTime = EGLBoolean (*)(EGLDisplay, EGLSurface, std::int64_t);
+
+  std::unexpected<Error> lost_or_failure(const char* what) {
+    const EGLint error = eglGetError();
+    if (error == EGL_CONTEXT_LOST) api_->lost = true;
+    return egl_failure(what, error);
+  }
+
   struct Size {
     int width = 0, height = 0;
     bool operator==(const Size&) const = default;
@@ -98,7 +144,8 @@ class EglScreen final : public viewer::Screen {
     if (size != size_) destroy_surface();
     if (window_surface_ != EGL_NO_SURFACE) return true;
     if (window_ == nullptr) return false;
-    if (!create_surface()) {
+    window_surface_ = create_surface(window_);
+    if (window_surface_ == EGL_NO_SURFACE) {
       const EGLint error = eglGetError();
       if (window_is_going(error)) return false;
       return egl_failure("eglCreateWindowSurface", error);
@@ -145,13 +192,15 @@ class EglScreen final : public viewer::Screen {
     return value;
   }
 
-  /// The least is the best: fast, of 4 bytes a pixel, which displays compress, and without bits of
-  /// which the image has no use, such as 10 a colour, though drivers name those first.
-  std::tuple<bool, bool, int> rank_of(EGLConfig config) const {
+  /// The least is the best: fast, of 4 bytes a pixel, which displays compress, one that encoders of
+  /// videos take, and without bits of which the image has no use, such as 10 a colour, though
+  /// drivers name those first.
+  std::tuple<bool, bool, bool, int> rank_of(EGLConfig config) const {
     constexpr int kRgba8888 = 1, kRgbx8888 = 2;  // of AHardwareBuffer_Format
     const int layout = attribute_of(config, EGL_NATIVE_VISUAL_ID);
     return {attribute_of(config, EGL_CONFIG_CAVEAT) == EGL_SLOW_CONFIG,
-            layout != kRgba8888 && layout != kRgbx8888, bits_of(config)};
+            layout != kRgba8888 && layout != kRgbx8888,
+            attribute_of(config, kRecordable) != EGL_TRUE, bits_of(config)};
   }
 
   /// Bits of a pixel, of all its channels.
@@ -184,21 +233,22 @@ class EglScreen final : public viewer::Screen {
     return {};
   }
 
-  bool create_surface() {
-    ANativeWindow_setBuffersGeometry(window_, 0, 0, attribute_of(config_, EGL_NATIVE_VISUAL_ID));
-    window_surface_ = eglCreateWindowSurface(display_, config_, window_, nullptr);
-    return window_surface_ != EGL_NO_SURFACE;
+  EGLSurface create_surface(ANativeWindow* window) const {
+    ANativeWindow_setBuffersGeometry(window, 0, 0, attribute_of(config_, EGL_NATIVE_VISUAL_ID));
+    return eglCreateWindowSurface(display_, config_, window, nullptr);
   }
 
   void destroy_surface() {
     if (window_surface_ == EGL_NO_SURFACE) return;
     // A surface that is current is only marked for deletion, and keeps its window
-    if (eglMakeCurrent(display_, idle_surface_, idle_surface_, context_) != EGL_TRUE) {
-      eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-      if (api_) api_->lost = true;  // nothing more reaches it
-    }
+    if (eglMakeCurrent(display_, idle_surface_, idle_surface_, context_) != EGL_TRUE) let_go();
     eglDestroySurface(display_, window_surface_);
     window_surface_ = EGL_NO_SURFACE;
+  }
+
+  void let_go() {
+    eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    if (api_) api_->lost = true;  // nothing more reaches it
   }
 
   EGLint make_current() {
@@ -213,7 +263,7 @@ class EglScreen final : public viewer::Screen {
     api_.reset();
     if (display_ == EGL_NO_DISPLAY) return;
     eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-    for (EGLSurface* surface : {&window_surface_, &idle_surface_}) {
+    for (EGLSurface* surface : {&window_surface_, &video_surface_, &idle_surface_}) {
       if (*surface != EGL_NO_SURFACE) eglDestroySurface(display_, *surface);
       *surface = EGL_NO_SURFACE;
     }
@@ -227,6 +277,9 @@ class EglScreen final : public viewer::Screen {
   EGLSurface window_surface_ = EGL_NO_SURFACE;
   EGLSurface idle_surface_ = EGL_NO_SURFACE;  // of one pixel, while there is no window
   ANativeWindow* window_ = nullptr;
+  EGLSurface video_surface_ = EGL_NO_SURFACE;
+  ANativeWindow* video_window_ = nullptr;  // of an encoder
+  PresentationTime present_at_ = nullptr;
   Size size_;  // of the window, when the surface was made
   std::unique_ptr<gl::Api> api_;
 };

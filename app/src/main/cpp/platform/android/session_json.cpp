@@ -32,6 +32,10 @@ const char* name_of(viewer::Motion motion) {
       break;
     case viewer::Motion::drift:
       return "drift";
+    case viewer::Motion::path:
+      return "path";
+    case viewer::Motion::walk:
+      return "walk";
   }
   return "";
 }
@@ -85,7 +89,7 @@ std::string to_json(const viewer::SessionState& s) {
                   {"stats", json_of(s.stats)}});
 }
 
-std::string to_json(const viewer::BenchmarkState& s) {
+std::string to_json(const viewer::RunState& s) {
   const json rows = json::parse(s.rows, nullptr, false);
   return text_of({{"running", s.running},
                   {"done", s.done},

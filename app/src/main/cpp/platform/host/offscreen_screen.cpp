@@ -26,6 +26,14 @@ class OffscreenScreen final : public viewer::Screen {
     return has_window_;
   }
 
+  /// As an encoder would take them: nothing is kept of the frames.
+  Expected<void> begin_video(void*) override { return {}; }
+  Expected<void> video_frame(const std::function<void()>&, std::int64_t) override {
+    context_->api().Finish();
+    if (gl::context_lost(context_->api())) return fail("OpenGL", "", "the context was lost");
+    return {};
+  }
+
  private:
   HostGl implementation_;
   std::unique_ptr<HostContext> context_;
