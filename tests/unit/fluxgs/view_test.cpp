@@ -12,6 +12,7 @@
 #include "fluxgs/io/scene.h"
 #include "platform/host/window_screen.h"
 #include "run_command.h"
+#include "some_track.h"
 #include "support/scenes.h"
 #include "tools/fluxgs/cameras/initial_view.h"
 #include "tools/fluxgs/cameras/view_script.h"
@@ -111,6 +112,34 @@ TEST_F(Window, ShowsWhatTheProcessorDraws) {
   const auto by_opengl = read_image(folder_ / "window.png");
   ASSERT_TRUE(shown && by_opengl);
   EXPECT_GT(psnr(*shown, *by_opengl), 50);
+}
+
+TEST_F(Window, PlaysAPath) {
+  json track = json::parse(test::some_track());
+  track["animTracks"][0]["loopMode"] = "none";
+  std::ofstream(folder_ / "path.json") << track;
+  const Outcome played = play(json::array({{{"step", 250}, {"type", "p"}}}), 251,
+                              "--path " + quoted(folder_ / "path.json"));
+  expect_window_shows(played, 320, 240);
+  const json end = json::parse(played.out)[0]["position"];
+  EXPECT_NEAR(end[2].get<double>(), -4, 1e-6) << "the last key";
+  const Outcome rendered = fluxgs(
+      fmt::format("render {} --path {} --fps 2 --size 32x24 -o {}", quoted(folder_ / "scene.ply"),
+                  quoted(folder_ / "path.json"), quoted(folder_ / "frame.png")));
+  ASSERT_EQ(rendered.status, 0) << rendered.err;
+  for (const char* name : {"frame_000.png", "frame_001.png", "frame_006.png"})
+    EXPECT_TRUE(std::filesystem::exists(folder_ / name)) << name;
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "frame_007.png"));
+}
+
+TEST_F(Window, SaysWhatIsWrongWithAPath) {
+  json track = json::parse(test::some_track());
+  track["animTracks"][0]["keyframes"]["times"] = {0, 2, 1};
+  std::ofstream(folder_ / "path.json") << track;
+  for (const char* command : {"view --frames 1 ", "render -o a.png "})
+    expect_error(fluxgs(command + quoted(folder_ / "scene.ply") + " --path " +
+                        quoted(folder_ / "path.json")),
+                 {"path.json", "animTracks[0].keyframes.times[2]", "later time"});
 }
 
 // --follow: what is drawn last is what was written last
@@ -347,6 +376,10 @@ TEST(ViewInput, KeysDoWhatTheHelpSays) {
   EXPECT_DOUBLE_EQ(desk.n.speed_factor, 1);
   type('F');
   EXPECT_EQ(desk.n.up, glm::dvec3(0, 1, 0));
+  type('o');
+  EXPECT_TRUE(desk.n.drift);
+  type('O');
+  EXPECT_FALSE(desk.n.drift);
   type('r');
   EXPECT_TRUE(desk.n.transition);
   desk.tell({.kind = Kind::scrolled, .position = {320, 240}, .amount = 1});

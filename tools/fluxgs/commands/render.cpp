@@ -12,6 +12,7 @@
 #include "tools/fluxgs/cameras/cameras.h"
 #include "tools/fluxgs/cameras/initial_view.h"
 #include "tools/fluxgs/cameras/orbit.h"
+#include "tools/fluxgs/cameras/path_file.h"
 #include "tools/fluxgs/commands/command.h"
 #include "tools/fluxgs/options/data_options.h"
 #include "tools/fluxgs/options/renderers.h"
@@ -27,11 +28,12 @@ namespace {
 using nlohmann::json;
 
 struct RenderSettings {
-  std::string scene, out, camera_file, view, split = "test";
+  std::string scene, out, camera_file, path_file, view, split = "test";
   DataOptions data;
   ImageSize size;
   RendererChoice choice;
   int orbit = 0, sh_degree = 3;  // orbit 0: not given
+  double fps = 30;               // of a path
   bool check = false, as_json = false, view_given = false, split_given = false;
 };
 
@@ -71,11 +73,16 @@ std::vector<Camera> default_cameras(const SceneFile& scene, int orbit, const Ima
   return {camera::camera_of(first.view, size.width, size.height)};
 }
 
-/// Cameras from the file, an orbit, or one view.
+/// Cameras from the file, along a path, an orbit, or one view.
 Expected<std::vector<Camera>> free_cameras(const RenderSettings& s, const SceneFile& scene,
                                            const std::optional<Dataset>& data,
                                            const ImageSize& size) {
   if (!s.camera_file.empty()) return cameras_from_file(s.camera_file, size);
+  if (!s.path_file.empty()) {
+    const auto path = path_from_file(s.path_file);
+    if (!path) return std::unexpected(path.error());
+    return cameras_along(*path, s.fps, size);
+  }
   if (data) return orbit_along(data->train, std::max(s.orbit, 1), size);
   return default_cameras(scene, s.orbit, size);
 }
@@ -221,11 +228,12 @@ void add_render(CLI::App& app, Action& action) {
   auto s = std::make_shared<RenderSettings>();
   CLI::App* command = app.add_subcommand("render", "Render images of a scene");
   command->footer(
-      "Views come from --data and --view, from --camera, or from --orbit. Without any of them:\n"
+      "Views come from --data and --view, from --camera, --path or --orbit. Without any of them:\n"
       "the scene's initial view, or one that shows all of it.\n"
       "Example: fluxgs render garden.glb -o garden.png\n"
       "Example: fluxgs render garden.glb --data captures/garden --view 0 -o view.png\n"
-      "Example: fluxgs render garden.glb --data captures/garden --orbit 8 -o orbit.png");
+      "Example: fluxgs render garden.glb --data captures/garden --orbit 8 -o orbit.png\n"
+      "Example: fluxgs render garden.glb --path settings.json --fps 30 -o frames/frame.png");
   command->add_option("scene", s->scene, "the scene file")->required();
   command
       ->add_option("-o,--out", s->out,
@@ -243,8 +251,16 @@ void add_render(CLI::App& app, Action& action) {
                            ->check(whole_in(1, 10000));
   CLI::Option* camera = command->add_option(
       "--camera", s->camera_file, "JSON list of {name, position, target, up, fovY in degrees}");
-  view->excludes(orbit)->excludes(camera)->needs(data);
-  orbit->excludes(camera);
+  CLI::Option* path = command->add_option(
+      "--path", s->path_file,
+      "the frames of a camera path: SuperSplat's settings.json, or cameras as --camera takes them");
+  command->add_option("--fps", s->fps, "frames of the path a second")
+      ->check(in_range(0.1, 240))
+      ->needs(path)
+      ->capture_default_str();
+  view->excludes(orbit)->excludes(camera)->excludes(path)->needs(data);
+  orbit->excludes(camera)->excludes(path);
+  path->excludes(camera);
   add_split_option(*command, s->split);
   add_data_options(*command, s->data);
   add_size_option(*command, s->size, "WIDTHxHEIGHT (default: the images', otherwise 1280x720)");

@@ -19,6 +19,7 @@
 #include "platform/host/window_screen.h"
 #include "tools/fluxgs/cameras/cameras.h"
 #include "tools/fluxgs/cameras/initial_view.h"
+#include "tools/fluxgs/cameras/path_file.h"
 #include "tools/fluxgs/cameras/view_script.h"
 #include "tools/fluxgs/commands/command.h"
 #include "tools/fluxgs/options/data_options.h"
@@ -44,7 +45,7 @@ const std::string kKeys = std::string(viewer::kMouseAndKeysHelp) +
                           "  Escape       close\n";
 
 struct ViewSettings {
-  std::string scene, up = "auto", camera_file, screenshot, input;
+  std::string scene, up = "auto", camera_file, path_file, screenshot, input;
   DataOptions data;
   ImageSize size{1280, 720};
   std::string renderer = kAnyRenderer;
@@ -289,6 +290,12 @@ Expected<void> view(const ViewSettings& s) {
     script = std::move(*read);
   }
   FollowedFile file(s.scene);  // before it is read: what is written later is a change
+  std::shared_ptr<const camera::CameraPath> path;
+  if (!s.path_file.empty()) {
+    const auto read = path_from_file(s.path_file);
+    if (!read) return std::unexpected(read.error());
+    path = std::make_shared<const camera::CameraPath>(*read);
+  }
   const auto scene = load(s);
   if (!scene) return std::unexpected(scene.error());
   const std::string name = std::filesystem::path(s.scene).filename().string();
@@ -314,6 +321,8 @@ Expected<void> view(const ViewSettings& s) {
         });
   }
   d.presenter.show(scene->cloud, scene->navigation);
+  fit_window(d);
+  if (path) d.presenter.viewer().play(path);
   if (s.frames == 0 && !s.follow) say(kKeys);
   if (auto done = run(d, s, file); !done) return done;
   spdlog::info("{} frames drawn in {} steps", d.drawn, d.steps);
@@ -337,6 +346,9 @@ void add_view(CLI::App& app, Action& action) {
           "--camera", s->camera_file,
           "start at the first of a JSON list of {name, position, target, up, fovY in degrees}")
       ->excludes(data);
+  command->add_option("--path", s->path_file,
+                      "play a camera path until a mouse button is pressed: SuperSplat's\n"
+                      "settings.json, or a list as of --camera");
   command->add_option("--up", s->up, "x,y,z, or auto: from the images of --data or from the splats")
       ->check(CLI::Validator(
           [](const std::string& text) {
