@@ -58,9 +58,31 @@ class NativeTest {
 
     @Test
     fun settingsOutOfTheirRange() = inSession { session ->
-        assertWrong { Native.set(session, 2f, 0, 3, 0, false, true, 0.016f, 0) }
-        assertWrong { Native.set(session, Float.NaN, 0, 3, 0, false, true, 0.016f, 0) }
-        assertWrong { Native.set(session, 1f, 3, 3, 0, false, true, 0.016f, 0) }
+        assertWrong { Native.set(session, 2f, 0, 3, 0, false, true, 0.016f, 0, 0) }
+        assertWrong { Native.set(session, Float.NaN, 0, 3, 0, false, true, 0.016f, 0, 0) }
+        assertWrong { Native.set(session, 1f, 3, 3, 0, false, true, 0.016f, 0, 0) }
+    }
+
+    @Test
+    fun pathsVideosAndEventsThatAreNone() = inSession { session ->
+        assertWrong { Native.pathThrough(session, DoubleArray(0), true, 1.0) }
+        assertWrong { Native.pathThrough(session, doubleArrayOf(1.0), true, 1.0) }
+        assertWrong { Native.pathThrough(session, DoubleArray(24), true, 1.0) }
+        assertWrong { Native.pathOf(session, ByteArray(0)) }
+        assertWrong { Native.goTo(session, DoubleArray(3)) }
+        assertThrows(IllegalStateException::class.java) { Native.pathAround(session, 1.0) }
+        val surface = Surface(SurfaceTexture(0))
+        assertWrong { Native.startVideo(session, surface, 0, 36, 30.0) }
+        assertWrong { Native.startVideo(session, surface, 64, 9000, 30.0) }
+        assertWrong { Native.startVideo(session, surface, 64, 36, Double.NaN) }
+        assertWrong { Native.windowEvent(session, 6, 0f, 0f, 0, false, 0f, 0, 0) }
+        assertWrong { Native.windowEvent(session, 1, 0f, 0f, 3, false, 0f, 0, 0) }
+        assertWrong { Native.windowEvent(session, 3, 0f, 0f, 0, true, 0f, 128, 0) }
+        Native.windowEvent(session, 0, Float.NaN, 0f, 0, false, 0f, 0, 0)
+        Native.stick(session, Float.NaN, 5f)
+        Native.play(session, true)
+        Native.startVideo(session, surface, 64, 36, 30.0)
+        until("there is no scene") { "scene" in JSONObject(Native.video(session)).getString("error") }
     }
 
     @Test

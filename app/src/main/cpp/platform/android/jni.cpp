@@ -170,15 +170,33 @@ void expect(bool holds, const char* what) {
 
 /// Java keeps a saved view as 12 values: target, orientation (w, x, y, z), distance, field of view,
 /// up.
+constexpr std::size_t kViewValues = 12;
+constexpr const char* kViewHas = "a saved view has 12 values";
+
+viewer::SavedView saved_view_of(const jdouble* v) {
+  return {.view = {.target = {v[0], v[1], v[2]},
+                   .orientation = {v[3], v[4], v[5], v[6]},
+                   .distance = v[7],
+                   .fov = v[8]},
+          .up = {v[9], v[10], v[11]}};
+}
+
 std::optional<viewer::SavedView> saved_view_from(JNIEnv* env, jdoubleArray array) {
   if (array == nullptr) return std::nullopt;
   const std::vector<jdouble> v = numbers(env, array);
-  expect(v.size() == 12, "a saved view has 12 values");
-  return viewer::SavedView{.view = {.target = {v[0], v[1], v[2]},
-                                    .orientation = {v[3], v[4], v[5], v[6]},
-                                    .distance = v[7],
-                                    .fov = v[8]},
-                           .up = {v[9], v[10], v[11]}};
+  expect(v.size() == kViewValues, kViewHas);
+  return saved_view_of(v.data());
+}
+
+/// One after the other; those that are no views are left out.
+std::vector<camera::ViewState> views_from(JNIEnv* env, jdoubleArray array) {
+  const std::vector<jdouble> v = numbers(env, array);
+  expect(v.size() % kViewValues == 0, kViewHas);
+  std::vector<camera::ViewState> views;
+  for (std::size_t i = 0; i < v.size(); i += kViewValues)
+    if (const auto sound = viewer::restored(saved_view_of(&v[i]))) views.push_back(sound->view);
+  expect(!views.empty(), "a path goes through one view at least");
+  return views;
 }
 
 std::array<jdouble, 12> values_of(const viewer::SavedView& saved) {
@@ -285,7 +303,7 @@ FLUXGS_JNI(void, turn)
 
 FLUXGS_JNI(void, set)
 (JNIEnv* env, jclass, jlong session, jfloat scale, jint sorter, jint sh_degree, jint max_splats,
- jboolean gyroscope, jboolean measures, jfloat frame_seconds, jlong memory) {
+ jboolean gyroscope, jboolean measures, jfloat frame_seconds, jlong memory, jint background) {
   guarded(env, [&] {
     expect(sorter >= 0 && sorter <= 2, "a sorter is 0 to 2");
     expect(scale == 0 || (scale >= 0.2F && scale <= 1), "a scale is 0 or 0.2 to 1");
@@ -297,6 +315,8 @@ FLUXGS_JNI(void, set)
     settings.gyroscope = gyroscope == JNI_TRUE;
     settings.measures = measures == JNI_TRUE;
     settings.frame_seconds = static_cast<double>(frame_seconds);
+    const auto channel = [&](int shift) { return (background >> shift & 0xFF) / 255.0; };
+    settings.background = {channel(16), channel(8), channel(0)};
     if (memory > 0) settings.memory = static_cast<std::size_t>(memory);
     sessions().find(session)->set(settings);
   });
@@ -334,6 +354,97 @@ FLUXGS_JNI(void, resetView)(JNIEnv* env, jclass, jlong session) {
 
 FLUXGS_JNI(void, drift)(JNIEnv* env, jclass, jlong session, jboolean on) {
   guarded(env, [&] { sessions().find(session)->drift(on == JNI_TRUE); });
+}
+
+FLUXGS_JNI(void, goTo)(JNIEnv* env, jclass, jlong session, jdoubleArray place) {
+  guarded(env, [&] {
+    if (const auto saved = saved_view_from(env, place)) sessions().find(session)->go_to(*saved);
+  });
+}
+
+FLUXGS_JNI(jdouble, pathThrough)
+(JNIEnv* env, jclass, jlong session, jdoubleArray places, jboolean closed, jdouble seconds) {
+  return guarded(env, [&] {
+    const auto views = views_from(env, places);
+    return sessions().find(session)->set_path(
+        camera::path_through(views, closed == JNI_TRUE, seconds));
+  });
+}
+
+FLUXGS_JNI(jdouble, pathAround)(JNIEnv* env, jclass, jlong session, jdouble seconds) {
+  return guarded(env, [&] {
+    const auto found = sessions().find(session);
+    const auto saved = found->saved_view();
+    if (!saved) throw std::logic_error("there is no scene");
+    return found->set_path(camera::orbit_path(saved->view, saved->up, seconds));
+  });
+}
+
+FLUXGS_JNI(jdouble, pathOf)(JNIEnv* env, jclass, jlong session, jbyteArray json) {
+  return guarded(env, [&] {
+    const auto track = read_supersplat_track(bytes_of(env, json), "");
+    if (!track) throw std::invalid_argument(track.error().message());
+    return sessions().find(session)->set_path(camera::path_of(*track));
+  });
+}
+
+FLUXGS_JNI(void, play)(JNIEnv* env, jclass, jlong session, jboolean on) {
+  guarded(env, [&] { sessions().find(session)->play(on == JNI_TRUE); });
+}
+
+// Of this window an encoder makes a video.
+FLUXGS_JNI(void, startVideo)
+(JNIEnv* env, jclass, jlong session, jobject surface, jint width, jint height, jdouble fps) {
+  guarded(env, [&] {
+    constexpr jint kMostPixels = 8192;
+    expect(width >= 1 && height >= 1 && width <= kMostPixels && height <= kMostPixels,
+           "the sides of a video are 1 to 8192");
+    expect(fps >= 1 && fps <= 240, "a video has 1 to 240 frames a second");
+    const auto found = sessions().find(session);
+    if (found->video().running) throw std::logic_error("a video is being made");
+    void* const window = window_of(env, surface);
+    expect(window != nullptr, "the encoder has no surface");
+    found->start_video(window, {.width = width, .height = height, .fps = fps});
+  });
+}
+
+FLUXGS_JNI(void, stopVideo)(JNIEnv* env, jclass, jlong session, jstring why) {
+  guarded(env, [&] { sessions().find(session)->stop_video(from_java(env, why)); });
+}
+
+FLUXGS_JNI(jstring, video)(JNIEnv* env, jclass, jlong session) {
+  return guarded(env, [&] { return to_java(env, to_json(sessions().find(session)->video())); });
+}
+
+FLUXGS_JNI(void, walk)(JNIEnv* env, jclass, jlong session, jboolean on) {
+  guarded(env, [&] { sessions().find(session)->walk(on == JNI_TRUE); });
+}
+
+FLUXGS_JNI(void, stick)(JNIEnv* env, jclass, jlong session, jfloat right, jfloat ahead) {
+  guarded(env, [&] {
+    sessions().find(session)->stick(static_cast<double>(right), static_cast<double>(ahead));
+  });
+}
+
+// Kinds are those of viewer::WindowEvent, buttons those of viewer::PointerButton.
+FLUXGS_JNI(void, windowEvent)
+(JNIEnv* env, jclass, jlong session, jint kind, jfloat x, jfloat y, jint button, jboolean down,
+ jfloat amount, jint key, jlong milliseconds) {
+  guarded(env, [&] {
+    using viewer::WindowEvent;
+    expect(kind >= 0 && kind <= static_cast<jint>(WindowEvent::Kind::focus_lost),
+           "kinds are 0 to 5");
+    expect(button >= 0 && button <= 2, "buttons are 0 to 2");
+    expect(key >= 0 && key < 128, "keys are ASCII characters");
+    if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(amount)) return;
+    sessions().find(session)->handle({.kind = static_cast<WindowEvent::Kind>(kind),
+                                      .position = {static_cast<double>(x), static_cast<double>(y)},
+                                      .button = static_cast<viewer::PointerButton>(button),
+                                      .down = down == JNI_TRUE,
+                                      .amount = static_cast<double>(amount),
+                                      .key = static_cast<char>(key)},
+                                     kMillisecond * static_cast<double>(milliseconds));
+  });
 }
 
 FLUXGS_JNI(void, freeGraphics)(JNIEnv* env, jclass, jlong session) {

@@ -21,14 +21,18 @@ internal object Gallery {
     /** The image in the gallery; before Android 10, which asks for a permission, in a file to share. */
     @Throws(IOException::class)
     fun save(context: Context, image: Bitmap, name: String): Uri {
-        val time = SimpleDateFormat("yyyy-MM-dd HH.mm.ss", Locale.ROOT).format(Date())
-        val file = "${plain(name)} $time.png"
+        val file = fileName(name, "png")
         return try {
             if (Build.VERSION.SDK_INT >= 29) save29(context, image, file)
             else saveToShare(context, image, file)
         } catch (problem: RuntimeException) { // of a gallery that takes no image, or not ours
             throw IOException(problem.message ?: problem.toString(), problem)
         }
+    }
+
+    fun fileName(scene: String, ending: String): String {
+        val time = SimpleDateFormat("yyyy-MM-dd HH.mm.ss", Locale.ROOT).format(Date())
+        return "${plain(scene)} $time.$ending"
     }
 
     /** A scene's name comes from another app: as a file's name it may lead anywhere. */

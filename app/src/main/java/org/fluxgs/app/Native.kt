@@ -60,7 +60,7 @@ internal object Native {
 
     @JvmStatic external fun set(
         session: Long, scale: Float, sorter: Int, shDegree: Int, maxSplats: Int,
-        gyroscope: Boolean, measures: Boolean, frameSeconds: Float, memory: Long,
+        gyroscope: Boolean, measures: Boolean, frameSeconds: Float, memory: Long, background: Int,
     )
 
     /** Names of what to do without (render/driver_limits.h), in any order. */
@@ -81,6 +81,42 @@ internal object Native {
 
     /** Turns slowly round what is looked at until the next touch, or no longer. */
     @JvmStatic external fun drift(session: Long, on: Boolean)
+
+    /** Smoothly to a [place]. */
+    @JvmStatic external fun goTo(session: Long, place: DoubleArray)
+
+    /**
+     * The path that [play] plays: through [places], 12 numbers each, one after the other. Returns the seconds
+     * of once through, as the two below.
+     */
+    @JvmStatic external fun pathThrough(session: Long, places: DoubleArray, closed: Boolean, seconds: Double): Double
+
+    /** Once round what is looked at. */
+    @JvmStatic external fun pathAround(session: Long, seconds: Double): Double
+
+    /** SuperSplat's settings.json; an IllegalArgumentException that says in one line what is wrong with it. */
+    @JvmStatic external fun pathOf(session: Long, json: ByteArray): Double
+
+    @JvmStatic external fun play(session: Long, on: Boolean)
+
+    /** A video of the path, on the surface of an encoder. */
+    @JvmStatic external fun startVideo(session: Long, surface: Surface, width: Int, height: Int, fps: Double)
+
+    @JvmStatic external fun stopVideo(session: Long, why: String)
+
+    /** JSON, see session_json.h. */
+    @JvmStatic external fun video(session: Long): String
+
+    @JvmStatic external fun walk(session: Long, on: Boolean)
+
+    /** While people walk: where to, −1 to 1. */
+    @JvmStatic external fun stick(session: Long, right: Float, ahead: Float)
+
+    /** Of a mouse or a keyboard; kinds, buttons and keys are those of viewer/window_event.h. */
+    @JvmStatic external fun windowEvent(
+        session: Long, kind: Int, x: Float, y: Float, button: Int, down: Boolean, amount: Float,
+        key: Int, milliseconds: Long,
+    )
 
     /** Frees the GL objects; the next frame makes them again. */
     @JvmStatic external fun freeGraphics(session: Long)

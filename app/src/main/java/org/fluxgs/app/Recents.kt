@@ -30,7 +30,7 @@ data class Recent(
  * The scenes that were opened last, the newest first, with images. Reads and writes files: for the
  * [Background].
  */
-internal class Recents(context: Context) {
+internal class Recents(private val context: Context) {
     private val folder = File(context.filesDir, "recents")
     private val list = File(folder, "list.json")
 
@@ -63,6 +63,7 @@ internal class Recents(context: Context) {
     }
 
     fun forget(uri: Uri) {
+        SavedViews.forget(context, uri)
         val (gone, kept) = all().partition { it.uri == uri }
         gone.forEach { thumbnail(it.id).delete() }
         save(kept)

@@ -4,10 +4,12 @@ import android.annotation.TargetApi
 import android.content.Context
 import android.graphics.Rect
 import android.os.Build
+import android.os.SystemClock
 import android.util.AttributeSet
 import android.util.Size
 import android.view.Choreographer
 import android.view.GestureDetector
+import android.view.KeyEvent
 import android.view.MotionEvent
 import android.view.Surface
 import android.view.SurfaceHolder
@@ -160,8 +162,33 @@ class SceneSurface(context: Context, attributes: AttributeSet?) :
         return true
     }
 
+    private var pressed = 0 // button of a mouse
+
+    private fun mouse(event: MotionEvent): Boolean {
+        if (event.actionMasked == MotionEvent.ACTION_DOWN) pressed = WindowEvent.buttonOf(event)
+        val told = WindowEvent.of(event, ratio, pressed) ?: return false
+        session?.handle(told, event.eventTime)
+        return true
+    }
+
+    override fun onGenericMotionEvent(event: MotionEvent): Boolean =
+        event.actionMasked == MotionEvent.ACTION_SCROLL && mouse(event) || super.onGenericMotionEvent(event)
+
+    /** A key of a keyboard; true if it means something here. */
+    fun key(event: KeyEvent): Boolean {
+        val told = WindowEvent.of(event)
+        told.forEach { session?.handle(it, event.eventTime) }
+        return told.isNotEmpty()
+    }
+
+    override fun onWindowFocusChanged(focused: Boolean) {
+        super.onWindowFocusChanged(focused)
+        if (!focused) session?.handle(WindowEvent.focusLost, SystemClock.uptimeMillis())
+    }
+
     override fun onTouchEvent(event: MotionEvent): Boolean {
         taps.onTouchEvent(event)
+        if (WindowEvent.isOfMouse(event)) return mouse(event)
         val phase = when (event.actionMasked) {
             MotionEvent.ACTION_DOWN, MotionEvent.ACTION_POINTER_DOWN -> 0
             MotionEvent.ACTION_MOVE -> 1

@@ -1,6 +1,7 @@
 package org.fluxgs.app
 
 import android.graphics.Bitmap
+import android.util.Size
 import android.view.Surface
 import org.json.JSONObject
 
@@ -42,7 +43,7 @@ data class SessionState(
     val drawn: Boolean,
     val shown: Long, // the number of the loading whose scene it is, 0 for none
     val flipped: Boolean,
-    val motion: String, // what moves the view by itself: "drift", or nothing
+    val motion: String, // what moves the view by itself: "drift", "path", "walk", or nothing
     val error: String,
     val contexts: Int,
     val dropped: Long,
@@ -150,7 +151,7 @@ class Session : AutoCloseable {
     fun set(settings: Settings, gyroscope: Boolean, frameSeconds: Float, memory: Long) = change {
         Native.set(
             it, settings.scale, settings.sorter, settings.shDegree, settings.maxSplats,
-            gyroscope, settings.hud, frameSeconds, memory,
+            gyroscope, settings.hud, frameSeconds, memory, settings.backdrop,
         )
     }
 
@@ -161,6 +162,41 @@ class Session : AutoCloseable {
     fun resetView() = change { Native.resetView(it) }
 
     fun drift(on: Boolean) = change { Native.drift(it, on) }
+
+    fun goTo(place: DoubleArray) = change { Native.goTo(it, place) }
+
+    /** The path to [play]: through views, as [place] gives them. Returns its seconds; 0 without a session. */
+    fun pathThrough(places: List<DoubleArray>, closed: Boolean, seconds: Double) = path {
+        Native.pathThrough(it, places.flatMap { place -> place.asList() }.toDoubleArray(), closed, seconds)
+    }
+
+    fun pathAround(seconds: Double) = path { Native.pathAround(it, seconds) }
+
+    /** Throws an IllegalArgumentException that says what is wrong with the file. */
+    fun pathOf(json: ByteArray) = path { Native.pathOf(it, json) }
+
+    private fun path(make: (Long) -> Double) = if (handle != 0L) make(handle) else 0.0
+
+    fun play(on: Boolean) = change { Native.play(it, on) }
+
+    /** A video of the path, on the surface of an encoder. */
+    fun startVideo(surface: Surface, size: Size, fps: Int) =
+        call { Native.startVideo(it, surface, size.width, size.height, fps.toDouble()) }
+
+    fun stopVideo(why: String) = call { Native.stopVideo(it, why) }
+
+    fun video(): JSONObject? = if (handle != 0L) JSONObject(Native.video(handle)) else null
+
+    fun walk(on: Boolean) = change { Native.walk(it, on) }
+
+    fun stick(right: Float, ahead: Float) = change { Native.stick(it, right, ahead) }
+
+    /** Of a mouse or a keyboard. */
+    fun handle(event: WindowEvent, milliseconds: Long) = change {
+        Native.windowEvent(
+            it, event.kind, event.x, event.y, event.button, event.down, event.amount, event.key.code, milliseconds,
+        )
+    }
 
     fun freeGraphics() = change { Native.freeGraphics(it) }
 

@@ -14,6 +14,8 @@ data class Settings(
     val hud: Boolean = false,
     /** A scene that is opened turns slowly until it is touched. */
     val autoOrbit: Boolean = true,
+    /** Behind the scene: red, green and blue, one of [BACKDROPS]. */
+    val backdrop: Int = 0,
 ) {
     fun save(context: Context) {
         preferences(context).edit()
@@ -23,11 +25,13 @@ data class Settings(
             .putInt("maxSplats", maxSplats)
             .putBoolean("hud", hud)
             .putBoolean("autoOrbit", autoOrbit)
+            .putInt("backdrop", backdrop)
             .apply()
     }
 
     companion object {
         val SCALES = floatArrayOf(0f, 1f, 0.85f, 0.7f, 0.5f)
+        val BACKDROPS = intArrayOf(0x000000, 0x808080, 0xFFFFFF) // black, which scenes are made for, grey, white
         val BUDGETS = intArrayOf(0, 1_000_000, 500_000, 250_000, 100_000)
 
         fun load(context: Context): Settings {
@@ -40,6 +44,7 @@ data class Settings(
                 BUDGETS.find { it == kept.getInt("maxSplats", defaults.maxSplats) } ?: 0,
                 kept.getBoolean("hud", defaults.hud),
                 kept.getBoolean("autoOrbit", defaults.autoOrbit),
+                BACKDROPS.find { it == kept.getInt("backdrop", defaults.backdrop) } ?: defaults.backdrop,
             )
         }
 

@@ -26,6 +26,7 @@ class SharedFiles : ContentProvider() {
 
     override fun getType(uri: Uri) = when (uri.lastPathSegment?.substringAfterLast('.')) {
         "png" -> "image/png"
+        "mp4" -> VideoFile.TYPE
         "json" -> "application/json"
         "csv" -> "text/csv"
         else -> "application/octet-stream"

@@ -11,6 +11,7 @@ import android.os.Handler
 import android.os.Looper
 import android.os.Parcelable
 import android.os.SystemClock
+import android.view.KeyEvent
 import android.view.View
 import android.widget.ImageButton
 import android.widget.TextView
@@ -48,7 +49,7 @@ class ViewerActivity : Activity() {
     private val main = Handler(Looper.getMainLooper())
 
     private var startsStill = false // the view is one that people left, not one to begin at
-    private val motion = MotionMenu(this) { session }
+    private val motion = MotionMenu(this, { session }, { shown?.uri }, { shown?.name })
 
     private val look = object : Runnable {
         override fun run() {
@@ -184,6 +185,7 @@ class ViewerActivity : Activity() {
         if (state.drawn && state.shown != shown?.number) opened[state.shown]?.let { appeared(it, state) }
         val hud = findViewById<TextView>(R.id.hud)
         if (state.drawn) Hud.show(hud, state.stats, heat, settings.hud) else hud.visibility = View.GONE
+        findViewById<View>(R.id.stick).visibility = if (state.motion == "walk") View.VISIBLE else View.GONE
         stayAwake(state)
     }
 
@@ -253,6 +255,7 @@ class ViewerActivity : Activity() {
         button(R.id.screenshot) { takeScreenshot() }
         button(R.id.options) { showSettings() }
         button(R.id.measure) { measure() }
+        findViewById<ThumbStick>(R.id.stick).onMove = { right, ahead -> session.stick(right, ahead) }
         button(R.id.motion) { motion.show(findViewById(R.id.motion)) }
         button(R.id.gyroscope) { lookAround(!looksAround) }
         if (!gyroscope.isThere) findViewById<View>(R.id.gyroscope).visibility = View.GONE
@@ -345,6 +348,15 @@ class ViewerActivity : Activity() {
         }
     }
 
+    override fun onKeyDown(code: Int, event: KeyEvent) = surface.key(event) || super.onKeyDown(code, event)
+
+    override fun onKeyUp(code: Int, event: KeyEvent) = surface.key(event) || super.onKeyUp(code, event)
+
+    override fun onActivityResult(request: Int, result: Int, data: Intent?) {
+        super.onActivityResult(request, result, data)
+        if (request == MotionMenu.OPEN_PATH && result == RESULT_OK) data?.data?.let { motion.openPath(it) }
+    }
+
     // Life
 
     /** Seen, though perhaps beside another app that has the focus: a split screen before Android 10. */
@@ -360,6 +372,7 @@ class ViewerActivity : Activity() {
 
     override fun onStop() {
         main.removeCallbacks(look)
+        motion.leave()
         surface.running = false
         asleep.add(this)
         Background.start { runOnUiThread { letGo() } } // once there is an image for the list
