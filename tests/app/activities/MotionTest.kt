@@ -10,7 +10,6 @@ import android.view.KeyEvent
 import android.view.Menu
 import android.view.MenuItem
 import android.view.MotionEvent
-import android.widget.Spinner
 import java.io.File
 import kotlin.math.abs
 import org.junit.Assert.assertEquals
@@ -23,7 +22,6 @@ import org.robolectric.RobolectricTestRunner
 import org.robolectric.Shadows.shadowOf
 import org.robolectric.annotation.Config
 import org.robolectric.annotation.GraphicsMode
-import org.robolectric.shadows.ShadowDialog
 import org.robolectric.shadows.ShadowPopupMenu
 import org.robolectric.shadows.ShadowToast
 
@@ -96,7 +94,10 @@ class MotionTest : ViewerScreen() {
     @Test
     fun nothingMovesWhereTheSettingIsOff() {
         animations(1f)
-        Settings(scale = 1f, sorter = 2, autoOrbit = false).save(context)
+        openAndDraw()
+        choose(R.string.auto_orbit_at_start)
+        assertFalse(Settings.load(context).autoOrbit)
+        close()
         openAndDraw()
         pump(500)
         assertEquals("", session.state()!!.motion)
@@ -288,12 +289,8 @@ class MotionTest : ViewerScreen() {
         val few = Documents.offer(File(material, "few.splat")) // which leave much of the image free
         openAndDraw(few)
         assertTrue(whites(settled()) < 0.05)
-        press(R.id.options)
-        val dialog = ShadowDialog.getLatestDialog()
-        dialog.findViewById<Spinner>(R.id.backdrop).setSelection(2)
-        pump()
+        chooseView(R.string.backdrop, 3)
         assertTrue(whites(settled()) > 0.2)
-        dialog.dismiss()
         assertEquals(0xFFFFFF, Settings.load(context).backdrop)
         close()
         openAndDraw(few)

@@ -146,11 +146,10 @@ class ViewerTest : ViewerScreen() {
         dialog.findViewById<android.widget.Spinner>(R.id.budget).setSelection(4)
         assertFalse("no numbers for who does not ask", activity.isShown(R.id.hud))
         dialog.findViewById<android.widget.Switch>(R.id.hud).isChecked = true
-        dialog.findViewById<android.widget.Switch>(R.id.auto_orbit).isChecked = false
         pump(300)
         assertTrue(activity.isShown(R.id.hud))
         dialog.dismiss()
-        assertEquals(Settings(1f, 2, 0, 100_000, true, false), Settings.load(context))
+        assertEquals(Settings(1f, 2, 0, 100_000, true), Settings.load(context))
         close()
         openAndDraw()
         pump(300)

@@ -11,12 +11,14 @@ import android.widget.PopupMenu
 import android.widget.Toast
 import java.io.IOException
 
-/** The menu of what moves the view: auto-orbit, saved views and paths. */
+/** The menu of what moves the view, auto-orbit, saved views and paths, and of what is behind the scene. */
 internal class MotionMenu(
     private val activity: Activity,
     private val session: () -> Session,
     private val scene: () -> Uri?,
     private val name: () -> String?,
+    private val settings: () -> Settings,
+    private val change: (Settings) -> Unit,
 ) {
     private var pathFile: ByteArray? = null // the last one that was played
     private var video: VideoDialog? = null
@@ -28,6 +30,20 @@ internal class MotionMenu(
     }
 
     private fun fill(menu: Menu) {
+        fillWithMotion(menu)
+        val start = settings().autoOrbit
+        menu.entry(R.string.auto_orbit_at_start, start) { change(settings().copy(autoOrbit = it)) }
+        val backdrops = menu.addSubMenu(0, R.string.backdrop, menu.size(), R.string.backdrop)
+        activity.resources.getStringArray(R.array.backdrops).forEachIndexed { i, label ->
+            val colour = Settings.BACKDROPS[i]
+            val item = backdrops.add(0, i + 1, i, label)
+            item.isChecked = settings().backdrop == colour
+            item.does { change(settings().copy(backdrop = colour)) }
+        }
+        backdrops.setGroupCheckable(0, true, true)
+    }
+
+    private fun fillWithMotion(menu: Menu) {
         val motion = session().state()?.motion
         menu.entry(R.string.auto_orbit, motion == "drift") { session().drift(it) }
         menu.entry(R.string.walk, motion == "walk") { session().walk(it) }

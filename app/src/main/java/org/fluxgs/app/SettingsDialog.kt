@@ -29,15 +29,9 @@ internal class SettingsDialog(
         choice(view, R.id.budget, budgetNames(), Settings.BUDGETS.indexOf(settings.maxSplats)) {
             settings.copy(maxSplats = Settings.BUDGETS[it])
         }
-        choice(view, R.id.backdrop, names(R.array.backdrops), Settings.BACKDROPS.indexOf(settings.backdrop)) {
-            settings.copy(backdrop = Settings.BACKDROPS[it])
-        }
         val hud = view.findViewById<Switch>(R.id.hud)
         hud.isChecked = settings.hud
         hud.setOnCheckedChangeListener { _, on -> change(settings.copy(hud = on)) }
-        val autoOrbit = view.findViewById<Switch>(R.id.auto_orbit)
-        autoOrbit.isChecked = settings.autoOrbit
-        autoOrbit.setOnCheckedChangeListener { _, on -> change(settings.copy(autoOrbit = on)) }
         view.findViewById<View>(R.id.flip).setOnClickListener { onFlip() }
         return AlertDialog.Builder(activity)
             .setTitle(R.string.settings)

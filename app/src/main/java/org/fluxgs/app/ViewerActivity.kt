@@ -49,7 +49,7 @@ class ViewerActivity : Activity() {
     private val main = Handler(Looper.getMainLooper())
 
     private var startsStill = false // the view is one that people left, not one to begin at
-    private val motion = MotionMenu(this, { session }, { shown?.uri }, { shown?.name })
+    private val motion = MotionMenu(this, { session }, { shown?.uri }, { shown?.name }, { settings }, ::change)
 
     private val look = object : Runnable {
         override fun run() {
@@ -283,6 +283,11 @@ class ViewerActivity : Activity() {
 
     private fun showSettings() {
         SettingsDialog(this, settings, { apply(it) }, { session.flipUp() }).show()
+    }
+
+    private fun change(changed: Settings) {
+        changed.save(this)
+        apply(changed)
     }
 
     private fun apply(changed: Settings) {
