@@ -221,11 +221,11 @@ TEST_F(Window, SurvivesTheLossOfItsContext) {
 }
 
 TEST_F(Window, ShowsFewerSplatsWhereMemoryIsShort) {
-  const Outcome coarse = view("--size 64x48 --frames 2 --memory 0.22");
+  const Outcome coarse = view("--size 64x48 --frames 2 --memory 0.108");
   EXPECT_EQ(coarse.status, 0) << coarse.err;
   EXPECT_NE(coarse.err.find("colours are blended in half floats"), std::string::npos) << coarse.err;
   EXPECT_EQ(coarse.err.find("of 400 splats"), std::string::npos) << coarse.err;
-  const Outcome o = view("--size 64x48 --frames 2 --memory 0.18");
+  const Outcome o = view("--size 64x48 --frames 2 --memory 0.068");
   EXPECT_EQ(o.status, 0) << o.err;
   int shown = 0, all = 0;
   const char* text = "graphics memory is short: ";
@@ -237,12 +237,12 @@ TEST_F(Window, ShowsFewerSplatsWhereMemoryIsShort) {
   EXPECT_GT(shown, 40);
   EXPECT_LT(shown, 400);
   // In the end fewer pixels, enlarged
-  const Outcome small = play(json::array({kPrint}), 2, "--memory 1");
+  const Outcome small = play(json::array({kPrint}), 2, "--memory 0.6");
   EXPECT_EQ(small.status, 0) << small.err;
   EXPECT_NE(small.err.find("images of 160x120 pixels are enlarged"), std::string::npos)
       << small.err;
-  expect_error(view("--frames 2 --memory 0.05"),
-               {"graphics memory: 50000 bytes do not hold one pixel and one splat"});
+  expect_error(view("--frames 2 --memory 0.001"),
+               {"graphics memory: 1000 bytes do not hold one pixel and one splat"});
   EXPECT_EQ(view("--frames 2 --memory nan").status, 2);
 }
 
