@@ -222,6 +222,8 @@ class OpeningTest : ViewerScreen() {
             assertEquals("$width dp: one after the other", lefts.sorted().distinct(), lefts)
             tools.forEach { assertTrue(it.width >= 48 * density - 1) }
             if (width == 360) assertTrue(lefts.last() + tools.last().width <= root.width)
+            val motion = activity.view(R.id.motion)
+            assertTrue(motion.left >= 0 && motion.right <= root.width && motion.width >= 48 * density - 1)
         }
     }
 
