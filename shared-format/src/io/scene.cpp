@@ -16,11 +16,26 @@
 #include "io/other_content.h"
 #include "io/splat/spatial_order.h"
 #include "io/splat/splat_record.h"
+#include "io/whole_cloud.h"
 
 namespace fluxgs {
 namespace {
 
 using Bytes = std::vector<std::byte>;
+
+// A reader that needs all bytes at once.
+template <Expected<SceneFile> (*read)(std::span<const std::byte>, const std::string&, SplatSink&)>
+Expected<SceneFile> of_all(const ByteSource& source, const std::string& name, SplatSink& sink) {
+  Bytes room;
+  const auto bytes = source.read(0, static_cast<std::size_t>(source.size()), room);
+  if (!bytes) return std::unexpected(bytes.error());
+  return read(*bytes, name, sink);
+}
+
+Expected<SceneFile> read_spz_of_any_axes(std::span<const std::byte> bytes, const std::string& name,
+                                         SplatSink& sink) {
+  return read_spz(bytes, name, sink);
+}
 
 // The app only reads: without this table's mention of them, the linker leaves the writers out.
 #ifdef FLUXGS_PHONE
@@ -59,24 +74,24 @@ Expected<Bytes> glb_with_start(const SplatCloud& cloud, const std::string& name,
 // which it is a special case; .splat has no magic and is guessed, and so comes last.
 constexpr auto kFormats = std::to_array<SceneFormat>({
     {"compressed.ply", "compressed .ply of SuperSplat", ".compressed.ply", 3, StoredFilter::all,
-     is_compressed_ply, read_compressed_ply, FLUXGS_WRITER(with_start<encode_compressed_ply>),
-     nullptr, FLUXGS_WRITER(order_in_space)},
-    {"ply", "3DGS .ply", ".ply", 3, StoredFilter::all, is_ply, read_ply,
+     is_compressed_ply, of_all<read_compressed_ply>, false,
+     FLUXGS_WRITER(with_start<encode_compressed_ply>), nullptr, FLUXGS_WRITER(order_in_space)},
+    {"ply", "3DGS .ply", ".ply", 3, StoredFilter::all, is_ply, read_ply, true,
      FLUXGS_WRITER(with_start<encode_ply>)},
     {"glb", "glTF binary with KHR_gaussian_splatting", ".glb", 3, StoredFilter::all, is_glb,
-     read_glb, FLUXGS_WRITER(glb_with_start), read_gltf_folder},
-    {"spz", "SPZ (Niantic)", ".spz", 3, StoredFilter::compensation, is_spz, read_spz,
-     FLUXGS_WRITER(write_spz)},
-    {"sog", "bundled SOG", ".sog", 3, StoredFilter::all, is_sog, read_sog,
+     of_all<read_glb>, false, FLUXGS_WRITER(glb_with_start), read_gltf_folder},
+    {"spz", "SPZ (Niantic)", ".spz", 3, StoredFilter::compensation, is_spz,
+     of_all<read_spz_of_any_axes>, false, FLUXGS_WRITER(write_spz)},
+    {"sog", "bundled SOG", ".sog", 3, StoredFilter::all, is_sog, of_all<read_sog>, false,
      FLUXGS_WRITER(encode_sog), nullptr, FLUXGS_WRITER(order_in_space)},
-    {"sog-folder", "SOG's meta.json", ".json", 3, StoredFilter::all, is_sog_meta, nullptr, nullptr,
-     read_sog_folder},
+    {"sog-folder", "SOG's meta.json", ".json", 3, StoredFilter::all, is_sog_meta, nullptr, false,
+     nullptr, read_sog_folder},
     {"sog-lod", "streamed SOG's lod-meta.json", ".json", 3, StoredFilter::all, is_sog_lod, nullptr,
-     nullptr, read_sog_lod},
-    {"gltf", "glTF with KHR_gaussian_splatting", ".gltf", 3, StoredFilter::all, is_gltf, read_gltf,
-     nullptr, read_gltf_folder},
+     false, nullptr, read_sog_lod},
+    {"gltf", "glTF with KHR_gaussian_splatting", ".gltf", 3, StoredFilter::all, is_gltf,
+     of_all<read_gltf>, false, nullptr, read_gltf_folder},
     {"splat", ".splat (32 bytes a splat, unit quaternions)", ".splat", 0, StoredFilter::none,
-     is_splat, read_splat, FLUXGS_WRITER(plain<encode_splat>)},
+     is_splat, read_splat, true, FLUXGS_WRITER(plain<encode_splat>)},
 });
 
 void append(std::string& list, std::string_view item) {
@@ -169,10 +184,16 @@ Expected<const SceneFormat*> recognise_beginning(std::span<const std::byte> begi
 Expected<SceneFile> read_scene(std::span<const std::byte> bytes, const std::string& name) {
   const auto format = recognise_scene(bytes, name);
   if (!format) return std::unexpected(format.error());
-  auto scene = (*format)->read(bytes, name);
+  return io::read_whole(
+      name, [&](SplatSink& sink) { return read_scene(**format, MemoryBytes(bytes), name, sink); });
+}
+
+Expected<SceneFile> read_scene(const SceneFormat& format, const ByteSource& source,
+                               const std::string& name, SplatSink& sink) {
+  auto scene = format.read(source, name, sink);
   if (!scene) return scene;
-  scene->format = (*format)->name;
-  scene->bytes = bytes.size();
+  scene->format = format.name;
+  scene->bytes = static_cast<std::size_t>(source.size());
   return scene;
 }
 

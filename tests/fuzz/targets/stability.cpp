@@ -4,6 +4,7 @@
 // compact_stability.cpp.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <fmt/format.h>
 #include <glm/glm.hpp>
@@ -11,6 +12,7 @@
 #include "fluxgs/io/scene.h"
 #include "fluxgs/io/spz.h"
 #include "harness.h"
+#include "io/whole_cloud.h"
 #include "scene_of.h"
 
 namespace fluxgs::fuzz {
@@ -27,7 +29,7 @@ struct Writer {
   std::string name;
   Tolerance tolerance;
   Expected<Bytes> (*encode)(const SplatCloud& cloud, const std::string& name, const WriteOptions&);
-  Expected<SceneFile> (*read)(Input bytes, const std::string& name);
+  std::function<Expected<SceneFile>(Input bytes, const std::string& name)> read;
   /// Chooses codebooks or ranges, and with them an order, anew each time.
   bool adapts = false;
 };
@@ -54,8 +56,13 @@ std::vector<Writer> all_writers() {
   std::vector<Writer> writers{{"spz4", tolerance_of("spz"), encode_spz4, read_spz4}};
   for (const SceneFormat& format : scene_formats()) {
     if (format.encode == nullptr) continue;
-    writers.push_back({std::string(format.name), tolerance_of(format.name), format.encode,
-                       format.read, format.name == "sog" || format.name == "compressed.ply"});
+    const auto read = [&format](Input bytes, const std::string& name) {
+      return io::read_whole(name, [&](SplatSink& sink) {
+        return read_scene(format, MemoryBytes(bytes), name, sink);
+      });
+    };
+    writers.push_back({std::string(format.name), tolerance_of(format.name), format.encode, read,
+                       format.name == "sog" || format.name == "compressed.ply"});
   }
   return writers;
 }

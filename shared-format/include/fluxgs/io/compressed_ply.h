@@ -20,6 +20,7 @@
 
 #include "fluxgs/error.h"
 #include "fluxgs/io/scene_file.h"
+#include "fluxgs/io/splat_sink.h"
 
 namespace fluxgs {
 
@@ -32,6 +33,9 @@ bool is_compressed_ply(std::span<const std::byte> bytes);
 /// lists. All counts are checked against the size of `bytes` before anything is allocated.
 /// Opacities of 0 and 255 stay finite: logits ≈ −87.3 and 17.3. `name` appears in errors.
 Expected<SceneFile> read_compressed_ply(std::span<const std::byte> bytes, const std::string& name);
+/// The same, but the splats go to the sink, not into the result.
+Expected<SceneFile> read_compressed_ply(std::span<const std::byte> bytes, const std::string& name,
+                                        SplatSink& sink);
 
 /// Write a scene, with ranges of colour, in an order that keeps neighbours together: the ranges of
 /// the chunks are then small, and a far splat coarsens only those of its chunk. Logarithms of

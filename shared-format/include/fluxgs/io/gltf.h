@@ -10,6 +10,7 @@
 
 #include "fluxgs/error.h"
 #include "fluxgs/io/scene_file.h"
+#include "fluxgs/io/splat_sink.h"
 
 namespace fluxgs {
 
@@ -46,12 +47,18 @@ void turn_gltf_frame(SplatCloud& cloud);
 /// (1 − 2⁻²⁵, half-way to the float below one) and scale 0 becomes logarithm ≈ −87.3. Negative
 /// scales are invalid: such splats count as dropped.
 Expected<SceneFile> read_glb(std::span<const std::byte> bytes, const std::string& name);
+/// The same, but the splats go to the sink, not into the result, primitive by primitive.
+Expected<SceneFile> read_glb(std::span<const std::byte> bytes, const std::string& name,
+                             SplatSink& sink);
 
 /// True if the bytes look like the JSON form of glTF, a .gltf.
 bool is_gltf(std::span<const std::byte> bytes);
 
 /// Read the JSON form, as read_glb() does.
 Expected<SceneFile> read_gltf(std::span<const std::byte> bytes, const std::string& name);
+/// The same, but the splats go to the sink, not into the result, primitive by primitive.
+Expected<SceneFile> read_gltf(std::span<const std::byte> bytes, const std::string& name,
+                              SplatSink& sink);
 
 /// Read a .glb or .gltf whose buffers may be files, given its content and where it lies. Names of
 /// files must be plain and lie in its folder or below (symbolic links that lead out are refused);

@@ -8,8 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "fluxgs/byte_source.h"
 #include "fluxgs/error.h"
 #include "fluxgs/io/scene_file.h"
+#include "fluxgs/io/splat_sink.h"
 
 namespace fluxgs {
 
@@ -23,6 +25,8 @@ bool is_ply(std::span<const std::byte> bytes);
 /// counts are checked against the size of `bytes` before anything is allocated. `name` appears in
 /// errors.
 Expected<SceneFile> read_ply(std::span<const std::byte> bytes, const std::string& name);
+/// The same of a file that need not be in memory. The splats go to the sink, not into the result.
+Expected<SceneFile> read_ply(const ByteSource& source, const std::string& name, SplatSink& sink);
 
 /// Write little-endian floats in INRIA's order (with zero normals): a finite scene comes back bit
 /// for bit. Splats with a NaN or infinity are left out. A start view becomes a comment.

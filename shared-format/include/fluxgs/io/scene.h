@@ -10,8 +10,10 @@
 #include <string_view>
 #include <vector>
 
+#include "fluxgs/byte_source.h"
 #include "fluxgs/error.h"
 #include "fluxgs/io/scene_file.h"
+#include "fluxgs/io/splat_sink.h"
 #include "fluxgs/io/write_options.h"
 
 namespace fluxgs {
@@ -32,8 +34,10 @@ struct SceneFormat {
   StoredFilter stored_filter;    ///< for its writer; readers may find less
   /// True if the content looks like this format.
   bool (*recognises)(std::span<const std::byte> bytes);
-  /// Null for a format of several files.
-  Expected<SceneFile> (*read)(std::span<const std::byte> bytes, const std::string& name);
+  /// Gives the splats to the sink, not into the result. Null for a format of several files.
+  Expected<SceneFile> (*read)(const ByteSource& source, const std::string& name, SplatSink& sink);
+  /// Its reader looks at parts of the file; others take all of it into memory at once.
+  bool reads_parts;
   /// Null for a format that is only read.
   Expected<std::vector<std::byte>> (*encode)(const SplatCloud& cloud, const std::string& name,
                                              const WriteOptions& options);
@@ -62,6 +66,11 @@ Expected<const SceneFormat*> recognise_beginning(std::span<const std::byte> begi
 
 /// Read a scene from memory; `name` appears in errors. A scene of several files is an error.
 Expected<SceneFile> read_scene(std::span<const std::byte> bytes, const std::string& name);
+
+/// Read a scene that need not be in memory; its splats go to the sink, not into the result.
+/// `format` is that of recognise_scene() or recognise_beginning().
+Expected<SceneFile> read_scene(const SceneFormat& format, const ByteSource& source,
+                               const std::string& name, SplatSink& sink);
 
 /// Read a scene from a file, and from others of its folder if its format has several.
 Expected<SceneFile> read_scene(const std::filesystem::path& path);

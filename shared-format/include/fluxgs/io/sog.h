@@ -24,6 +24,7 @@
 
 #include "fluxgs/error.h"
 #include "fluxgs/io/scene_file.h"
+#include "fluxgs/io/splat_sink.h"
 #include "fluxgs/io/write_options.h"
 
 namespace fluxgs {
@@ -41,6 +42,9 @@ Expected<std::pair<std::size_t, int>> announced_by_sog(std::span<const std::byte
 /// passed over, several scenes are an error. `name` appears in errors. One that announces more
 /// splats than its bytes can hold is refused.
 Expected<SceneFile> read_sog(std::span<const std::byte> bytes, const std::string& name);
+/// The same, but the splats go to the sink, not into the result.
+Expected<SceneFile> read_sog(std::span<const std::byte> bytes, const std::string& name,
+                             SplatSink& sink);
 
 /// Write a bundled scene of version 2, in an order that keeps neighbours together. Scales, colours
 /// and SH coefficients have codebooks of 256 values of (nearly) least mean squared error, SH a

@@ -14,8 +14,10 @@
 #include <string>
 #include <vector>
 
+#include "fluxgs/byte_source.h"
 #include "fluxgs/error.h"
 #include "fluxgs/io/scene_file.h"
+#include "fluxgs/io/splat_sink.h"
 
 namespace fluxgs {
 
@@ -33,6 +35,8 @@ bool is_splat(std::span<const std::byte> bytes);
 /// becomes logarithm ≈ −87.3; splats with a negative scale count as dropped; a zero quaternion
 /// becomes the identity.
 Expected<SceneFile> read_splat(std::span<const std::byte> bytes, const std::string& name);
+/// The same of a file that need not be in memory. The splats go to the sink, not into the result.
+Expected<SceneFile> read_splat(const ByteSource& source, const std::string& name, SplatSink& sink);
 
 /// Write degree 0 of a scene (higher degrees are left out) in the order of the cloud; other writers
 /// sort by size, for viewers that draw while loading. Rounding to the nearest level errs by at most

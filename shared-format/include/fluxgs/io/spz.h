@@ -28,6 +28,7 @@
 
 #include "fluxgs/error.h"
 #include "fluxgs/io/scene_file.h"
+#include "fluxgs/io/splat_sink.h"
 #include "fluxgs/io/write_options.h"
 
 namespace fluxgs {
@@ -53,6 +54,9 @@ enum class SpzAxes {
 /// `axes` counts where the file does not name its own.
 Expected<SceneFile> read_spz(std::span<const std::byte> bytes, const std::string& name,
                              SpzAxes axes);
+/// The same, but the splats go to the sink, not into the result.
+Expected<SceneFile> read_spz(std::span<const std::byte> bytes, const std::string& name,
+                             SplatSink& sink, SpzAxes axes = SpzAxes::right_down_front);
 /// The same with the axes that most writers use.
 Expected<SceneFile> read_spz(std::span<const std::byte> bytes, const std::string& name);
 

@@ -20,6 +20,7 @@
 #include "io/gltf/gltf_spz.h"
 #include "io/json_text.h"
 #include "io/sog/folder_files.h"
+#include "io/whole_cloud.h"
 
 namespace fluxgs {
 namespace {
@@ -196,37 +197,55 @@ AttributeBits bits_of(const std::vector<GltfInstance>& instances, int sh_degree)
   return bits;
 }
 
-// All instances in one cloud.
-Expected<SplatCloud> read_instances(const std::vector<GltfInstance>& instances, std::size_t total,
-                                    const std::string& name) {
+// The splats of one instance, of its own degree, in the frame of a SplatCloud.
+Expected<SplatCloud> read_instance(const GltfInstance& instance, const std::string& name) {
+  const GltfSplats& splats = instance.splats;
   // What most files hold needs no second copy
-  if (instances.size() == 1 && instances[0].transform == AffineMap{} &&
-      instances[0].splats.compression == GltfCompression::compact &&
-      !instances[0].splats.linear_colours) {
-    auto cloud = decode_compact_splats(instances[0].splats, name);
+  if (instance.transform == AffineMap{} && splats.compression == GltfCompression::compact &&
+      !splats.linear_colours) {
+    auto cloud = decode_compact_splats(splats, name);
     if (cloud) turn_cloud(*cloud);
     return cloud;
   }
-  int degree = 0;
-  for (const GltfInstance& instance : instances) {
-    degree = std::max(degree, instance.splats.sh_degree);
-  }
-  auto cloud = allocate_cloud(total, degree, name);
+  auto cloud = allocate_cloud(splats.count, splats.sh_degree, name);
   if (!cloud) return cloud;
   std::size_t next = 0;
-  for (const auto& [splats, transform] : instances) {
-    const std::size_t begin = next;
-    if (auto ok = read_primitive(splats, name, *cloud, next); !ok)
-      return std::unexpected(ok.error());
-    if (splats.linear_colours) encode_linear_colours(*cloud, begin, next);
-    transform_splats(transform, *cloud, begin, next);
-    turn_splats(*cloud, begin, next, splats.sh_degree);
-  }
+  if (auto ok = read_primitive(splats, name, *cloud, next); !ok) return std::unexpected(ok.error());
+  if (splats.linear_colours) encode_linear_colours(*cloud, 0, next);
+  transform_splats(instance.transform, *cloud, 0, next);
+  turn_splats(*cloud, 0, next, splats.sh_degree);
   return cloud;
 }
 
+// As many as there are to be: all, and their highest degree. What is held is the largest instance.
+ComingSplats coming_from(const std::vector<GltfInstance>& instances, std::size_t total) {
+  ComingSplats coming{.count = total};
+  for (const auto& [splats, transform] : instances) {
+    coming.sh_degree = std::max(coming.sh_degree, splats.sh_degree);
+    coming.held =
+        std::max<std::uint64_t>(coming.held, splat_memory_bytes(splats.count, splats.sh_degree));
+  }
+  return coming;
+}
+
+Expected<void> read_instances(const std::vector<GltfInstance>& instances, std::size_t total,
+                              const std::string& name, SplatSink& sink, SceneFile& scene) {
+  const auto degree = sink.begin(coming_from(instances, total));
+  if (!degree) return std::unexpected(degree.error());
+  scene.cloud.sh_degree = *degree;
+  for (const GltfInstance& instance : instances) {
+    auto part = read_instance(instance, name);
+    if (!part) return std::unexpected(part.error());
+    if (part->filter.compensated) scene.cloud.filter.compensated = true;
+    limit_sh_degree(*part, *degree);
+    scene.dropped += drop_non_finite(*part);
+    if (auto taken = sink.take(*part); !taken) return taken;
+  }
+  return {};
+}
+
 Expected<SceneFile> read(std::span<const std::byte> bytes, const NamedFiles& files,
-                         const std::string& name) {
+                         const std::string& name, SplatSink& sink) {
   const auto document = open_gltf(bytes, files, name);
   if (!document) return std::unexpected(document.error());
   const std::vector<GltfInstance>& instances = document->instances;
@@ -241,12 +260,10 @@ Expected<SceneFile> read(std::span<const std::byte> bytes, const NamedFiles& fil
   const std::size_t size = document->buffers.bytes();
   const auto total = count_splats(instances, size, name);
   if (!total) return std::unexpected(total.error());
-  auto cloud = read_instances(instances, *total, name);
-  if (!cloud) return std::unexpected(cloud.error());
   SceneFile scene;
-  scene.cloud = std::move(*cloud);
+  if (auto done = read_instances(instances, *total, name, sink, scene); !done)
+    return std::unexpected(done.error());
   if (json.filter) scene.cloud.filter = *json.filter;
-  scene.dropped = drop_non_finite(scene.cloud);
   scene.format = "glb";
   scene.extensions = json.extensions_used;
   scene.warnings = document->warnings;
@@ -254,16 +271,16 @@ Expected<SceneFile> read(std::span<const std::byte> bytes, const NamedFiles& fil
     scene.warnings.push_back(
         fmt::format("names {}, but no node of its scene has a primitive with it", kSplatExtension));
   scene.start = json.start;
-  scene.attribute_bits = bits_of(instances, scene.cloud.sh_degree);
+  scene.attribute_bits = bits_of(instances, coming_from(instances, *total).sh_degree);
   scene.bytes = size;
   return scene;
 }
 
 // Parsing takes memory that is not asked for as a value.
 Expected<SceneFile> read_within_memory(std::span<const std::byte> bytes, const NamedFiles& files,
-                                       const std::string& name) {
+                                       const std::string& name, SplatSink& sink) {
   try {
-    return read(bytes, files, name);
+    return read(bytes, files, name, sink);
   } catch (const std::bad_alloc&) {
     return fail(name, "memory", fmt::format("out of memory parsing {} bytes", bytes.size()));
   }
@@ -286,13 +303,23 @@ bool is_gltf(std::span<const std::byte> bytes) {
          (text.contains("\"meshes\"") || text.contains("\"scenes\""));
 }
 
-Expected<SceneFile> read_glb(std::span<const std::byte> bytes, const std::string& name) {
+Expected<SceneFile> read_glb(std::span<const std::byte> bytes, const std::string& name,
+                             SplatSink& sink) {
   if (!is_glb(bytes)) return std::unexpected(parse_glb_container(bytes, name).error());
-  return read_within_memory(bytes, {}, name);
+  return read_within_memory(bytes, {}, name, sink);
+}
+
+Expected<SceneFile> read_glb(std::span<const std::byte> bytes, const std::string& name) {
+  return read_whole(name, [&](SplatSink& sink) { return read_glb(bytes, name, sink); });
+}
+
+Expected<SceneFile> read_gltf(std::span<const std::byte> bytes, const std::string& name,
+                              SplatSink& sink) {
+  return read_within_memory(bytes, {}, name, sink);
 }
 
 Expected<SceneFile> read_gltf(std::span<const std::byte> bytes, const std::string& name) {
-  return read_within_memory(bytes, {}, name);
+  return read_whole(name, [&](SplatSink& sink) { return read_gltf(bytes, name, sink); });
 }
 
 Expected<SceneFile> read_gltf_folder(std::span<const std::byte> bytes,
@@ -301,7 +328,9 @@ Expected<SceneFile> read_gltf_folder(std::span<const std::byte> bytes,
   const NamedFiles files = [&folder](const std::string& file, std::uint64_t max_bytes) {
     return folder.read(file, max_bytes);
   };
-  return read_within_memory(bytes, files, path.string());
+  const std::string name = path.string();
+  return read_whole(name,
+                    [&](SplatSink& sink) { return read_within_memory(bytes, files, name, sink); });
 }
 
 }  // namespace fluxgs

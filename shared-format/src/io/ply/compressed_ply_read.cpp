@@ -11,7 +11,6 @@
 #include <glm/common.hpp>
 
 #include "cloud/activation.h"
-#include "cloud/cloud_memory.h"
 #include "fluxgs/io/compressed_ply.h"
 #include "fluxgs/io/ply.h"
 #include "fluxgs/sanitize.h"
@@ -20,6 +19,7 @@
 #include "io/ply/ply_filter.h"
 #include "io/ply/ply_header.h"
 #include "io/ply/ply_view.h"
+#include "io/whole_cloud.h"
 
 namespace fluxgs {
 namespace {
@@ -222,10 +222,11 @@ float unpack_sh(std::uint8_t level) {
   return (static_cast<float>(level) + 0.5f) / 32 - 4;
 }
 
+// Splat `row` of the file becomes splat i of the cloud.
 void store(const Tables& tables, const Chunk& chunk, const std::array<float, 256>& logits,
-           std::size_t i, SplatCloud& cloud) {
+           std::size_t row, std::size_t i, SplatCloud& cloud) {
   const auto word = [&](std::size_t column) {
-    return tables.vertex.value<std::uint32_t>(i, column);
+    return tables.vertex.value<std::uint32_t>(row, column);
   };
   cloud.positions[i] = glm::vec3(chunk.position.at(unpack_vector(word(0))));
   cloud.rotations[i] = unpack_rotation(word(1));
@@ -236,11 +237,12 @@ void store(const Tables& tables, const Chunk& chunk, const std::array<float, 256
   for (int c = 0; c < 3; ++c) cloud.sh_dc[i][c] = dc_of(colour[c]);
   cloud.opacity_logits[i] = logits[packed & 255];
   const auto rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
+  const auto stored = static_cast<std::size_t>(sh_rest_count(tables.sh_degree));
   const auto sh = [&](std::size_t column) {
-    return unpack_sh(tables.sh.value<std::uint8_t>(i, column));
+    return unpack_sh(tables.sh.value<std::uint8_t>(row, column));
   };
   for (std::size_t k = 0; k < rest; ++k) {  // channel-major
-    cloud.sh_rest[i * rest + k] = {sh(k), sh(rest + k), sh(2 * rest + k)};
+    cloud.sh_rest[i * rest + k] = {sh(k), sh(stored + k), sh(2 * stored + k)};
   }
 }
 
@@ -266,30 +268,40 @@ bool is_compressed_ply(std::span<const std::byte> bytes) {
                                                 &PlyProperty::name) != vertex->properties.end();
 }
 
-Expected<SceneFile> read_compressed_ply(std::span<const std::byte> bytes, const std::string& name) {
+Expected<SceneFile> read_compressed_ply(std::span<const std::byte> bytes, const std::string& name,
+                                        SplatSink& sink) {
   const auto header = parse_ply_header(bytes, name);
   if (!header) return std::unexpected(header.error());
   const auto tables = find_tables(*header, bytes, name);
   if (!tables) return std::unexpected(tables.error());
-  const auto count = static_cast<std::size_t>(tables->vertex.count);
-  auto cloud = allocate_cloud(count, tables->sh_degree, name);
-  if (!cloud) return std::unexpected(cloud.error());
+  const ComingSplats coming{static_cast<std::size_t>(tables->vertex.count), tables->sh_degree};
+  const auto degree = sink.begin(coming);
+  if (!degree) return std::unexpected(degree.error());
   const auto logits = logits_of_bytes();
-  for (std::size_t begin = 0; begin < count; begin += kChunkSplats) {
-    const auto chunk = read_chunk(*tables, begin / kChunkSplats, name);
-    if (!chunk) return std::unexpected(chunk.error());
-    const std::size_t end = std::min(count, begin + kChunkSplats);
-    for (std::size_t i = begin; i < end; ++i) store(*tables, *chunk, logits, i, *cloud);
-  }
+  static_assert(kSplatsOfAPart % kChunkSplats == 0);
   SceneFile scene;
-  scene.cloud = std::move(*cloud);
+  const auto fill = [&](std::size_t first, SplatCloud& part) -> Expected<void> {
+    for (std::size_t begin = 0; begin < part.size(); begin += kChunkSplats) {
+      const auto chunk = read_chunk(*tables, (first + begin) / kChunkSplats, name);
+      if (!chunk) return std::unexpected(chunk.error());
+      const std::size_t end = std::min(part.size(), begin + kChunkSplats);
+      for (std::size_t k = begin; k < end; ++k) store(*tables, *chunk, logits, first + k, k, part);
+    }
+    return {};
+  };
+  // Colours beyond float after the change of scale are dropped
+  if (auto done = hand_on(coming, *degree, name, sink, scene, fill); !done)
+    return std::unexpected(done.error());
   scene.cloud.filter = filter_of_comments(header->comments);
   scene.start = view_of_comments(header->comments);
-  scene.dropped = drop_non_finite(scene.cloud);  // colours beyond float after the change of scale
   scene.format = "compressed.ply";
   scene.attribute_bits = bits_of(*tables);
   scene.bytes = bytes.size();
   return scene;
+}
+
+Expected<SceneFile> read_compressed_ply(std::span<const std::byte> bytes, const std::string& name) {
+  return read_whole(name, [&](SplatSink& sink) { return read_compressed_ply(bytes, name, sink); });
 }
 
 }  // namespace fluxgs

@@ -216,6 +216,14 @@ Expected<PlyHeader> parse_ply_header(std::span<const std::byte> bytes, const std
   return parse_ply_header(bytes, bytes.size(), name);
 }
 
+Expected<PlyHeader> read_ply_header(const ByteSource& source, const std::string& name) {
+  std::vector<std::byte> room;
+  const auto most = static_cast<std::size_t>(std::min<std::uint64_t>(source.size(), kMaxHeader));
+  const auto begin = source.read(0, most, room);
+  if (!begin) return std::unexpected(begin.error());
+  return parse_ply_header(*begin, source.size(), name);
+}
+
 Expected<PlyHeader> parse_ply_header(std::span<const std::byte> bytes, std::uint64_t size,
                                      const std::string& name) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()),

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "fluxgs/byte_source.h"
 #include "fluxgs/error.h"
 
 namespace fluxgs::io {
@@ -50,5 +51,7 @@ Expected<PlyHeader> parse_ply_header(std::span<const std::byte> bytes, const std
 /// The same of the beginning of a file of `size` bytes.
 Expected<PlyHeader> parse_ply_header(std::span<const std::byte> begin, std::uint64_t size,
                                      const std::string& name);
+/// The same of a file that need not be in memory.
+Expected<PlyHeader> read_ply_header(const ByteSource& source, const std::string& name);
 
 }  // namespace fluxgs::io

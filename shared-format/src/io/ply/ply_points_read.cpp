@@ -50,7 +50,7 @@ Expected<void> read_vertices(PlyData& data, const PlyElement& vertex,
     return fail(name, "element vertex", "not enough memory for the points");
   }
   const bool colored = columns.size() > kPosition.size();
-  return data.read<double>(vertex, columns, [&](std::size_t i, const double* v) {
+  return data.read<double>(vertex, columns, 0, count, [&](std::size_t i, const double* v) {
     points.positions[i] = {v[0], v[1], v[2]};
     if (colored) points.colors[i] = {byte_of(v[3]), byte_of(v[4]), byte_of(v[5])};
   });
@@ -66,7 +66,8 @@ Expected<PlyPoints> read_ply_points(std::span<const std::byte> bytes, const std:
     return fail(name, "header", "has no element \"vertex\"; expected one row of it per point");
   const auto columns = find_columns(*vertex, name);
   if (!columns) return std::unexpected(columns.error());
-  PlyData data(bytes.subspan(header->size), header->encoding, name);
+  const MemoryBytes source(bytes);
+  PlyData data(source, header->size, header->encoding, name);
   PlyPoints points;
   for (auto element = header->elements.begin(); element != header->elements.end(); ++element) {
     const auto done = element == vertex ? read_vertices(data, *vertex, *columns, name, points)

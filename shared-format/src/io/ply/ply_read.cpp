@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "cloud/activation.h"
-#include "cloud/cloud_memory.h"
 #include "fluxgs/io/ply.h"
 #include "fluxgs/sanitize.h"
 #include "io/ply/ply_columns.h"
@@ -15,6 +14,7 @@
 #include "io/ply/ply_header.h"
 #include "io/ply/ply_rows.h"
 #include "io/ply/ply_view.h"
+#include "io/whole_cloud.h"
 
 namespace fluxgs {
 namespace {
@@ -62,7 +62,9 @@ bool is_without_splats(const PlyElement& vertex) {
          });
 }
 
-Expected<SplatColumns> find_splat_columns(const PlyElement& vertex, const std::string& name) {
+// With harmonics up to a degree.
+Expected<SplatColumns> find_splat_columns(const PlyElement& vertex, int max_degree,
+                                          const std::string& name) {
   if (vertex.has_lists()) {
     return fail(name, "element vertex", "holds a list property; expected only scalars");
   }
@@ -74,7 +76,7 @@ Expected<SplatColumns> find_splat_columns(const PlyElement& vertex, const std::s
   if (!degree) return std::unexpected(degree.error());
   SplatColumns columns;
   columns.stored_degree = *degree;
-  columns.sh_degree = std::min(*degree, kMaxShDegree);
+  columns.sh_degree = std::min(*degree, max_degree);
   columns.flat = has_ply_property(vertex, "scale_1") && !has_ply_property(vertex, "scale_2");
   const auto red = std::ranges::find(vertex.properties, "red", &PlyProperty::name);
   if (!has_ply_property(vertex, "f_dc_0") && red != vertex.properties.end())
@@ -114,35 +116,49 @@ void store(const SplatColumns& columns, const float* v, std::size_t i, SplatClou
   }
 }
 
-Expected<SplatCloud> read_elements(std::span<const std::byte> bytes, const PlyHeader& header,
-                                   const std::string& name, std::vector<std::string>& warnings) {
+// The rows of the splats, which come next.
+Expected<void> read_splats(PlyData& data, const PlyElement& vertex, const std::string& name,
+                           SplatSink& sink, SceneFile& scene) {
+  auto columns = find_splat_columns(vertex, kMaxShDegree, name);
+  if (!columns) return std::unexpected(columns.error());
+  if (columns->stored_degree > columns->sh_degree)
+    scene.warnings.push_back(
+        fmt::format("spherical harmonics beyond degree {} are left out", columns->sh_degree));
+  scene.attribute_bits = float_attribute_bits(columns->sh_degree);
+  if (auto there = data.check_size(vertex); !there) return there;
+  const ComingSplats coming{static_cast<std::size_t>(vertex.count), columns->sh_degree};
+  const auto degree = sink.begin(coming);
+  if (!degree) return std::unexpected(degree.error());
+  columns = find_splat_columns(vertex, *degree, name);
+  if (!columns) return std::unexpected(columns.error());
+  return hand_on(
+      coming, columns->sh_degree, name, sink, scene, [&](std::size_t first, SplatCloud& part) {
+        return data.read<float>(
+            vertex, columns->property, first, part.size(),
+            [&](std::size_t i, const float* values) { store(*columns, values, i - first, part); });
+      });
+}
+
+Expected<void> read_elements(const ByteSource& source, const PlyHeader& header,
+                             const std::string& name, SplatSink& sink, SceneFile& scene) {
   const auto vertex = std::ranges::find(header.elements, "vertex", &PlyElement::name);
   if (vertex == header.elements.end()) {
     return fail(name, "header", "has no element \"vertex\"; expected one row of it per splat");
   }
-  const auto columns = find_splat_columns(*vertex, name);
-  if (!columns) return std::unexpected(columns.error());
-  if (columns->stored_degree > columns->sh_degree)
-    warnings.push_back(
-        fmt::format("spherical harmonics beyond degree {} are left out", columns->sh_degree));
-  PlyData data(bytes.subspan(header.size), header.encoding, name);
-  Expected<SplatCloud> cloud;
+  // What is wrong with them is said before what lies in front of them is read
+  if (auto sound = find_splat_columns(*vertex, kMaxShDegree, name); !sound)
+    return std::unexpected(sound.error());
+  PlyData data(source, header.size, header.encoding, name);
   for (auto element = header.elements.begin(); element != header.elements.end(); ++element) {
-    auto done = element != vertex ? data.skip(*element) : data.check_size(*vertex);
-    if (done && element == vertex) {
-      cloud = allocate_cloud(static_cast<std::size_t>(vertex->count), columns->sh_degree, name);
-      if (!cloud) return cloud;
-      done = data.read<float>(*vertex, columns->property, [&](std::size_t i, const float* values) {
-        store(*columns, values, i, *cloud);
-      });
-    }
-    if (!done) return std::unexpected(done.error());
+    auto done =
+        element == vertex ? read_splats(data, *vertex, name, sink, scene) : data.skip(*element);
+    if (!done) return done;
   }
-  if (const std::size_t left = data.bytes_left(); left > 0)
-    warnings.push_back(
+  if (const std::uint64_t left = data.bytes_left(); left > 0)
+    scene.warnings.push_back(
         fmt::format("{} bytes behind the {} splats that its header promises are not read", left,
-                    cloud->size()));
-  return cloud;
+                    vertex->count));
+  return {};
 }
 
 }  // namespace
@@ -154,20 +170,22 @@ bool is_ply(std::span<const std::byte> bytes) {
          (bytes[3] == std::byte{'\n'} || bytes[3] == std::byte{'\r'});
 }
 
-Expected<SceneFile> read_ply(std::span<const std::byte> bytes, const std::string& name) {
-  const auto header = parse_ply_header(bytes, name);
+Expected<SceneFile> read_ply(const ByteSource& source, const std::string& name, SplatSink& sink) {
+  const auto header = read_ply_header(source, name);
   if (!header) return std::unexpected(header.error());
   SceneFile scene;
-  auto cloud = read_elements(bytes, *header, name, scene.warnings);
-  if (!cloud) return std::unexpected(cloud.error());
-  scene.cloud = std::move(*cloud);
+  if (auto done = read_elements(source, *header, name, sink, scene); !done)
+    return std::unexpected(done.error());
   scene.cloud.filter = filter_of_comments(header->comments);
   scene.start = view_of_comments(header->comments);
-  scene.dropped = drop_non_finite(scene.cloud);
   scene.format = "ply";
-  scene.attribute_bits = float_attribute_bits(scene.cloud.sh_degree);
-  scene.bytes = bytes.size();
+  scene.bytes = static_cast<std::size_t>(source.size());
   return scene;
+}
+
+Expected<SceneFile> read_ply(std::span<const std::byte> bytes, const std::string& name) {
+  return read_whole(name,
+                    [&](SplatSink& sink) { return read_ply(MemoryBytes(bytes), name, sink); });
 }
 
 }  // namespace fluxgs

@@ -13,6 +13,7 @@
 #include "io/sog/sog_lod.h"
 #include "io/sog/sog_meta.h"
 #include "io/sog/zip_archive.h"
+#include "io/whole_cloud.h"
 
 namespace fluxgs {
 namespace {
@@ -46,16 +47,14 @@ NamedFiles counted(NamedFiles files, AttributeBits& bits) {
   };
 }
 
-SceneFile make_scene(SplatCloud cloud, const char* format, std::size_t bytes, AttributeBits bits) {
-  SceneFile scene;
-  const double splats = static_cast<double>(std::max<std::size_t>(cloud.size(), 1));
-  for (auto& [attribute, total] : bits) total /= splats;
+// What is said about splats that went into a sink; `bits` are of all of them.
+void describe(const char* format, std::size_t splats, std::size_t bytes, AttributeBits bits,
+              SceneFile& scene) {
+  for (auto& [attribute, total] : bits)
+    total /= static_cast<double>(std::max<std::size_t>(splats, 1));
   scene.attribute_bits = std::move(bits);
-  scene.cloud = std::move(cloud);
-  scene.dropped = drop_non_finite(scene.cloud);
   scene.format = format;
   scene.bytes = bytes;
-  return scene;
 }
 
 // Parsing takes memory that is not asked for as a value.
@@ -75,12 +74,15 @@ Expected<SogMeta> meta_from(std::span<const std::byte> json, const std::string& 
   return parse_sog_meta(*root, name, field);
 }
 
-Expected<SplatCloud> read_from(std::span<const std::byte> json, const NamedFiles& files,
-                               const std::string& folder, const std::string& field,
-                               const std::string& name) {
+// Returns how many splats it announces.
+Expected<std::size_t> read_from(std::span<const std::byte> json, const NamedFiles& files,
+                                const std::string& folder, const std::string& field,
+                                const std::string& name, SplatSink& sink, SceneFile& scene) {
   const auto meta = meta_from(json, field, name);
   if (!meta) return std::unexpected(meta.error());
-  return decode_sog(*meta, files, folder, name);
+  if (auto done = decode_sog(*meta, files, folder, name, sink, scene); !done)
+    return std::unexpected(done.error());
+  return meta->count;
 }
 
 // The scene of an archive.
@@ -129,18 +131,22 @@ NamedFiles reader_of(const ZipArchive& archive) {
   };
 }
 
-Expected<SplatCloud> read_chunk(const SogChunk& chunk, const NamedFiles& files,
-                                const std::string& name) {
+Expected<SceneFile> read_chunk(const SogChunk& chunk, const NamedFiles& files,
+                               const std::string& name) {
   const auto json = files(chunk.file, kMaxJsonText);
   if (!json) return std::unexpected(json.error());
   const std::string folder = chunk.file.substr(0, chunk.file.rfind('/') + 1);
-  auto cloud = read_from(*json, files, folder, chunk.file, name);
-  if (cloud && cloud->size() != chunk.count) {
-    return fail(name, chunk.file,
-                fmt::format("holds {} splats; the tree of lod-meta.json expects {}", cloud->size(),
-                            chunk.count));
-  }
-  return cloud;
+  return read_whole(name, [&](SplatSink& sink) -> Expected<SceneFile> {
+    SceneFile scene;
+    const auto count = read_from(*json, files, folder, chunk.file, name, sink, scene);
+    if (!count) return std::unexpected(count.error());
+    if (*count != chunk.count) {
+      return fail(name, chunk.file,
+                  fmt::format("holds {} splats; the tree of lod-meta.json expects {}", *count,
+                              chunk.count));
+    }
+    return scene;
+  });
 }
 
 void raise_degree(SplatCloud& cloud, int degree) {
@@ -191,17 +197,25 @@ bool is_sog(std::span<const std::byte> bytes) {
          names_scene(text.substr(text.size() - std::min(text.size(), kEnd)));
 }
 
-Expected<SceneFile> read_sog(std::span<const std::byte> bytes, const std::string& name) {
+Expected<SceneFile> read_sog(std::span<const std::byte> bytes, const std::string& name,
+                             SplatSink& sink) {
   return within_memory(name, [&]() -> Expected<SceneFile> {
     const auto archive = ZipArchive::open(bytes, name);
     if (!archive) return std::unexpected(archive.error());
-    const auto scene = archive_meta(*archive, bytes.size(), name);
-    if (!scene) return std::unexpected(scene.error());
+    const auto found = archive_meta(*archive, bytes.size(), name);
+    if (!found) return std::unexpected(found.error());
     AttributeBits bits;
-    auto cloud = decode_sog(scene->meta, counted(reader_of(*archive), bits), scene->folder, name);
-    if (!cloud) return std::unexpected(cloud.error());
-    return make_scene(std::move(*cloud), "sog", bytes.size(), std::move(bits));
+    SceneFile scene;
+    const auto done = decode_sog(found->meta, counted(reader_of(*archive), bits), found->folder,
+                                 name, sink, scene);
+    if (!done) return std::unexpected(done.error());
+    describe("sog", found->meta.count - scene.dropped, bytes.size(), std::move(bits), scene);
+    return scene;
   });
+}
+
+Expected<SceneFile> read_sog(std::span<const std::byte> bytes, const std::string& name) {
+  return read_whole(name, [&](SplatSink& sink) { return read_sog(bytes, name, sink); });
 }
 
 Expected<std::pair<std::size_t, int>> announced_by_sog(std::span<const std::byte> bytes,
@@ -226,10 +240,15 @@ Expected<SceneFile> read_sog_folder(std::span<const std::byte> bytes,
   return within_memory(name, [&]() -> Expected<SceneFile> {
     FolderFiles folder(path.parent_path());
     AttributeBits bits;
-    auto cloud = read_from(bytes, counted(reader_of(folder), bits), "", kMetaFile, name);
-    if (!cloud) return std::unexpected(cloud.error());
-    return make_scene(std::move(*cloud), "sog-folder", bytes.size() + folder.bytes(),
-                      std::move(bits));
+    return read_whole(name, [&](SplatSink& sink) -> Expected<SceneFile> {
+      SceneFile scene;
+      const auto count =
+          read_from(bytes, counted(reader_of(folder), bits), "", kMetaFile, name, sink, scene);
+      if (!count) return std::unexpected(count.error());
+      describe("sog-folder", *count - scene.dropped, bytes.size() + folder.bytes(), std::move(bits),
+               scene);
+      return scene;
+    });
   });
 }
 
@@ -248,13 +267,15 @@ Expected<SceneFile> read_sog_lod(std::span<const std::byte> bytes,
     FolderFiles folder(path.parent_path());
     AttributeBits bits;
     const NamedFiles files = counted(reader_of(folder), bits);
-    SplatCloud total;
+    SceneFile scene;
     for (const SogChunk& chunk : *chunks) {
-      auto cloud = read_chunk(chunk, files, name);
-      if (!cloud) return std::unexpected(cloud.error());
-      append(total, std::move(*cloud));
+      auto part = read_chunk(chunk, files, name);
+      if (!part) return std::unexpected(part.error());
+      scene.dropped += part->dropped;
+      append(scene.cloud, std::move(part->cloud));
     }
-    return make_scene(std::move(total), "sog-lod", bytes.size() + folder.bytes(), std::move(bits));
+    describe("sog-lod", scene.cloud.size(), bytes.size() + folder.bytes(), std::move(bits), scene);
+    return scene;
   });
 }
 

@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 
 #include "cloud/activation.h"
-#include "cloud/cloud_memory.h"
 #include "fluxgs/io/splat.h"
 #include "io/splat/splat_record.h"
+#include "io/whole_cloud.h"
 
 namespace fluxgs {
 namespace {
@@ -65,31 +65,42 @@ bool is_splat(std::span<const std::byte> bytes) {
   return tail ? 10 * plausible >= 9 * sample : 2 * plausible >= sample;
 }
 
-Expected<SceneFile> read_splat(std::span<const std::byte> bytes, const std::string& name) {
-  const std::size_t tail = bytes.size() % sizeof(SplatRecord);
-  if (bytes.size() < sizeof(SplatRecord)) {
+Expected<SceneFile> read_splat(const ByteSource& source, const std::string& name, SplatSink& sink) {
+  const std::uint64_t size = source.size(), tail = size % sizeof(SplatRecord);
+  if (size < sizeof(SplatRecord)) {
     return fail(name, "size",
-                fmt::format("is {} bytes; expected at least the {} bytes of a splat", bytes.size(),
+                fmt::format("is {} bytes; expected at least the {} bytes of a splat", size,
                             sizeof(SplatRecord)));
   }
-  const std::size_t count = bytes.size() / sizeof(SplatRecord);
-  auto cloud = allocate_cloud(count, 0, name);
-  if (!cloud) return std::unexpected(cloud.error());
+  const ComingSplats coming{static_cast<std::size_t>(size / sizeof(SplatRecord))};
+  if (const auto begun = sink.begin(coming); !begun) return std::unexpected(begun.error());
   const auto logits = logits_of_bytes();
-  for (std::size_t i = 0; i < count; ++i) store(record_at(bytes, i), logits, i, *cloud);
+  std::vector<std::byte> room;
   SceneFile scene;
-  scene.cloud = std::move(*cloud);
-  scene.dropped = drop_non_finite(scene.cloud);
+  const auto fill = [&](std::size_t first, SplatCloud& part) -> Expected<void> {
+    const auto records =
+        source.read(first * sizeof(SplatRecord), part.size() * sizeof(SplatRecord), room);
+    if (!records) return std::unexpected(records.error());
+    for (std::size_t k = 0; k < part.size(); ++k) store(record_at(*records, k), logits, k, part);
+    return {};
+  };
+  if (auto done = hand_on(coming, 0, name, sink, scene, fill); !done)
+    return std::unexpected(done.error());
   if (tail != 0)
     scene.warnings.push_back(
         fmt::format("its size is no multiple of the {} bytes of a splat: it was cut off, or has a "
                     "tail; the {} whole splats are read, the last {} bytes ignored",
-                    sizeof(SplatRecord), count, tail));
+                    sizeof(SplatRecord), coming.count, tail));
   scene.format = "splat";
   scene.attribute_bits = {
       {"position", 96}, {"scale", 96}, {"rotation", 32}, {"opacity", 8}, {"sh_dc", 24}};
-  scene.bytes = bytes.size();
+  scene.bytes = static_cast<std::size_t>(size);
   return scene;
+}
+
+Expected<SceneFile> read_splat(std::span<const std::byte> bytes, const std::string& name) {
+  return read_whole(name,
+                    [&](SplatSink& sink) { return read_splat(MemoryBytes(bytes), name, sink); });
 }
 
 }  // namespace fluxgs

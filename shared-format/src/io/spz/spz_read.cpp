@@ -7,11 +7,11 @@
 #include <glm/gtc/packing.hpp>
 
 #include "cloud/activation.h"
-#include "cloud/cloud_memory.h"
 #include "fluxgs/io/spz.h"
 #include "fluxgs/math/sh_rotation.h"
 #include "io/spz/spz_compression.h"
 #include "io/spz/spz_packed.h"
+#include "io/whole_cloud.h"
 
 namespace fluxgs {
 namespace io {
@@ -147,27 +147,38 @@ Expected<SceneFile> read_spz(std::span<const std::byte> bytes, const std::string
 
 Expected<SceneFile> read_spz(std::span<const std::byte> bytes, const std::string& name,
                              SpzAxes axes) {
+  return io::read_whole(name, [&](SplatSink& sink) { return read_spz(bytes, name, sink, axes); });
+}
+
+Expected<SceneFile> read_spz(std::span<const std::byte> bytes, const std::string& name,
+                             SplatSink& sink, SpzAxes axes) {
   const io::SpzSource source{bytes, name, ""};
   const auto header = io::read_spz_header(source);
   if (!header) return std::unexpected(header.error());
+  const ComingSplats coming{
+      header->count, header->kept_degree(),
+      header->count * io::spz_splat_bytes(header->version, header->sh_degree)};
+  const auto degree = sink.begin(coming);
+  if (!degree) return std::unexpected(degree.error());
   auto packed = io::unpack_spz(source, *header);
   if (!packed) return std::unexpected(packed.error());
-  auto cloud = io::allocate_cloud(header->count, header->kept_degree(), name);
-  if (!cloud) return std::unexpected(cloud.error());
   const io::AxisFlip flip = io::make_axis_flip(
       packed->axes.value_or(axes == SpzAxes::right_up_back ? io::kRightUpBack : glm::vec3(1)));
-  const auto rest = static_cast<std::size_t>(sh_rest_count(header->kept_degree()));
+  const auto rest = static_cast<std::size_t>(sh_rest_count(*degree));
   io::SplatValues splat{};
-  for (std::size_t i = 0; i < header->count; ++i) {
-    io::read_spz_splat(*packed, i, flip, splat);
-    io::store_splat(splat, rest, *cloud, i);
-  }
-  if (packed->z_up) io::stand_up(*cloud);
-  cloud->filter = header->filter();
   SceneFile scene;
-  scene.cloud = std::move(*cloud);
+  const auto fill = [&](std::size_t first, SplatCloud& part) -> Expected<void> {
+    for (std::size_t k = 0; k < part.size(); ++k) {
+      io::read_spz_splat(*packed, first + k, flip, splat);
+      io::store_splat(splat, rest, part, k);
+    }
+    if (packed->z_up) io::stand_up(part);
+    return {};
+  };
+  if (auto done = io::hand_on(coming, *degree, name, sink, scene, fill); !done)
+    return std::unexpected(done.error());
+  scene.cloud.filter = header->filter();
   scene.warnings = std::move(packed->warnings);
-  scene.dropped = drop_non_finite(scene.cloud);
   scene.format = "spz";
   scene.attribute_bits = io::bits_of(*header);
   scene.bytes = bytes.size();
