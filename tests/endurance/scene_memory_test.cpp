@@ -80,7 +80,7 @@ class UploadMemoryTest : public GlTest {};
 TEST_P(UploadMemoryTest, NoCopyOfTheSceneIsMade) {
   if (kSanitized) GTEST_SKIP() << "its own allocations are not seen";
   constexpr std::size_t kSplats = 200'000;
-  const auto cloud = std::make_shared<const SplatCloud>(random_cloud(kSplats, 3, 5));
+  const auto cloud = std::make_shared<const render::RenderCloud>(random_cloud(kSplats, 3, 5));
   constexpr long kSceneBytes = 160L * kSplats;  // on the GPU
   for (const std::size_t shown : {kSplats, kSplats / 2}) {
     render::SceneView view(cloud, {.max_splats = shown});

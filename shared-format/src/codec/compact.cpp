@@ -11,7 +11,6 @@
 #include "cloud/cloud_memory.h"
 #include "cloud/gather.h"
 #include "codec/channels.h"
-#include "codec/morton.h"
 #include "codec/perceptual_weight.h"
 #include "codec/positions.h"
 #include "codec/quantization.h"
@@ -21,6 +20,7 @@
 #include "codec/stored_sensitivity.h"
 #include "codec/vectors.h"
 #include "fluxgs/byte_reader.h"
+#include "fluxgs/morton.h"
 
 namespace fluxgs::codec {
 namespace {

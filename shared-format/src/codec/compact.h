@@ -31,8 +31,8 @@ glm::quat canonical_rotation(const glm::quat& rotation);
 /// asin(√opacity)·2/π.
 float opacity_scale(float logit);
 
-/// Encodes the finite cloud in the Morton order of its positions (codec/morton.h): the order of the
-/// splats is lost, their number is not. Rotations lose what a covariance does not have: their
+/// Encodes the finite cloud in the Morton order of its positions (fluxgs/morton.h): the order of
+/// the splats is lost, their number is not. Rotations lose what a covariance does not have: their
 /// length, their sign and half turns about the splat's own axes. Costs are those of the cloud, in
 /// its frame. An error names the attribute.
 ///

@@ -301,9 +301,9 @@ class OpeningTest : ViewerScreen() {
 
     @Test
     fun aFileLargerThanTheMemoryIsSaidToBe() {
-        val file = File(context.cacheDir, "large.ply")
+        val file = File(context.cacheDir, "large.glb")
         java.io.RandomAccessFile(file, "rw").use {
-            it.write("ply\nformat binary_little_endian 1.0\nelement vertex 9000000\n".toByteArray())
+            it.write(File(material, "scene.glb").readBytes())
             it.setLength(2L shl 30)
         }
         memory(600L shl 20)

@@ -194,7 +194,7 @@ TEST_P(HostileDriversTest, FramesAreMeasuredWithoutWaiting) {
 
 TEST_P(HostileDriversTest, TheViewerNamesFirstFramesThatFail) {
   const Sample s = next_sample();
-  render::SceneView view(std::make_shared<const SplatCloud>(s.cloud), {});
+  render::SceneView view(std::make_shared<const render::RenderCloud>(s.cloud), {});
   must(view.open(api(), s.camera.width, s.camera.height));
   {
     const GlFaults between(api());

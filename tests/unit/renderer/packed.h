@@ -10,7 +10,8 @@ struct Packed : render::PackedSplats {
   std::size_t undrawable = 0;
 };
 
-inline Packed packed(const SplatCloud& cloud) {
+inline Packed packed(const SplatCloud& of) {
+  const render::RenderCloud cloud = of;
   render::ScenePacker packer(cloud);
   Packed result;
   packer.next(cloud.size(), result);

@@ -65,7 +65,8 @@ class ProjectionTest : public GlTest {
     must(renderer().set_approximation({.key_bits = 32}));  // The depths with all their bits
     must(renderer().draw(camera, options, target));
     must(renderer().set_approximation({}));
-    const render::ScenePacker packer(cloud);
+    const render::RenderCloud drawn_from = cloud;
+    const render::ScenePacker packer(drawn_from);
     const std::uint32_t nearest =
         render::sort_view(camera, options.near_plane, packer.constants(), 32).keys.low;
     const auto keys = must(renderer().projection().keys().read_all<std::uint32_t>(cloud.size()));

@@ -105,7 +105,8 @@ TEST(PackScene, PartsMakeTheWhole) {
   cloud.positions[41].x = std::nanf("");
   const std::vector<std::uint32_t> some = {3, 4, 17, 40, 41, 42, 60, 61, 62, 63, 98};
   const Packed whole = packed(in_order(cloud, some));
-  render::ScenePacker packer(cloud, some);
+  const render::RenderCloud kept = cloud;
+  render::ScenePacker packer(kept, some);
   EXPECT_EQ(packer.constants().count, some.size());
   EXPECT_EQ(packer.constants().origin, whole.constants.origin);
   EXPECT_EQ(packer.constants().lowest, whole.constants.lowest);
@@ -131,6 +132,23 @@ TEST(PackScene, PartsMakeTheWhole) {
   ASSERT_EQ(positions.size(), some.size());
   EXPECT_TRUE(std::isnan(positions[4].x));
   EXPECT_EQ(positions[5].y, whole.geometry[20][1]);
+}
+
+TEST(PackScene, ALowerDegreeLeavesOutWhatIsBeyond) {
+  const SplatCloud cloud = mixed_cloud(300, 2);
+  const render::RenderCloud kept = cloud;
+  for (const int degree : {2, 1, 0}) {
+    SplatCloud low = cloud;
+    limit_sh_degree(low, degree);
+    const Packed expected = packed(low);
+    render::ScenePacker packer(kept, {}, degree);
+    render::PackedSplats part;
+    packer.next(cloud.size(), part);
+    EXPECT_EQ(part.geometry, expected.geometry) << degree;
+    EXPECT_EQ(part.sh, expected.sh) << degree;
+    EXPECT_EQ(packer.degrees(), render::limited(count_degrees(cloud), degree));
+    EXPECT_EQ(packer.constants().sh_degree, degree);
+  }
 }
 
 TEST(PackScene, AnEmptyCloudIsEmpty) {

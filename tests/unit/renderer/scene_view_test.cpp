@@ -22,8 +22,8 @@ using testing::HasSubstr;
 constexpr int kWidth = 64, kHeight = 48;
 const Camera kCamera = orbit_camera(kWidth, kHeight, {}, 2, 1, 4);
 
-std::shared_ptr<const SplatCloud> shared_cloud(std::size_t count, int degree = 1) {
-  return std::make_shared<SplatCloud>(random_cloud(count, degree, 21));
+std::shared_ptr<const render::RenderCloud> shared_cloud(std::size_t count, int degree = 1) {
+  return std::make_shared<render::RenderCloud>(random_cloud(count, degree, 21));
 }
 
 class SceneViewTest : public GlTest {
@@ -251,9 +251,9 @@ TEST_P(SceneViewTest, ShowsWhatTheMemoryHolds) {
   EXPECT_LE(faults.max_used, budget);
 
   // They are the ones that add most
-  SceneView selected(
-      std::make_shared<SplatCloud>(in_order(*cloud, render::max_contributing(*cloud, splats))),
-      {.accumulation = coarse()});
+  SceneView selected(std::make_shared<render::RenderCloud>(in_order(
+                         random_cloud(5000, 1, 21), render::max_contributing(cloud->base, splats))),
+                     {.accumulation = coarse()});
   must(selected.open(api(), kWidth, kHeight));
   EXPECT_EQ(must(image(selected)).pixels, shown.pixels);
 }
@@ -312,9 +312,10 @@ TEST_P(SceneViewTest, AImageThatDoesNotFitIsMadeSmaller) {
   const Image<std::uint8_t> shown = must(image(view, large));
   ASSERT_LT(shown.width, large.width);
   faults.memory = ~0UL;
-  SceneView small(std::make_shared<SplatCloud>(
-                      in_order(*cloud, render::max_contributing(*cloud, view.splats()))),
-                  {.accumulation = coarse()});
+  SceneView small(
+      std::make_shared<render::RenderCloud>(
+          in_order(random_cloud(300, 1, 21), render::max_contributing(cloud->base, view.splats()))),
+      {.accumulation = coarse()});
   must(small.open(api(), shown.width, shown.height));
   EXPECT_EQ(must(image(small, orbit_camera(shown.width, shown.height, {}, 2, 1, 4))).pixels,
             shown.pixels);
@@ -415,9 +416,9 @@ TEST_P(SceneViewTest, TheLimitsOfTheDriverAreABudget) {
 
 // Where degrees are mixed a budget holds more splats than if all had the highest, and is kept.
 TEST_P(SceneViewTest, SplatsOfLowDegreesTakeLessOfABudget) {
-  const auto mixed = std::make_shared<SplatCloud>(mixed_cloud(5000, 3));
+  const auto mixed = std::make_shared<render::RenderCloud>(mixed_cloud(5000, 3));
   const GlFaults between(api());
-  const std::size_t budget = 800'000;
+  const std::size_t budget = 700'000;
   SceneView some(mixed, {.memory = budget});
   must(some.open(api(), kWidth, kHeight));
   must(image(some));
@@ -426,13 +427,47 @@ TEST_P(SceneViewTest, SplatsOfLowDegreesTakeLessOfABudget) {
   const std::size_t splats = some.splats();
   EXPECT_FALSE(some.shows_all());
   some.close();
-  SceneView full(std::make_shared<SplatCloud>(random_cloud(5000, 3, 3)), {.memory = budget});
+  SceneView full(std::make_shared<render::RenderCloud>(random_cloud(5000, 3, 3)),
+                 {.memory = budget});
   must(full.open(api(), kWidth, kHeight));
   EXPECT_GT(splats, full.splats());
 }
 
+// What few see goes before what is seen: degrees 3 and 2, then splats.
+TEST_P(SceneViewTest, HarmonicsGoBeforeSplats) {
+  const auto cloud = shared_cloud(5000, 3);
+  const GlFaults between(api());
+  SceneView all(cloud, {.accumulation = coarse()});
+  must(all.open(api(), kWidth, kHeight));
+  must(image(all));
+  EXPECT_EQ(all.sh_degree(), 3);
+  const std::size_t whole = all.memory();
+  all.close();
+  const auto with = [&](std::size_t memory) {
+    SceneView view(cloud, {.memory = memory});
+    must(view.open(api(), kWidth, kHeight));
+    must(image(view));
+    EXPECT_LE(view.memory(), memory);
+    EXPECT_TRUE(view.is_reduced());
+    EXPECT_FALSE(view.shows_all());
+    return std::pair(view.splats(), view.sh_degree());
+  };
+  constexpr std::size_t kSplats = 5000, kReading = 50'000;  // an image is read on the way
+  EXPECT_EQ(with(whole + kReading - (96 - 48) * kSplats), std::pair(kSplats, 2));
+  EXPECT_EQ(with(whole + kReading - (96 - 24) * kSplats), std::pair(kSplats, 1));
+  const auto [splats, degree] = with(whole - 96 * kSplats);
+  EXPECT_LT(splats, kSplats);
+  EXPECT_EQ(degree, 1);
+  // The driver has less than it says
+  faults.memory = whole - 30 * kSplats;
+  SceneView told(cloud, {.accumulation = coarse()});
+  must(told.open(api(), kWidth, kHeight));
+  EXPECT_EQ(told.splats(), kSplats);
+  EXPECT_EQ(told.sh_degree(), 2);
+}
+
 TEST_P(SceneViewTest, AnEmptySceneIsShown) {
-  SceneView view(std::make_shared<SplatCloud>(), {});
+  SceneView view(std::make_shared<render::RenderCloud>(), {});
   must(view.open(api(), kWidth, kHeight));
   EXPECT_TRUE(view.shows_all());
   for (const float value : must(image(view)).pixels) ASSERT_EQ(value, 0.0F);

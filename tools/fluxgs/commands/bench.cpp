@@ -133,7 +133,7 @@ struct Stage {
   render::RenderTarget target;
 };
 
-Expected<Stage> set_up(const BenchSettings& s, const SplatCloud& cloud) {
+Expected<Stage> set_up(const BenchSettings& s, const render::RenderCloud& cloud) {
   const auto implementation = host::parse_host_gl(s.gl);
   if (!implementation) return std::unexpected(implementation.error());
   Stage stage;
@@ -156,7 +156,7 @@ Expected<Stage> set_up(const BenchSettings& s, const SplatCloud& cloud) {
 }
 
 /// Counts of the view, which is drawn again so that what is read back belongs to it.
-Expected<bench::FrameCounts> counts_of(const Stage& stage, const SplatCloud& cloud,
+Expected<bench::FrameCounts> counts_of(const Stage& stage, const render::RenderCloud& cloud,
                                        const Camera& view, const RenderOptions& options) {
   if (auto drawn = stage.renderer->draw(view, options, stage.target); !drawn)
     return std::unexpected(drawn.error());
@@ -167,9 +167,10 @@ Expected<void> bench_scene(const BenchSettings& s) {
   std::optional<Expected<SceneFile>> scene;
   const double load_ms = bench::milliseconds_of([&] { scene = load_scene(s.scene); });
   if (!*scene) return std::unexpected(scene->error());
-  const SplatCloud& cloud = (*scene)->cloud;
-  const auto views = views_of(s, cloud);
+  const auto views = views_of(s, (*scene)->cloud);
   if (!views) return std::unexpected(views.error());
+  render::RenderCloud cloud(std::move((*scene)->cloud));
+  const double order_ms = bench::milliseconds_of([&] { put_in_order(cloud); });
   const auto stage = set_up(s, cloud);
   if (!stage) return std::unexpected(stage.error());
 
@@ -209,6 +210,7 @@ Expected<void> bench_scene(const BenchSettings& s) {
                        {"bytes_per_frame_immediate", traffic.immediate()},
                        {"traffic", traffic_json(traffic)},
                        {"load_ms", load_ms},
+                       {"order_ms", order_ms},
                        {"gpu_memory_bytes", memory.total()},
                        {"peak_memory_bytes", peak_memory()}};
   if (s.as_json)

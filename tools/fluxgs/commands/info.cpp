@@ -113,7 +113,9 @@ Expected<void> info(const InfoSettings& s) {
   const auto scene = read_scene_or_checkpoint(s.scene);
   if (!scene) return std::unexpected(scene.error());
   json facts = describe(*scene);
-  if (s.self_test) facts["self_test"] = json::parse(to_json(bench::self_test(scene->cloud)));
+  if (s.self_test)
+    facts["self_test"] =
+        json::parse(to_json(bench::self_test(render::cloud_to_draw(SplatCloud(scene->cloud)))));
   if (s.as_json)
     print_json(facts);
   else

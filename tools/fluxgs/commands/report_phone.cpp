@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -118,9 +119,10 @@ Expected<SelfTest> compare_self_tests(const PhoneReport& s, const PhoneResult& r
   if (r.self_test.empty()) return SelfTest{"the result has none", {}};
   if (const auto error = r.self_test.find("error"); error != r.self_test.end())
     return SelfTest{"failed on the device: " + error->second, false};
-  const auto scene = load_scene(s.scene);
+  auto scene = load_scene(s.scene);
   if (!scene) return std::unexpected(scene.error());
-  const json here = json::parse(to_json(bench::self_test(scene->cloud)));
+  const json here =
+      json::parse(to_json(bench::self_test(render::cloud_to_draw(std::move(scene->cloud)))));
   for (const auto& [key, value] : here.items()) {
     const auto there = r.self_test.find(key);
     if (there == r.self_test.end() ||

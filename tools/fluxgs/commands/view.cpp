@@ -106,7 +106,7 @@ class FollowedFile {
 
 /// The scene, and where it is looked at from.
 struct Scene {
-  std::shared_ptr<const SplatCloud> cloud;
+  std::shared_ptr<const render::RenderCloud> cloud;
   camera::Navigation navigation;
 };
 
@@ -211,13 +211,17 @@ void tell_news(Desktop& d) {
   tell_memory(d.told, scene, d.presenter.viewer().stats().splats, d.window.size());
 }
 
+std::shared_ptr<const render::RenderCloud> cloud_of(SplatCloud&& cloud) {
+  return std::make_shared<const render::RenderCloud>(render::cloud_to_draw(std::move(cloud)));
+}
+
 /// --follow: shows the file's new content from where the old one was looked at.
 void follow(Desktop& d, FollowedFile& file) {
   if (!file.changed()) return;
   auto scene = read_scene_or_checkpoint(file.path());
   if (!scene) return spdlog::warn("warning: {}", scene.error().message());
   const camera::Navigation navigation = d.presenter.viewer().navigation();
-  d.presenter.show(std::make_shared<const SplatCloud>(std::move(scene->cloud)), navigation);
+  d.presenter.show(cloud_of(std::move(scene->cloud)), navigation);
 }
 
 /// Until it is closed. Draws only what has changed, and sleeps otherwise.
@@ -267,7 +271,7 @@ Expected<Scene> load(const ViewSettings& s) {
   const glm::dvec3& axis = initial.navigation.up;
   spdlog::info("up: {:.2f},{:.2f},{:.2f} ({}; F flips it)", axis.x, axis.y, axis.z,
                initial.up_source);
-  return Scene{std::make_shared<const SplatCloud>(std::move(scene->cloud)), initial.navigation};
+  return Scene{cloud_of(std::move(scene->cloud)), initial.navigation};
 }
 
 viewer::ViewerSettings viewer_settings(const ViewSettings& s) {
@@ -316,8 +320,8 @@ Expected<void> view(const ViewSettings& s) {
   if (on_cpu) {
     spdlog::info("drawn by the processor; --renderer gles: by OpenGL");
     d.presenter.viewer().draw_in_software(
-        [&threads](const std::shared_ptr<const SplatCloud>& cloud) {
-          return software_renderer(*cloud, threads);
+        [&threads](const std::shared_ptr<const render::RenderCloud>& cloud) {
+          return software_renderer(splat_cloud_of(*cloud), threads);
         });
   }
   d.presenter.show(scene->cloud, scene->navigation);

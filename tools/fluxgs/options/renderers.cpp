@@ -81,7 +81,7 @@ Expected<ViewRenderer> make_gles(const RendererChoice& choice, const SplatCloud&
   auto renderer = render::Renderer::create(gles->context->api());
   if (!renderer) return std::unexpected(renderer.error());
   gles->renderer = std::move(*renderer);
-  if (auto uploaded = gles->renderer->upload(cloud); !uploaded)
+  if (auto uploaded = gles->renderer->upload(render::cloud_to_draw(SplatCloud(cloud))); !uploaded)
     return std::unexpected(uploaded.error());
   spdlog::info("GL renderer: {}", gles->context->renderer_string());
   warn_of_undrawable(*gles->renderer);

@@ -16,9 +16,9 @@
 #include "cloud/degree_buckets.h"
 #include "cloud/gather.h"
 #include "codec/compact.h"
-#include "codec/morton.h"
 #include "codec/step_means.h"
 #include "fluxgs/io/gltf_frame.h"
+#include "fluxgs/morton.h"
 #include "io/gltf/gltf_builder.h"
 #include "io/gltf/gltf_compact.h"
 #include "io/gltf/gltf_filter.h"
@@ -76,7 +76,7 @@ std::vector<std::uint32_t> order_within(const io::DegreeBucket& bucket, const Sp
   turned.reserve(bucket.splats.size());
   for (const std::uint32_t i : bucket.splats)
     turned.push_back(io::turn_position(cloud.positions[i]));
-  std::vector<std::uint32_t> order = codec::morton_order(turned);
+  std::vector<std::uint32_t> order = morton_order(turned);
   for (std::uint32_t& k : order) k = bucket.splats[k];
   return order;
 }

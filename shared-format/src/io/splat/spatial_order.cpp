@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "codec/morton.h"
+#include "fluxgs/morton.h"
 #include "io/splat/scene_core.h"
 
 namespace fluxgs::io {
@@ -19,7 +19,7 @@ std::vector<std::uint32_t> spatial_order(const std::vector<glm::vec3>& positions
       contracted[i][c] = static_cast<float>(std::copysign(std::log1p(std::abs(x)), x));
     }
   }
-  return codec::morton_order(contracted);
+  return morton_order(contracted);
 }
 
 }  // namespace fluxgs::io

@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "fluxgs/io/gltf.h"
+#include "fluxgs/io/ply.h"
 #include "fluxgs/io/splat.h"
 #include "tests/support/scenes.h"
 
@@ -219,6 +220,42 @@ TEST(SceneLoading, RefusesKindlyWhatIsTooLarge) {
   loading.cancel();
   writer.join();  // its pipe is closed
   ::close(pipe.in);
+}
+
+// A file of which only a window is in memory.
+TEST(SceneLoading, AFileMayBeLargerThanTheMemory) {
+  constexpr std::size_t kSplats = 50'000;
+  const auto bytes = *encode_ply(test::random_cloud(kSplats, 3), "scene");
+  const std::uint64_t memory = 56 * kSplats;  // a fifth of the file
+  SceneLoading loading;
+  loading.begin(file_of(bytes), "large.ply", {.memory = memory});
+  const LoadState state = settled(loading);
+  ASSERT_EQ(state.phase, LoadPhase::ready) << state.error;
+  EXPECT_EQ(state.read, bytes.size());
+  EXPECT_EQ(state.bytes, bytes.size());
+  EXPECT_EQ(state.estimate->splats, kSplats);
+  EXPECT_LE(state.estimate->decoded, memory);
+  const auto scene = loading.take();
+  EXPECT_EQ(scene->cloud.file_splats, kSplats);
+  EXPECT_EQ(scene->cloud.file_sh_degree, 3);
+  EXPECT_EQ(scene->cloud.sh_degree, 1);
+  EXPECT_GT(scene->cloud.size(), kSplats / 2);
+  EXPECT_LE(render::render_cloud_bytes(1) * scene->cloud.size(), memory);
+}
+
+TEST(SceneLoading, AFileThatIsCutWhileItIsReadIsAnError) {
+  const auto bytes = *encode_ply(test::random_cloud(200'000, 3), "scene");
+  const int descriptor = file_of(bytes), other = ::dup(descriptor);
+  SceneLoading loading;
+  loading.begin(descriptor, "cut.ply", {});
+  while (loading.state().read == 0 && loading.state().phase == LoadPhase::reading)
+    std::this_thread::yield();
+  ASSERT_EQ(::ftruncate(other, 1000), 0);
+  const LoadState state = settled(loading);
+  ::close(other);
+  ASSERT_EQ(state.phase, LoadPhase::failed);
+  EXPECT_THAT(state.error, HasSubstr("cut.ply: read: ended after"));
+  EXPECT_THAT(state.error, HasSubstr("it was cut, or is gone"));
 }
 
 TEST(SceneLoading, WhatIsNoSceneIsNotReadToItsEnd) {

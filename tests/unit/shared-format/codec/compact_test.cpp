@@ -14,9 +14,9 @@
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
 
-#include "codec/morton.h"
 #include "codec/perceptual_weight.h"
 #include "fluxgs/math/projection.h"
+#include "fluxgs/morton.h"
 #include "support/scenes.h"
 
 namespace fluxgs::codec {

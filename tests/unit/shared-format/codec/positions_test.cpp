@@ -1,6 +1,7 @@
 // Positions through Draco, in the order given.
 #include "codec/positions.h"
 #include "fluxgs/byte_reader.h"
+#include "fluxgs/morton.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +9,6 @@
 #include <random>
 
 #include <glm/geometric.hpp>
-
-#include "codec/morton.h"
 
 namespace fluxgs::codec {
 namespace {

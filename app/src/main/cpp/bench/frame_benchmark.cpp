@@ -246,7 +246,7 @@ Expected<FrameBenchmark> benchmark_frames(gl::Api& api, Renderer& renderer,
   return Protocol(api, renderer, approximation, target, views, options, protocol, progress).run();
 }
 
-Expected<FrameCounts> count_frame(const Renderer& renderer, const SplatCloud& cloud,
+Expected<FrameCounts> count_frame(const Renderer& renderer, const render::RenderCloud& cloud,
                                   const Camera& camera, const RenderOptions& options,
                                   const RenderTarget& target) {
   const render::RendererSettings& settings = renderer.settings();
@@ -258,7 +258,7 @@ Expected<FrameCounts> count_frame(const Renderer& renderer, const SplatCloud& cl
                                       settings.approximation.key_bits)
                         .keys.bits;
   const glm::dvec3 centre = camera.center(), forward = camera.forward();
-  for (const glm::vec3& p : cloud.positions)
+  for (const glm::vec3& p : cloud.base.positions)
     counts.in_front += glm::dot(forward, glm::dvec3(p) - centre) > options.near_plane;
 
   const auto keys = renderer.projection().keys().read_all<std::uint32_t>(count);

@@ -50,8 +50,8 @@ Expected<FrameBenchmark> benchmark_frames(gl::Api& api, render::Renderer& render
                                           const FrameProgress& progress = {});
 
 /// Counts the last frame of the renderer, of this cloud, camera and target; read back from the GPU.
-Expected<FrameCounts> count_frame(const render::Renderer& renderer, const SplatCloud& cloud,
-                                  const Camera& camera, const RenderOptions& options,
-                                  const render::RenderTarget& target);
+Expected<FrameCounts> count_frame(const render::Renderer& renderer,
+                                  const render::RenderCloud& cloud, const Camera& camera,
+                                  const RenderOptions& options, const render::RenderTarget& target);
 
 }  // namespace fluxgs::bench

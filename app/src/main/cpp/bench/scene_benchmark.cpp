@@ -35,8 +35,8 @@ struct Stage {
   render::RenderTarget target;
 };
 
-Expected<Stage> set_up(gl::Api& api, const SplatCloud& cloud, const SceneBenchmarkPlan& plan,
-                       const SceneBenchmarkRow& row) {
+Expected<Stage> set_up(gl::Api& api, const render::RenderCloud& cloud,
+                       const SceneBenchmarkPlan& plan, const SceneBenchmarkRow& row) {
   Stage stage;
   const auto accumulation = plan.accumulation.value_or(render::default_accumulation(api));
   const render::RendererSettings settings{
@@ -81,16 +81,17 @@ std::vector<SceneBenchmarkRow> rows_of(const SceneBenchmarkPlan& plan, const gl:
   return rows;
 }
 
-Expected<void> measure(gl::Api& api, const SplatCloud& cloud,
+Expected<void> measure(gl::Api& api, const render::RenderCloud& cloud,
                        const std::optional<InitialView>& start, const SceneBenchmarkPlan& plan,
                        const FrameProgress& progress, SceneBenchmarkRow& row) {
   auto stage = set_up(api, cloud, plan, row);
   if (!stage) return std::unexpected(stage.error());
-  const std::vector<Camera> views = row.moves
-                                        ? path_views(cloud, start, row.size, plan.protocol.frames)
-                                        : still_views(cloud, start, row.size);
+  const std::vector<Camera> views =
+      row.moves ? path_views(cloud.base, start, row.size, plan.protocol.frames)
+                : still_views(cloud.base, start, row.size);
   const RenderOptions options{
-      .near_plane = camera::initial_navigation(cloud, start, as_vector(row.size)).units.near_plane};
+      .near_plane =
+          camera::initial_navigation(cloud.base, start, as_vector(row.size)).units.near_plane};
   const auto times = benchmark_frames(api, *stage->renderer, stage->target, views, options,
                                       plan.protocol, progress);
   if (!times) return std::unexpected(times.error());
@@ -156,7 +157,7 @@ std::vector<Camera> path_views(const SplatCloud& cloud, const std::optional<Init
   return views;
 }
 
-Expected<SceneBenchmark> benchmark_scene(gl::Api& api, const SplatCloud& cloud,
+Expected<SceneBenchmark> benchmark_scene(gl::Api& api, const render::RenderCloud& cloud,
                                          const std::optional<InitialView>& start,
                                          const SceneBenchmarkPlan& plan,
                                          const FrameProgress& progress) {

@@ -52,7 +52,7 @@ std::vector<Camera> path_views(const SplatCloud& cloud, const std::optional<Init
 /// GPU's where Quirks::gpu_sort_fails. Sizes that the driver cannot make, and scenes that it has no
 /// room for, are errors. A benchmark that is stopped by `progress` has the rows that are
 /// finished.
-Expected<SceneBenchmark> benchmark_scene(gl::Api& api, const SplatCloud& cloud,
+Expected<SceneBenchmark> benchmark_scene(gl::Api& api, const render::RenderCloud& cloud,
                                          const std::optional<InitialView>& start,
                                          const SceneBenchmarkPlan& plan,
                                          const FrameProgress& progress = {});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <exception>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -38,22 +39,22 @@ class Hash {
   std::uint64_t value_ = kFnv1aOffset;
 };
 
-std::uint64_t hash_of(const SplatCloud& cloud) {
+std::uint64_t hash_of(const render::RenderCloud& cloud) {
   Hash hash;
   hash.add_value(cloud.sh_degree);
-  hash.add(cloud.positions);
-  hash.add(cloud.log_scales);
-  hash.add(cloud.rotations);
-  hash.add(cloud.opacity_logits);
-  hash.add(cloud.sh_dc);
-  hash.add(cloud.sh_rest);
+  hash.add(cloud.base.positions);
+  hash.add(cloud.base.log_scales);
+  hash.add(cloud.base.rotations);
+  hash.add(cloud.base.opacity_logits);
+  hash.add(cloud.base.sh_dc);
+  hash.add(cloud.sh);
   return hash.value();
 }
 
 /// Along the axes: no angle functions, whose last bits differ between C libraries.
-std::vector<Camera> views_of(const SplatCloud& cloud) {
+std::vector<Camera> views_of(const render::RenderCloud& cloud) {
   glm::vec3 low(0), high(0);
-  for (const glm::vec3& p : cloud.positions) {
+  for (const glm::vec3& p : cloud.base.positions) {
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
@@ -83,13 +84,13 @@ std::vector<glm::vec3> positions_of(render::ScenePacker& packer) {
   std::vector<glm::vec3> positions;
   positions.reserve(packer.constants().count);
   while (positions.size() < packer.constants().count) {
-    packer.next(render::kSplatsOfAPart, part);
+    packer.next(render::kSplatsPacked, part);
     render::add_positions(part, positions);
   }
   return positions;
 }
 
-std::uint64_t sorted_hash(const SplatCloud& cloud, const std::vector<Camera>& views) {
+std::uint64_t sorted_hash(const render::RenderCloud& cloud, const std::vector<Camera>& views) {
   render::ScenePacker packer(cloud);
   const render::SceneConstants& scene = packer.constants();
   sort::SortThread thread(positions_of(packer));
@@ -103,17 +104,17 @@ std::uint64_t sorted_hash(const SplatCloud& cloud, const std::vector<Camera>& vi
   return hash.value();
 }
 
-std::uint64_t projected_hash(const SplatCloud& cloud, const std::vector<Camera>& views) {
+std::uint64_t projected_hash(const render::RenderCloud& cloud, const std::vector<Camera>& views) {
   using math::Vec3;
   Hash hash;
   for (const Camera& camera : views) {
-    const auto view = math::make_view<float>(camera, for_scene({}, cloud.filter));
+    const auto view = math::make_view<float>(camera, for_scene({}, cloud.base.filter));
     for (std::size_t i = 0; i < cloud.size(); ++i) {
-      const glm::vec3& p = cloud.positions[i];
+      const glm::vec3& p = cloud.base.positions[i];
       const Vec3<float> at = view.rotation * Vec3<float>{p.x, p.y, p.z} + view.translation;
       if (!(at.z > view.near_plane)) continue;
       const auto jacobian = math::projection_jacobian(at, view);
-      const glm::quat& q = cloud.rotations[i];
+      const glm::quat& q = cloud.base.rotations[i];
       const auto turn =
           math::rotation_matrix(math::normalized(math::Quat<float>{q.w, q.x, q.y, q.z}));
       const float numbers[] = {jacobian.x0,      jacobian.x2,     jacobian.y1, jacobian.y2,
@@ -131,8 +132,9 @@ std::string result_of(std::span<const std::byte> bytes) {
                                                 nlohmann::json::error_handler_t::replace);
   };
   try {
-    const auto scene = read_scene(bytes, "scene");
-    return scene ? to_json(self_test(scene->cloud)) : error(scene.error().message());
+    auto scene = read_scene(bytes, "scene");
+    if (!scene) return error(scene.error().message());
+    return to_json(self_test(render::cloud_to_draw(std::move(scene->cloud))));
   } catch (const std::exception& problem) {
     return error(problem.what());
   }
@@ -140,7 +142,7 @@ std::string result_of(std::span<const std::byte> bytes) {
 
 }  // namespace
 
-SelfTest self_test(const SplatCloud& cloud) {
+SelfTest self_test(const render::RenderCloud& cloud) {
   const std::vector<Camera> views = views_of(cloud);
   return {.splats = cloud.size(),
           .decoded = hash_of(cloud),

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "fluxgs/error.h"
-#include "fluxgs/io/scene_file.h"
+#include "render/render_cloud.h"
 
 namespace fluxgs::bench {
 
@@ -20,8 +20,8 @@ struct SelfTest {
   bool operator==(const SelfTest&) const = default;
 };
 
-/// Three views are sorted and projected.
-SelfTest self_test(const SplatCloud& cloud);
+/// Three views are sorted and projected. The cloud as it is drawn: see put_in_order().
+SelfTest self_test(const render::RenderCloud& cloud);
 
 /// One JSON object: splats, decoded, sorted, projected (hashes as 16 hexadecimal digits).
 std::string to_json(const SelfTest& result);

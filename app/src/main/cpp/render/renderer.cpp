@@ -78,10 +78,11 @@ Expected<void> Renderer::make_room(std::uint32_t count, std::vector<glm::vec3> p
                    [&] { return draw_.reserve(api_, std::uint64_t{count} + spare); });
 }
 
-Expected<void> Renderer::upload(const SplatCloud& cloud,
-                                std::optional<std::span<const std::uint32_t>> splats) {
+Expected<void> Renderer::upload(const RenderCloud& cloud,
+                                std::optional<std::span<const std::uint32_t>> splats,
+                                int max_sh_degree) {
   if (auto ok = check_cloud(cloud); !ok) return ok;
-  ScenePacker packer(cloud, splats);
+  ScenePacker packer(cloud, splats, max_sh_degree);
   if (auto ok = check_size(api_.capabilities, packer.degrees()); !ok) return ok;
   scene_ = {};  // There may not be room for both
   undrawable_ = packer.undrawable();

@@ -30,12 +30,13 @@ class Renderer {
   static Expected<std::unique_ptr<Renderer>> create(gl::Api& api,
                                                     const RendererSettings& settings = {});
 
-  /// Replaces the scene by these splats of the cloud, ascending indices; by all where none are
-  /// given. A cloud that is refused (see SceneBuffers) leaves the one before; when memory runs out
-  /// the scene is empty. Splats with attributes that are not finite, or beyond 1e15, are kept out
-  /// of every image. No copy of the scene is made on the way.
-  Expected<void> upload(const SplatCloud& cloud,
-                        std::optional<std::span<const std::uint32_t>> splats = {});
+  /// Replaces the scene by these splats of the cloud, by all where none are given, without the
+  /// harmonics beyond a degree. A cloud that is refused (see SceneBuffers) leaves the one before;
+  /// when memory runs out the scene is empty. Splats with attributes that are not finite, or beyond
+  /// 1e15, are kept out of every image. No copy of the scene is made on the way.
+  Expected<void> upload(const RenderCloud& cloud,
+                        std::optional<std::span<const std::uint32_t>> splats = {},
+                        int max_sh_degree = kMaxShDegree);
 
   /// Enqueues a frame: the camera's image in the pixels of the target. Fails on a camera or options
   /// that make no image (view_check.h). Before the first upload() the scene is empty.

@@ -46,16 +46,15 @@ class Writer {
 
 }  // namespace
 
-Expected<void> check_cloud(const SplatCloud& cloud) {
+Expected<void> check_cloud(const RenderCloud& cloud) {
   if (cloud.sh_degree < 0 || cloud.sh_degree > 3) {
     return fail("scene", "sh_degree",
                 std::to_string(cloud.sh_degree) + "; 0, 1, 2 or 3 was expected");
   }
   const std::size_t n = cloud.size();
-  const bool complete =
-      cloud.log_scales.size() == n && cloud.rotations.size() == n &&
-      cloud.opacity_logits.size() == n && cloud.sh_dc.size() == n &&
-      cloud.sh_rest.size() == n * static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
+  const bool complete = cloud.base.log_scales.size() == n && cloud.base.rotations.size() == n &&
+                        cloud.base.opacity_logits.size() == n && cloud.base.sh_dc.size() == n &&
+                        cloud.sh.size() == n * cloud.sh_size();
   if (complete) return {};
   return fail("scene", "attributes", "every splat must have all of them");
 }
@@ -90,8 +89,8 @@ Expected<SceneBuffers> SceneBuffers::create(gl::Api& api, ScenePacker& packer,
   if (positions != nullptr) positions->reserve(count);
   Writer geometry(buffers.geometry), sh(buffers.sh);
   PackedSplats part;
-  for (std::size_t done = 0; done < count; done += kSplatsOfAPart) {
-    packer.next(kSplatsOfAPart, part);
+  for (std::size_t done = 0; done < count; done += kSplatsPacked) {
+    packer.next(kSplatsPacked, part);
     geometry.add(part.geometry);
     sh.add(part.sh);
     if (positions != nullptr) add_positions(part, *positions);

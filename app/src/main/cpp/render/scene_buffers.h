@@ -4,16 +4,16 @@
 #include <cstdint>
 #include <vector>
 
-#include "fluxgs/splat_cloud.h"
 #include "fluxgs/splat_degree.h"
 #include "gl/buffer.h"
+#include "render/render_cloud.h"
 #include "render/scene_constants.h"
 #include "render/scene_packing.h"
 
 namespace fluxgs::render {
 
 /// Fails where the arrays of the cloud differ in length or its degree is none.
-Expected<void> check_cloud(const SplatCloud& cloud);
+Expected<void> check_cloud(const RenderCloud& cloud);
 
 /// Number of splats of a scene that the driver's limits allow, whichever they are.
 std::uint64_t max_splats(const gl::Capabilities& driver, const DegreeCounts& scene);

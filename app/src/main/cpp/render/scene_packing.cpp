@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include <glm/common.hpp>
-#include <glm/gtc/packing.hpp>
 
 #include "fluxgs/math/projection.h"
 #include "fluxgs/math/spherical_harmonics.h"
@@ -14,29 +14,31 @@
 namespace fluxgs::render {
 namespace {
 
-// Larger numbers than this cannot be projected in float32 without overflow. Deviations are cut at a
-// length that covers any image evenly, unless the splat itself lies farther away than that.
-constexpr float kLargest = 1e15F;
-constexpr float kLargestHalf = 65504;
+// Deviations are cut at a length that covers any image evenly, unless the splat itself lies farther
+// away than that.
 constexpr double kLargestScale = 1e10;
 constexpr double kNoLevel = -1e30;  // shaders/projected_splat.glsl
 constexpr std::array<float, 4> kNoSplat = {0, 0, 0, static_cast<float>(kNoLevel)};
 
-bool usable(float v) { return std::fabs(v) <= kLargest; }  // false for NaN and infinities
+bool usable(float v) { return std::fabs(v) <= kLargestDrawable; }  // false for NaN and infinities
 bool usable(const glm::vec3& v) { return usable(v.x) && usable(v.y) && usable(v.z); }
 
-bool is_drawable(const SplatCloud& cloud, std::size_t i) {
-  const glm::quat& q = cloud.rotations[i];
+bool is_finite_half(std::uint16_t v) {
+  constexpr std::uint16_t kExponent = 0x7C00;
+  return (v & kExponent) != kExponent;
+}
+
+bool is_drawable(const RenderCloud& cloud, std::size_t i) {
+  const SplatCloud& base = cloud.base;
+  const glm::quat& q = base.rotations[i];
   const bool rotation =
       std::isfinite(q.w) && std::isfinite(q.x) && std::isfinite(q.y) && std::isfinite(q.z);
-  if (!rotation || !usable(cloud.positions[i]) || !usable(cloud.log_scales[i]) ||
-      !std::isfinite(cloud.opacity_logits[i]) || !usable(cloud.sh_dc[i])) {
+  if (!rotation || !usable(base.positions[i]) || !usable(base.log_scales[i]) ||
+      !std::isfinite(base.opacity_logits[i]) || !usable(base.sh_dc[i])) {
     return false;
   }
-  const auto rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
-  const auto first = cloud.sh_rest.begin() + static_cast<std::ptrdiff_t>(i * rest);
-  return std::all_of(first, first + static_cast<std::ptrdiff_t>(rest),
-                     [](const glm::vec3& c) { return usable(c); });
+  const auto first = cloud.sh.begin() + static_cast<std::ptrdiff_t>(i * cloud.sh_size());
+  return std::all_of(first, first + static_cast<std::ptrdiff_t>(cloud.sh_size()), is_finite_half);
 }
 
 float deviation(float log_scale) {
@@ -67,17 +69,24 @@ DegreeCounts largest_of(const DegreeCounts& scene, std::uint64_t count) {
   return largest;
 }
 
-ScenePacker::ScenePacker(const SplatCloud& cloud,
-                         std::optional<std::span<const std::uint32_t>> splats)
+DegreeCounts limited(const DegreeCounts& scene, int sh_degree) {
+  DegreeCounts result{};
+  for (std::size_t degree = 0; degree < scene.size(); ++degree)
+    result[std::min(degree, static_cast<std::size_t>(sh_degree))] += scene[degree];
+  return result;
+}
+
+ScenePacker::ScenePacker(const RenderCloud& cloud,
+                         std::optional<std::span<const std::uint32_t>> splats, int max_sh_degree)
     : cloud_(cloud),
       splats_(splats),
       drawable_(splats ? splats->size() : cloud.size()),
       degree_(drawable_.size()) {
   constants_.count = static_cast<std::uint32_t>(drawable_.size());
-  constants_.sh_degree = cloud.sh_degree;
-  constants_.filter = cloud.filter;
+  constants_.sh_degree = std::min(cloud.sh_degree, max_sh_degree);
+  constants_.filter = cloud.base.filter;
   for (std::size_t k = 0; k < drawable_.size(); ++k) {
-    degree_[k] = static_cast<std::uint8_t>(sh_degree_of(cloud, splat(k)));
+    degree_[k] = static_cast<std::uint8_t>(std::min(sh_degree_of(cloud, splat(k)), max_sh_degree));
     ++degrees_[degree_[k]];
     drawable_[k] = is_drawable(cloud, splat(k));
     if (!drawable_[k]) ++undrawable_;
@@ -94,7 +103,7 @@ void ScenePacker::find_median() {
   for (int axis = 0; axis < 3; ++axis) {
     values.clear();
     for (std::size_t k = 0; k < drawable_.size(); ++k)
-      if (drawable_[k]) values.push_back(cloud_.positions[splat(k)][axis]);
+      if (drawable_[k]) values.push_back(cloud_.base.positions[splat(k)][axis]);
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::nth_element(values.begin(), middle, values.end());
     constants_.origin[axis] = static_cast<double>(*middle);
@@ -117,12 +126,13 @@ void ScenePacker::find_box() {
 /// All but the word of the SH coefficients.
 void ScenePacker::pack_geometry(std::size_t i, std::array<float, 4>* out) const {
   const glm::vec3 p = position(i);
-  const glm::vec3& s = cloud_.log_scales[i];
-  const glm::quat& quat = cloud_.rotations[i];
+  const glm::vec3& s = cloud_.base.log_scales[i];
+  const glm::quat& quat = cloud_.base.rotations[i];
   const auto q = math::normalized(math::Quat<double>{quat.w, quat.x, quat.y, quat.z});
-  const glm::dvec3 color = 0.5 + math::kSh0 * glm::dvec3(cloud_.sh_dc[i]);
+  const glm::dvec3 color = 0.5 + math::kSh0 * glm::dvec3(cloud_.base.sh_dc[i]);
   // log2 of the opacity, the logistic function of the logit
-  const double level = -std::log2(1 + std::exp(-static_cast<double>(cloud_.opacity_logits[i])));
+  const double level =
+      -std::log2(1 + std::exp(-static_cast<double>(cloud_.base.opacity_logits[i])));
   out[0] = {p.x, p.y, p.z, static_cast<float>(std::max(level, kNoLevel))};
   out[1] = {deviation(s.x), deviation(s.y), deviation(s.z), static_cast<float>(color.r)};
   out[2] = {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z),
@@ -130,17 +140,12 @@ void ScenePacker::pack_geometry(std::size_t i, std::array<float, 4>* out) const 
   out[3] = {static_cast<float>(color.g), static_cast<float>(color.b), 0.0F, out[3][3]};
 }
 
+// Groups of four coefficients, zeros behind the last.
 void ScenePacker::pack_sh(std::size_t i, int degree, std::uint64_t* out) const {
-  const auto rest = static_cast<std::size_t>(sh_rest_count(cloud_.sh_degree));
-  const auto own = static_cast<std::size_t>(sh_rest_count(degree));
-  std::array<float, 48> values{};
-  for (std::size_t k = 0; k < own; ++k)
-    for (std::size_t c = 0; c < 3; ++c)
-      values[3 * k + c] = cloud_.sh_rest[i * rest + k][static_cast<int>(c)];
-  for (std::size_t k = 0; k < sh_stride(degree); ++k) {
-    const glm::vec4 four(values[4 * k], values[4 * k + 1], values[4 * k + 2], values[4 * k + 3]);
-    out[k] = glm::packHalf4x16(glm::clamp(four, -kLargestHalf, kLargestHalf));
-  }
+  const std::size_t own =
+      3 * sizeof(std::uint16_t) * static_cast<std::size_t>(sh_rest_count(degree));
+  std::fill_n(out, sh_stride(degree), 0);
+  if (own > 0) std::memcpy(out, cloud_.sh.data() + i * cloud_.sh_size(), own);
 }
 
 void ScenePacker::next(std::size_t most, PackedSplats& part) {

@@ -7,11 +7,14 @@
 #include <span>
 #include <vector>
 
-#include "fluxgs/splat_cloud.h"
 #include "fluxgs/splat_degree.h"
+#include "render/render_cloud.h"
 #include "render/scene_constants.h"
 
 namespace fluxgs::render {
+
+/// Splats with larger numbers are not drawn: they cannot be projected in float32 without overflow.
+inline constexpr float kLargestDrawable = 1e15F;
 
 /// Words of four half floats that hold the coefficients of degrees 1…degree of a splat: groups of
 /// four, three words each.
@@ -26,6 +29,9 @@ std::uint64_t sh_bytes(const DegreeCounts& splats);
 /// are, they take no more memory than these.
 DegreeCounts largest_of(const DegreeCounts& scene, std::uint64_t count);
 
+/// The same splats without the harmonics beyond a degree.
+DegreeCounts limited(const DegreeCounts& scene, int sh_degree);
+
 /// Splats as the projection pass reads them (shaders/project.comp). The coefficients beyond the
 /// constant one are half floats, as the colour is that comes of them: they are three quarters of a
 /// splat of degree 3, and halves take a hundredth of a level of 255 from its colour.
@@ -34,17 +40,19 @@ struct PackedSplats {
   std::vector<std::uint64_t> sh;               ///< sh_stride(its degree) per splat
 };
 
-constexpr std::size_t kSplatsOfAPart = 16384;  ///< that pay: 2.6 MB at degree 3
+constexpr std::size_t kSplatsPacked = 16384;  ///< at once, that pay: 2.6 MB at degree 3
 
 /// Packs a scene part by part: there is not always room for the whole of it a second time. The
 /// cloud must be sound (check_cloud()) and, like the indices, outlive the packer.
 class ScenePacker {
  public:
-  /// Those splats of the cloud, in that order; all of them where none are given. Relative to the
-  /// median position the coordinates of a scene that lies far from the world's origin keep their
-  /// bits.
-  explicit ScenePacker(const SplatCloud& cloud,
-                       std::optional<std::span<const std::uint32_t>> splats = {});
+  /// Those splats of the cloud, in that order; all of them where none are given. Without the
+  /// harmonics beyond a degree. Relative to the median position the coordinates of a scene that
+  /// lies far from the world's origin keep their bits.
+  explicit ScenePacker(const RenderCloud& cloud,
+                       std::optional<std::span<const std::uint32_t>> splats = {},
+                       int max_sh_degree = kMaxShDegree);
+  explicit ScenePacker(RenderCloud&&) = delete;
 
   const SceneConstants& constants() const { return constants_; }
   const DegreeCounts& degrees() const { return degrees_; }
@@ -58,14 +66,14 @@ class ScenePacker {
  private:
   std::size_t splat(std::size_t k) const { return splats_ ? (*splats_)[k] : k; }
   glm::vec3 position(std::size_t i) const {
-    return glm::vec3(glm::dvec3(cloud_.positions[i]) - constants_.origin);
+    return glm::vec3(glm::dvec3(cloud_.base.positions[i]) - constants_.origin);
   }
   void find_median();
   void find_box();
   void pack_geometry(std::size_t i, std::array<float, 4>* out) const;
   void pack_sh(std::size_t i, int degree, std::uint64_t* out) const;
 
-  const SplatCloud& cloud_;
+  const RenderCloud& cloud_;
   std::optional<std::span<const std::uint32_t>> splats_;
   std::vector<bool> drawable_;        // by place, not by index in the cloud
   std::vector<std::uint8_t> degree_;  // of SH, by place

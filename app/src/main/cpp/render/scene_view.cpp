@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "gl/expected_chain.h"
 #include "render/scaled_camera.h"
@@ -10,6 +11,18 @@
 #include "render/view_check.h"
 
 namespace fluxgs::render {
+namespace {
+
+/// As many splats as with harmonics of degree 1, and then the highest degree. `count`: how many
+/// there may be with harmonics of a degree.
+template <class Count>
+std::pair<std::size_t, int> most_splats(int sh_degree, const Count& count) {
+  const std::size_t most = count(std::min(sh_degree, 1));
+  while (sh_degree > 1 && count(sh_degree) < most) --sh_degree;
+  return {most, sh_degree};
+}
+
+}  // namespace
 
 Expected<void> SceneView::open(gl::Api& api, int width, int height) {
   close();
@@ -33,7 +46,7 @@ void SceneView::close() {
   planned_ = {};
   fitted_ = {};
   renderer_.reset();
-  shown_ = 0;
+  shown_ = {};
 }
 
 Expected<void> SceneView::draw(const Camera& camera, const RenderOptions& options) {
@@ -88,13 +101,14 @@ bool SceneView::driver_has(const Size& size) const {
 
 // By the estimate; whether the driver has as much is seen when it is asked.
 bool SceneView::fits_with_all(const TargetPlan& image) const {
-  const auto all = largest_of(degrees_, splats_asked());
   return !settings_.memory ||
-         estimate_memory(all, renderer_->settings(), image).total() <= *settings_.memory;
+         estimate_memory(degrees_of(asked()), renderer_->settings(), image).total() <=
+             *settings_.memory;
 }
 
 bool SceneView::fits_half(const TargetPlan& image) const {
-  return estimate_memory({}, {}, image).targets <= *settings_.memory / 2 && splats_for(image) > 0;
+  return estimate_memory({}, {}, image).targets <= *settings_.memory / 2 &&
+         amount_for(image).count > 0;
 }
 
 std::optional<TargetPlan> SceneView::image_of(const Size& size) const {
@@ -114,52 +128,69 @@ Expected<TargetPlan> SceneView::image_for(Size size) const {
   }
 }
 
+/// Whichever splats they are, they are no more than these.
+DegreeCounts SceneView::degrees_of(const Amount& amount) const {
+  return largest_of(limited(degrees_, amount.sh_degree), amount.count);
+}
+
 /// And that the driver can have.
-std::size_t SceneView::splats_asked() const {
-  if (settings_.software) return cloud_->size();
-  const std::uint64_t most = max_splats(api_->capabilities, degrees_);
+std::size_t SceneView::splats_asked(int sh_degree) const {
+  const std::uint64_t most = max_splats(api_->capabilities, limited(degrees_, sh_degree));
   return static_cast<std::size_t>(
       std::min<std::uint64_t>(most, std::min(settings_.max_splats.value_or(~0UL), cloud_->size())));
 }
 
-std::size_t SceneView::splats_for(const TargetPlan& image) const {
-  if (!settings_.memory || settings_.software) return splats_asked();
-  const auto fit = splats_that_fit(*settings_.memory, degrees_, renderer_->settings(), image);
-  return static_cast<std::size_t>(std::min<std::uint64_t>(fit, splats_asked()));
+SceneView::Amount SceneView::asked() const {
+  if (settings_.software) return {cloud_->size(), cloud_->sh_degree};
+  const auto [count, degree] =
+      most_splats(cloud_->sh_degree, [&](int d) { return splats_asked(d); });
+  return {count, degree};
+}
+
+SceneView::Amount SceneView::amount_for(const TargetPlan& image) const {
+  if (!settings_.memory || settings_.software) return asked();
+  const auto fit = [&](int sh_degree) {
+    const auto most = splats_that_fit(*settings_.memory, limited(degrees_, sh_degree),
+                                      renderer_->settings(), image);
+    return static_cast<std::size_t>(std::min<std::uint64_t>(most, splats_asked(sh_degree)));
+  };
+  const auto [count, degree] = most_splats(cloud_->sh_degree, fit);
+  return {count, degree};
 }
 
 std::size_t SceneView::memory() const {
-  return estimate_memory(largest_of(degrees_, shown_), renderer_->settings(), planned_).taken();
+  return estimate_memory(degrees_of(shown_), renderer_->settings(), planned_).taken();
 }
 
 bool SceneView::is_reduced() const {
-  return shown_ < splats_asked() || Size{planned_.width, planned_.height} != fitted_ ||
+  return shown_ != asked() || Size{planned_.width, planned_.height} != fitted_ ||
          planned_.accumulation != accumulations().front();
 }
 
-Expected<void> SceneView::upload(std::size_t splats) {
-  if (splats == shown_) return {};
+Expected<void> SceneView::upload(const Amount& amount) {
+  if (amount == shown_) return {};
   if (settings_.software) {
-    shown_ = splats;
+    shown_ = amount;
     return {};
   }
-  shown_ = 0;
-  auto uploaded = splats == cloud_->size()
-                      ? renderer_->upload(*cloud_)
-                      : renderer_->upload(*cloud_, max_contributing(*cloud_, splats));
-  if (uploaded) shown_ = splats;
+  shown_ = {};
+  auto uploaded = amount.count == cloud_->size()
+                      ? renderer_->upload(*cloud_, {}, amount.sh_degree)
+                      : renderer_->upload(*cloud_, max_contributing(cloud_->base, amount.count),
+                                          amount.sh_degree);
+  if (uploaded) shown_ = amount;
   return uploaded;
 }
 
-Expected<void> SceneView::make(const TargetPlan& image, std::size_t splats) {
+Expected<void> SceneView::make(const TargetPlan& image, const Amount& amount) {
   // What is there goes first: there may not be room for both
   target_ = {};
-  if (splats != shown_) {
-    shown_ = 0;
-    if (auto emptied = renderer_->upload({}); !emptied) return emptied;
+  if (amount != shown_) {
+    shown_ = {};
+    if (auto emptied = renderer_->upload(RenderCloud()); !emptied) return emptied;
   }
   planned_ = image;
-  return gl::chain([&] { return make_target(); }, [&] { return upload(splats); },
+  return gl::chain([&] { return make_target(); }, [&] { return upload(amount); },
                    // Some drivers notice late
                    [&] { return gl::check_errors(*api_, "graphics memory"); });
 }
@@ -173,12 +204,16 @@ Expected<void> SceneView::make_target() {
                              target_);
 }
 
-// As many splats as there is room for beside that image.
+// As much of the scene as there is room for beside that image.
 Expected<void> SceneView::fit_splats(const TargetPlan& image) {
-  for (std::size_t splats = splats_for(image);; splats -= (splats + 3) / 4) {
+  for (Amount amount = amount_for(image);;) {
     api_->out_of_memory = false;
-    auto made = make(image, splats);
-    if (made || !api_->out_of_memory || splats <= 1) return made;
+    auto made = make(image, amount);
+    if (made || !api_->out_of_memory || amount.count <= 1) return made;
+    if (amount.sh_degree > 1)
+      --amount.sh_degree;
+    else
+      amount.count -= (amount.count + 3) / 4;
   }
 }
 
@@ -189,7 +224,7 @@ Expected<void> SceneView::fit(const Size& size) {
   for (;;) {
     const bool coarser = image->accumulation != accumulations().back();
     api_->out_of_memory = false;
-    auto made = coarser ? make(*image, splats_for(*image)) : fit_splats(*image);
+    auto made = coarser ? make(*image, amount_for(*image)) : fit_splats(*image);
     if (made) fitted_ = size;
     const Size tried{image->width, image->height};
     if (made || !api_->out_of_memory || gl::context_lost(*api_)) return made;

@@ -1,6 +1,6 @@
 // A scene in images of any size, for programs that go on whatever the driver does: where memory
-// is short it blends in half floats, shows fewer splats, in the end in fewer pixels, and when the
-// context was lost all of it is made again.
+// is short it blends in half floats, shows harmonics of a lower degree, then fewer splats, in the
+// end in fewer pixels, and when the context was lost all of it is made again.
 #pragma once
 
 #include <algorithm>
@@ -10,9 +10,9 @@
 #include <optional>
 #include <vector>
 
-#include "fluxgs/splat_cloud.h"
 #include "fluxgs/splat_degree.h"
 #include "render/memory_estimate.h"
+#include "render/render_cloud.h"
 #include "render/render_target.h"
 #include "render/renderer.h"
 
@@ -45,7 +45,7 @@ struct SceneViewSettings {
 class SceneView {
  public:
   /// The cloud is kept, as the scene must be made from it again and again.
-  SceneView(std::shared_ptr<const SplatCloud> cloud, const SceneViewSettings& settings)
+  SceneView(std::shared_ptr<const RenderCloud> cloud, const SceneViewSettings& settings)
       : cloud_(std::move(cloud)), settings_(settings) {}
 
   /// Makes the GL objects for images of this size. What an earlier open() made is let go of
@@ -78,10 +78,13 @@ class SceneView {
   std::optional<std::uint32_t> drawn_in_software() const { return drawn_in_software_; }
 
   /// Number of splats that there is room for: those that contribute most (splat_budget.h).
-  std::size_t splats() const { return shown_; }
-  bool shows_all() const { return shown_ == cloud_->size(); }
-  /// True if there was no room for what was asked for and the driver can do: fewer splats, fewer
-  /// pixels or half floats.
+  std::size_t splats() const { return shown_.count; }
+  /// The degree up to which there is room for harmonics: lower degrees go before splats do, but
+  /// for the first.
+  int sh_degree() const { return shown_.sh_degree; }
+  bool shows_all() const { return shown_ == Amount{cloud_->size(), cloud_->sh_degree}; }
+  /// True if there was no room for what was asked for and the driver can do: a lower degree, fewer
+  /// splats, fewer pixels or half floats.
   bool is_reduced() const;
   /// Bytes of graphics memory that are taken, by the estimate (memory_estimate.h), at the scale
   /// that takes most.
@@ -101,6 +104,12 @@ class SceneView {
     bool is_pixel() const { return width <= 1 && height <= 1; }
     Size halved() const { return {std::max(width / 2, 1), std::max(height / 2, 1)}; }
   };
+  /// How much of a scene.
+  struct Amount {
+    std::size_t count = 0;  ///< splats
+    int sh_degree = 0;
+    bool operator==(const Amount&) const = default;
+  };
   std::vector<Accumulation> accumulations() const;
   TargetPlan plan(const Size& size, Accumulation accumulation) const;
   bool driver_has(const Size& size) const;
@@ -108,18 +117,20 @@ class SceneView {
   bool fits_half(const TargetPlan& image) const;
   std::optional<TargetPlan> image_of(const Size& size) const;
   Expected<TargetPlan> image_for(Size size) const;
-  std::size_t splats_asked() const;
-  std::size_t splats_for(const TargetPlan& image) const;
+  DegreeCounts degrees_of(const Amount& amount) const;
+  std::size_t splats_asked(int sh_degree) const;
+  Amount asked() const;
+  Amount amount_for(const TargetPlan& image) const;
   Expected<void> fit(const Size& size);
   Expected<void> fit_splats(const TargetPlan& image);
-  Expected<void> make(const TargetPlan& image, std::size_t splats);
+  Expected<void> make(const TargetPlan& image, const Amount& amount);
   Expected<void> make_target();
-  Expected<void> upload(std::size_t splats);
+  Expected<void> upload(const Amount& amount);
   Expected<void> check_context() const;
   Expected<void> draw_in_software(const Camera& camera, const RenderOptions& options);
   Expected<void> check_first_frames();
 
-  std::shared_ptr<const SplatCloud> cloud_;
+  std::shared_ptr<const RenderCloud> cloud_;
   SceneViewSettings settings_;
   DegreeCounts degrees_{};  ///< of the cloud
   gl::Api* api_ = nullptr;
@@ -127,7 +138,7 @@ class SceneView {
   Size fitted_;  ///< the camera's size that there is an image for
   RenderTarget target_;
   TargetPlan planned_;  ///< of target_, for any scale
-  std::size_t shown_ = 0;
+  Amount shown_;
   std::optional<std::uint32_t> drawn_in_software_;
   int unchecked_frames_ = 0;  ///< of which the driver has still to say that they went well
 };

@@ -35,7 +35,7 @@ class Presenter {
 
   /// Another scene: see Viewer::show().
   template <class... Start>
-  void show(std::shared_ptr<const SplatCloud> cloud, const Start&... start) {
+  void show(std::shared_ptr<const render::RenderCloud> cloud, const Start&... start) {
     viewer_.show(std::move(cloud), start...);
     failed_ = drawn_ = false;
     redraw_ = true;

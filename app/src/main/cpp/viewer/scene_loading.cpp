@@ -15,6 +15,7 @@
 
 #include <fmt/format.h>
 
+#include "fluxgs/byte_source.h"
 #include "fluxgs/io/scene.h"
 #include "viewer/decode_memory_guard.h"
 
@@ -28,11 +29,6 @@ constexpr std::size_t kChunk = std::size_t{1} << 20;
 constexpr int kLookEveryMs = 100;  // whether it was cancelled
 constexpr std::size_t kEnoughForHeaders = std::size_t{1} << 16;
 
-std::string megabytes(std::uint64_t bytes) {
-  constexpr double kMegabyte = 1e6;
-  return fmt::format("{:.1f} MB", static_cast<double>(bytes) / kMegabyte);
-}
-
 }  // namespace
 
 /// State that the thread and the owner share.
@@ -44,7 +40,27 @@ struct SceneLoading::Job {
   mutable std::mutex mutex;
   LoadState state;
   std::optional<Clock::time_point> last_came;  ///< bytes, or the wish for the first
-  std::optional<SceneFile> scene;
+  std::optional<LoadedScene> scene;
+
+  /// A file that says how far it has been read, and ends when the loading is cancelled.
+  class WatchedFile final : public ByteSource {
+   public:
+    WatchedFile(Job& job, std::uint64_t begin, std::uint64_t size)
+        : job_(job), bytes_(job.descriptor, begin, size, job.name) {}
+    std::uint64_t size() const override { return bytes_.size(); }
+    Expected<std::span<const std::byte>> read(std::uint64_t at, std::size_t count,
+                                              Bytes& room) const override {
+      if (job_.cancelled) return fail(job_.name, "read", "was cancelled");
+      auto part = bytes_.read(at, count, room);
+      job_.came();
+      if (part) job_.update([&](LoadState& s) { s.read = std::max(s.read, at + count); });
+      return part;
+    }
+
+   private:
+    Job& job_;
+    FileBytes bytes_;
+  };
 
   Job() = default;
   Job(const Job&) = delete;
@@ -60,9 +76,7 @@ struct SceneLoading::Job {
   }
 
   std::unexpected<Error> too_large(std::uint64_t needed) const {
-    return fail(name, "memory",
-                fmt::format("needs about {}, but only {} may be used", megabytes(needed),
-                            megabytes(limits.memory)));
+    return needs_memory(name, needed, limits.memory);
   }
 
   void came() {
@@ -97,23 +111,23 @@ struct SceneLoading::Job {
     return false;
   }
 
-  /// Size of the file by its own word or its provider's; nothing where neither tells.
-  Expected<std::optional<std::uint64_t>> announced_size() const {
+  /// Size of a regular file from where it is read; nothing for pipes.
+  Expected<std::optional<std::uint64_t>> file_size() const {
     struct stat status{};
     if (::fstat(descriptor, &status) != 0)
       return fail(name, "open", std::generic_category().message(errno));
     if (S_ISDIR(status.st_mode)) return fail(name, "open", "is a folder; expected a scene");
-    if (!S_ISREG(status.st_mode)) return limits.announced;
-    return static_cast<std::uint64_t>(status.st_size);
+    if (!S_ISREG(status.st_mode)) return std::nullopt;
+    return static_cast<std::uint64_t>(std::max<off_t>(status.st_size - position(), 0));
   }
 
-  Expected<Bytes> read_all() {
-    const auto size = announced_size();
-    if (!size) return std::unexpected(size.error());
-    if (*size && **size > limits.memory) return too_large(**size);
+  off_t position() const { return std::max<off_t>(::lseek(descriptor, 0, SEEK_CUR), 0); }
+
+  /// All bytes, of which there are so many where that is known.
+  Expected<Bytes> read_all(const std::optional<std::uint64_t>& size) {
+    if (size && *size > limits.memory) return too_large(*size);
     Bytes bytes;
-    if (*size) bytes.reserve(**size + kChunk);  // the last read asks for more than there is
-    update([&](LoadState& s) { s.bytes = size->value_or(0); });
+    if (size) bytes.reserve(*size + kChunk);  // the last read asks for more than there is
     came();
     while (!cancelled) {
       const auto there = wait_for_bytes();
@@ -130,14 +144,14 @@ struct SceneLoading::Job {
       if (got == 0) break;
       if (bytes.size() > limits.memory) return too_large(bytes.size());
       if (before < kEnoughForHeaders && bytes.size() >= kEnoughForHeaders)
-        if (auto fits = look_ahead(bytes, *size); !fits) return std::unexpected(fits.error());
+        if (auto fits = look_ahead(bytes, size); !fits) return std::unexpected(fits.error());
       update([&](LoadState& s) { s.read = bytes.size(); });
     }
     // A .splat has no header that would miss the rest
-    if (!cancelled && *size && bytes.size() < **size)
+    if (!cancelled && size && bytes.size() < *size)
       return fail(
           name, "read",
-          fmt::format("ended after {} of {} bytes: it was cut, or is gone", bytes.size(), **size));
+          fmt::format("ended after {} of {} bytes: it was cut, or is gone", bytes.size(), *size));
     return bytes;
   }
 
@@ -149,37 +163,69 @@ struct SceneLoading::Job {
       bytes.reserve(std::max(needed, std::min<std::size_t>(2 * bytes.size(), limits.memory)));
   }
 
-  /// Memory that it will take, for most formats known long before all of it is there. Fails if that
-  /// is too much, and on what is no scene.
+  /// Memory that it will take at least, for most formats known long before all of it is there: all
+  /// splats of what does not lie in a file should fit. Fails if that is too much, and on what is no
+  /// scene.
   Expected<void> look_ahead(const Bytes& bytes, const std::optional<std::uint64_t>& size) {
     if (auto known = recognise_beginning(bytes, name); !known)
       return std::unexpected(known.error());
-    const auto estimate = estimate_beginning(bytes, size.value_or(kUnknownSize), name);
+    auto estimate = estimate_beginning(bytes, size.value_or(kUnknownSize), name);
     if (!estimate) return {};
+    const int least_degree = std::min(estimate->sh_degree, 1);
+    estimate->decoded = estimate->splats * render::render_cloud_bytes(least_degree);
     const std::uint64_t needed = size.value_or(bytes.size()) + estimate->decoded;
     if (needed > limits.memory) return too_large(needed);
     update([&](LoadState& s) { s.estimate = *estimate; });
     return {};
   }
 
-  /// Has a guard from when the file is read.
-  Expected<SceneFile> load(std::optional<DecodeMemoryGuard>& guard) {
-    const auto bytes = read_all();
-    if (!bytes) return std::unexpected(bytes.error());
-    if (cancelled) return SceneFile{};
-    guard.emplace();
-    const auto estimate = estimate_scene(*bytes, name);
-    if (!estimate) return std::unexpected(estimate.error());
-    update([&](LoadState& s) {
-      s.estimate = *estimate;
-      s.phase = LoadPhase::decoding;
-    });
-    const std::uint64_t needed = bytes->size() + estimate->decoded;
-    if (needed > limits.memory) return too_large(needed);
-    return read_scene(*bytes, name);
+  /// A file of a format that is read in parts.
+  const SceneFormat* format_in_parts(const ByteSource& file) const {
+    Bytes room;
+    const auto most = std::min<std::uint64_t>(file.size(), kEnoughForHeaders);
+    const auto begin = file.read(0, static_cast<std::size_t>(most), room);
+    if (!begin) return nullptr;
+    const auto format = recognise_beginning(*begin, name);
+    return format && (*format)->reads_parts ? *format : nullptr;
   }
 
-  void finish(Expected<SceneFile> loaded) {
+  /// Has a guard from when memory is taken for the scene.
+  Expected<LoadedScene> load(std::optional<DecodeMemoryGuard>& guard) {
+    const auto in_file = file_size();
+    if (!in_file) return std::unexpected(in_file.error());
+    const auto size = *in_file ? *in_file : limits.announced;
+    update([&](LoadState& s) { s.bytes = size.value_or(0); });
+    if (*in_file) {
+      const auto begin = static_cast<std::uint64_t>(position());
+      if (const SceneFormat* format = format_in_parts(FileBytes(descriptor, begin, *size, name))) {
+        guard.emplace();
+        came();
+        return decode(*format, WatchedFile(*this, begin, *size), limits.memory);
+      }
+    }
+    const auto bytes = read_all(size);
+    if (!bytes) return std::unexpected(bytes.error());
+    if (cancelled) return LoadedScene{};
+    guard.emplace();
+    const auto format = recognise_scene(*bytes, name);
+    if (!format) return std::unexpected(format.error());
+    start_decoding();
+    return decode(**format, MemoryBytes(*bytes), limits.memory - bytes->size());
+  }
+
+  void start_decoding() {
+    update([](LoadState& s) { s.phase = LoadPhase::decoding; });
+  }
+
+  Expected<LoadedScene> decode(const SceneFormat& format, const ByteSource& source,
+                               std::uint64_t memory) {
+    return read_within(
+        memory, format, source, name,
+        [&](const SceneEstimate& planned) { update([&](LoadState& s) { s.estimate = planned; }); },
+        [&] { start_decoding(); });
+  }
+
+  void finish(Expected<LoadedScene> loaded) {
     update([&](LoadState& s) {
       if (s.phase == LoadPhase::failed) return;  // was given up
       if (cancelled) {
@@ -247,7 +293,7 @@ bool SceneLoading::is_over() const {
                                    : phase != LoadPhase::reading && phase != LoadPhase::decoding;
 }
 
-std::optional<SceneFile> SceneLoading::take() {
+std::optional<LoadedScene> SceneLoading::take() {
   if (!job_) return std::nullopt;
   const std::lock_guard lock(job_->mutex);
   if (job_->state.phase != LoadPhase::ready) return std::nullopt;

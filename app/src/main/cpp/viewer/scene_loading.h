@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "fluxgs/io/scene_estimate.h"
-#include "fluxgs/io/scene_file.h"
+#include "viewer/budgeted_reading.h"
 
 namespace fluxgs::viewer {
 
@@ -24,7 +24,9 @@ struct LoadState {
 };
 
 struct LoadLimits {
-  /// Bytes that the file and what is decoded from it may take together.
+  /// Bytes that the scene as it is drawn may take, together with the file where that is in memory
+  /// as a whole: pipes, and formats that are not read in parts. What does not fit stays out
+  /// (budgeted_reading.h).
   std::uint64_t memory = std::uint64_t{1} << 31;
   /// Seconds without a byte after which a provider is given up.
   double patience = 30;
@@ -54,7 +56,7 @@ class SceneLoading {
   bool is_over() const;
 
   /// The scene, once, when the phase is ready.
-  std::optional<SceneFile> take();
+  std::optional<LoadedScene> take();
 
  private:
   struct Job;

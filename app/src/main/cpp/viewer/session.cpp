@@ -250,8 +250,8 @@ std::optional<Image<std::uint8_t>> Session::image(int longest, std::uint64_t of)
   return result;
 }
 
-std::shared_ptr<const SplatCloud> Session::scene() {
-  std::shared_ptr<const SplatCloud> result;
+std::shared_ptr<const render::RenderCloud> Session::scene() {
+  std::shared_ptr<const render::RenderCloud> result;
   post_and_wait([&] {
     take_scene();
     result = cloud_;
@@ -266,7 +266,7 @@ std::string Session::driver() const {
 
 /// A scene that has been loaded takes the place of the one before.
 void Session::take_scene() {
-  std::optional<SceneFile> loaded;
+  std::optional<LoadedScene> loaded;
   std::optional<SavedView> saved;
   {
     const std::lock_guard lock(mutex_);
@@ -278,7 +278,7 @@ void Session::take_scene() {
     state_.error.clear();
     state_.drawn = false;
   }
-  cloud_ = std::make_shared<const SplatCloud>(std::move(loaded->cloud));
+  cloud_ = std::make_shared<const render::RenderCloud>(std::move(loaded->cloud));
   initial_ = loaded->start;
   presenter_->show(cloud_, initial_, saved);
 }
@@ -337,6 +337,9 @@ Expected<bench::SceneBenchmark> Session::measure(const bench::SceneBenchmarkPlan
   take_scene();
   const auto cloud = cloud_;  // progress runs tasks, one of which may take up another
   if (!cloud) return fail("benchmark", "", "there is no scene to measure");
+  if (!cloud->is_whole())
+    return fail("benchmark", "memory",
+                "there is room for a part of the scene only; a smaller one can be measured");
   presenter_->viewer().close();  // its memory is needed
   const auto api = presenter_->context();
   if (!api) return std::unexpected(api.error());

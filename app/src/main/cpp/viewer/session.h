@@ -98,7 +98,7 @@ class Session {
   /// none, or where it is not `of` the scene with this number (0: any).
   std::optional<Image<std::uint8_t>> image(int longest = 0, std::uint64_t of = 0);
   /// The scene that is shown, or nothing; one that was loaded but not shown yet is taken up.
-  std::shared_ptr<const SplatCloud> scene();
+  std::shared_ptr<const render::RenderCloud> scene();
   /// bench::driver_json(), once there is a context; else empty.
   std::string driver() const;
 
@@ -138,7 +138,7 @@ class Session {
   // The drawing thread's own
   std::optional<Presenter> presenter_;
   std::optional<double> last_frame_;
-  std::shared_ptr<const SplatCloud> cloud_;
+  std::shared_ptr<const render::RenderCloud> cloud_;
   std::uint64_t cloud_number_ = 0;  // of its loading
   std::optional<InitialView> initial_;
 

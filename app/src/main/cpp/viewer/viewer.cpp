@@ -31,7 +31,7 @@ bool same(const camera::ViewState& a, const camera::ViewState& b) {
 
 }  // namespace
 
-void Viewer::show(std::shared_ptr<const SplatCloud> cloud,
+void Viewer::show(std::shared_ptr<const render::RenderCloud> cloud,
                   const std::optional<InitialView>& initial,
                   const std::optional<SavedView>& saved) {
   close();
@@ -43,7 +43,8 @@ void Viewer::show(std::shared_ptr<const SplatCloud> cloud,
   anchor_anew(gyroscope_);
 }
 
-void Viewer::show(std::shared_ptr<const SplatCloud> cloud, const camera::Navigation& navigation) {
+void Viewer::show(std::shared_ptr<const render::RenderCloud> cloud,
+                  const camera::Navigation& navigation) {
   show(std::move(cloud), std::nullopt);
   navigation_ = navigation;
   first_up_ = navigation.up;
@@ -53,7 +54,7 @@ void Viewer::show(std::shared_ptr<const SplatCloud> cloud, const camera::Navigat
 // Needs to know how large the image is.
 void Viewer::begin_navigation() {
   if (navigated_ || !cloud_) return;
-  navigation_ = camera::initial_navigation(*cloud_, initial_, glm::dvec2(size_));
+  navigation_ = camera::initial_navigation(cloud_->base, initial_, glm::dvec2(size_));
   first_up_ = navigation_.up;
   navigated_ = true;
   const auto saved = saved_ ? restored(*saved_) : std::nullopt;
@@ -150,7 +151,7 @@ void Viewer::steer(Input&& input) {
   if (!pixel) return;
   const camera::Navigation& n = navigation_;
   const auto point =
-      camera::visible_point(*cloud_, n.view, *pixel, glm::dvec2(size_), n.units.near_plane);
+      camera::visible_point(cloud_->base, n.view, *pixel, glm::dvec2(size_), n.units.near_plane);
   if (point) camera::go_to(navigation_, camera::focused_on(n.view, *point, n.units.distances));
 }
 
@@ -366,7 +367,9 @@ ViewerStats Viewer::stats() {
   stats_.frames_per_second = frame_seconds_ > 0 ? 1 / frame_seconds_ : 0;
   stats_.goal = 1 / goal_.seconds();
   stats_.shown = scene_->splats();
-  stats_.splats = cloud_->size();
+  stats_.splats = cloud_->file_splats;
+  stats_.sh_degree = scene_->sh_degree();
+  stats_.file_sh_degree = cloud_->file_sh_degree;
   stats_.reduced = scene_->is_reduced();
   stats_.image = static_cast<double>(scene_->target().width()) / size_.x;
   stats_.memory = scene_->memory();

@@ -44,17 +44,18 @@ struct ViewerStats {
   double draw_ms = 0;                 ///< the part of it without the sort; 0 without a clock
   double sort_ms = 0;                 ///< from when the camera moved to an order of that view
   std::uint32_t drawn = 0;            ///< splats that were not culled
-  std::size_t shown = 0, splats = 0;  ///< of the scene: for which there is room; all
-  int width = 0, height = 0;          ///< of the image that is blended
-  double scale = 1;                   ///< of the last image
-  std::size_t memory = 0;             ///< bytes of graphics memory that are taken
-  bool reduced = false;               ///< there was no room for all, see SceneView::is_reduced()
-  double image = 1;                   ///< its width, of the window's: less where memory is short
+  std::size_t shown = 0, splats = 0;  ///< of the scene: for which there is room; all of the file
+  int sh_degree = 0, file_sh_degree = 0;  ///< the same for the degree of its harmonics
+  int width = 0, height = 0;              ///< of the image that is blended
+  double scale = 1;                       ///< of the last image
+  std::size_t memory = 0;                 ///< bytes of graphics memory that are taken
+  bool reduced = false;  ///< there was no room for all, see SceneView::is_reduced()
+  double image = 1;      ///< its width, of the window's: less where memory is short
 };
 
 /// Makes a renderer of a scene that needs no GPU.
 using MakeSoftwareRenderer =
-    std::function<render::SoftwareRenderer(std::shared_ptr<const SplatCloud>)>;
+    std::function<render::SoftwareRenderer(std::shared_ptr<const render::RenderCloud>)>;
 
 /// What moves the view, but for fingers and what they threw.
 enum class Motion { none, drift, path, walk };
@@ -67,10 +68,10 @@ class Viewer {
 
   /// Another scene, from its initial view; or from a saved one, if its values are sound. To be
   /// followed by open().
-  void show(std::shared_ptr<const SplatCloud> cloud, const std::optional<InitialView>& initial,
-            const std::optional<SavedView>& saved = {});
+  void show(std::shared_ptr<const render::RenderCloud> cloud,
+            const std::optional<InitialView>& initial, const std::optional<SavedView>& saved = {});
   /// The same, but from where `navigation` stands.
-  void show(std::shared_ptr<const SplatCloud> cloud, const camera::Navigation& navigation);
+  void show(std::shared_ptr<const render::RenderCloud> cloud, const camera::Navigation& navigation);
   bool has_scene() const { return cloud_ != nullptr; }
 
   /// Has scenes drawn without the GPU from the next open() on.
@@ -153,7 +154,7 @@ class Viewer {
 
   ViewerSettings settings_;
   MakeSoftwareRenderer make_software_;
-  std::shared_ptr<const SplatCloud> cloud_;
+  std::shared_ptr<const render::RenderCloud> cloud_;
   std::optional<InitialView> initial_;
   std::optional<SavedView> saved_;  // to begin at
   camera::Navigation navigation_;

@@ -58,19 +58,12 @@ json json_of(const viewer::LoadState& s) {
 }
 
 json json_of(const viewer::ViewerStats& s) {
-  return {{"fps", s.frames_per_second},
-          {"goal", s.goal},
-          {"frameMs", s.frame_ms},
-          {"sortMs", s.sort_ms},
-          {"drawn", s.drawn},
-          {"shown", s.shown},
-          {"splats", s.splats},
-          {"width", s.width},
-          {"height", s.height},
-          {"scale", s.scale},
-          {"memory", s.memory},
-          {"reduced", s.reduced},
-          {"image", s.image}};
+  return {
+      {"fps", s.frames_per_second}, {"goal", s.goal},          {"frameMs", s.frame_ms},
+      {"sortMs", s.sort_ms},        {"drawn", s.drawn},        {"shown", s.shown},
+      {"splats", s.splats},         {"shDegree", s.sh_degree}, {"fileShDegree", s.file_sh_degree},
+      {"width", s.width},           {"height", s.height},      {"scale", s.scale},
+      {"memory", s.memory},         {"reduced", s.reduced},    {"image", s.image}};
 }
 
 }  // namespace

@@ -9,8 +9,9 @@ internal object FreeMemory {
     private const val KEPT = 150L shl 20
 
     /**
-     * Bytes for a file and what it decodes to. Decoding holds as much again for a while, and then the
-     * GPU may have as much for drawing it; no second copy of the scene is made for that.
+     * Bytes for a scene, together with its file where that is read as a whole. Decoding holds as much
+     * again for a while, and then the GPU may have as much for drawing it; no second copy of the scene
+     * is made for that. What does not fit is left out.
      */
     fun forScene(context: Context): Long {
         val info = ActivityManager.MemoryInfo()

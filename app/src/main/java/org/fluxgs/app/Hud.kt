@@ -34,7 +34,9 @@ internal object Hud {
         val parts = mutableListOf<String>()
         if (stats.reduced) parts += resources.getString(R.string.hud_memory)
         if (stats.shown < stats.splats)
-            parts += resources.getString(R.string.hud_best, Texts.count(stats.shown))
+            parts += resources.getString(R.string.hud_best, Texts.millions(stats.shown), Texts.millions(stats.splats))
+        if (stats.shDegree < stats.fileShDegree)
+            parts += resources.getString(R.string.hud_degree, stats.shDegree, stats.fileShDegree)
         if (stats.image < 1)
             parts += resources.getString(R.string.hud_coarse, 100 * stats.image)
         return parts

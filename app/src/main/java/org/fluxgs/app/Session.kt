@@ -29,6 +29,8 @@ data class Stats(
     val drawn: Long,
     val shown: Long,
     val splats: Long,
+    val shDegree: Int, // that is shown
+    val fileShDegree: Int,
     val width: Int,
     val height: Int,
     val scale: Double,
@@ -68,6 +70,7 @@ data class SessionState(
                 Stats(
                     stats.getDouble("fps"), stats.getDouble("goal"), stats.getDouble("frameMs"), stats.getDouble("sortMs"),
                     stats.getLong("drawn"), stats.getLong("shown"), stats.getLong("splats"),
+                    stats.getInt("shDegree"), stats.getInt("fileShDegree"),
                     stats.getInt("width"), stats.getInt("height"), stats.getDouble("scale"),
                     stats.getLong("memory"), stats.getBoolean("reduced"), stats.getDouble("image"),
                 ),

@@ -12,5 +12,9 @@ internal object Texts {
 
     fun count(value: Long): String = String.format(Locale.getDefault(), "%,d", value)
 
+    /** Large ones in short: "1.9 M". */
+    fun millions(value: Long): String =
+        if (value < 100_000) count(value) else String.format(Locale.getDefault(), "%.1f M", value / 1e6)
+
     fun milliseconds(value: Double): String = String.format(Locale.getDefault(), "%.1f ms", value)
 }
