@@ -149,6 +149,10 @@ class BenchmarkTest {
         finished()
         repeat(5) { pump() }
         assertTrue(activity.text(R.id.facts).contains("times as fast"))
+        val fps = activity.text(R.id.big).removeSuffix(" fps").replace(",", "").toLong()
+        assertEquals(Math.round(activity.result!!.rows[0].drawFps), fps)
+        assertTrue("139" in activity.text(R.id.legend_paper))
+        assertTrue(activity.isShown(R.id.legend_before))
         keep(screenOf(activity, null), "benchmark")
     }
 

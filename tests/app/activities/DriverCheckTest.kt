@@ -16,6 +16,7 @@ import org.robolectric.RobolectricTestRunner
 import org.robolectric.annotation.Config
 import org.robolectric.annotation.GraphicsMode
 import org.robolectric.shadows.ShadowAlertDialog
+import org.robolectric.shadows.ShadowPopupMenu
 
 /** The check of the graphics driver: once, kept, and after a driver that ends the app. */
 @RunWith(RobolectricTestRunner::class)
@@ -111,7 +112,8 @@ class DriverCheckTest : ViewerScreen() {
         val activity = controller.get()
         until("the problem is told") { activity.isShown(R.id.problem) }
         assertTrue(activity.text(R.id.problem).contains("ended the app"))
-        activity.view(R.id.version).performClick()
+        activity.view(R.id.more).performClick()
+        ShadowPopupMenu.getLatestPopupMenu().menu.performIdentifierAction(R.id.about, 0)
         val dialog = ShadowAlertDialog.getLatestDialog() as AlertDialog
         val message = dialog.findViewById<TextView>(android.R.id.message).text.toString()
         assertTrue(message, message.contains("ended the app") && message.contains("Version"))

@@ -74,7 +74,8 @@ class MemoryTest : ViewerScreen() {
             Intent(context, ViewerActivity::class.java).setData(Documents.offer(file)),
         )
         until("the app says that it cannot") { activity.isShown(R.id.loading_retry) }
-        assertTrue(activity.text(R.id.loading_detail), "may be used" in activity.text(R.id.loading_detail))
+        assertEquals(context.getString(R.string.scene_no_memory), activity.text(R.id.loading_detail))
+        assertTrue(activity.text(R.id.loading_cause), "may be used" in activity.text(R.id.loading_cause))
         assertTrue("the first is still there", session.state()!!.hasScene)
         memory(500L shl 20) // without it
         press(R.id.loading_retry)
@@ -99,7 +100,7 @@ class MemoryTest : ViewerScreen() {
         assertEquals("splats are little here", before.splats, less.shown)
         assertTrue("there is an image", spread(settled()) > 100)
         assertEquals(context.getString(R.string.memory_short), ShadowToast.getTextOfLatestToast())
-        until("the numbers say so") { context.getString(R.string.hud_memory) in activity.text(R.id.hud) }
+        until("the numbers say so") { context.getString(R.string.reduced_memory) in activity.text(R.id.hud) }
     }
 
     private fun expectAllAgain(before: Stats) {
@@ -216,19 +217,36 @@ class MemoryTest : ViewerScreen() {
     @Test
     fun aSceneThatIsDrawnAnewSaysSo() {
         fun drawn(memory: Long) = SessionState(
-            Loading("ready", 0, 0, "", "", 0, 0), true, true, 1, false, "", "", 1, 0, 0.0,
-            Stats(0.0, 60.0, 0.0, 0.0, 0, 0, 0, 0, 0, 0, 0, 1.0, memory, false, 1.0),
+            Loading("ready", 0, 0, "", "", "", 0, 0), true, true, 1, false, "", "", 1, 0, 0.0,
+            Stats(0.0, 60.0, 0.0, 0.0, 0, 0, 0, 0, 0, 0, 0, 1.0, memory, false, 1.0, 1.0),
         )
         val themed = ContextThemeWrapper(RuntimeEnvironment.getApplication(), R.style.App_Viewer)
         val root = LayoutInflater.from(themed).inflate(R.layout.viewer, null).findViewById<View>(R.id.loading)
-        val view = LoadingView(root, {}, {}, {})
-        view.show(drawn(0), "fox.glb")
+        val view = LoadingView(root, LoadingView.Actions({}, {}, {}, {}))
+        view.show(drawn(0), "fox.glb") { 0 }
         assertEquals("not for the moment that a small one takes", View.GONE, root.visibility)
-        view.show(drawn(0), "fox.glb")
+        view.show(drawn(0), "fox.glb") { 0 }
         assertEquals(View.VISIBLE, root.visibility)
-        assertTrue("fox.glb" in root.findViewById<TextView>(R.id.loading_title).text)
+        assertTrue("fox" in root.findViewById<TextView>(R.id.loading_title).text)
         assertEquals(View.GONE, root.findViewById<View>(R.id.loading_cancel).visibility)
-        view.show(drawn(1), "fox.glb")
+        view.show(drawn(1), "fox.glb") { 0 }
         assertEquals(View.GONE, root.visibility)
+    }
+
+    @Test
+    fun memoryIsSpokenOfWhereThereIsLittle() {
+        val loading = Loading("reading", 3_000_000, 7_000_000, "", "", "ply", 1000, 30_000_000)
+        val state = SessionState(
+            loading, false, false, 0, false, "", "", 1, 0, 0.0,
+            Stats(0.0, 60.0, 0.0, 0.0, 0, 0, 0, 0, 0, 0, 0, 1.0, 0, false, 1.0, 1.0),
+        )
+        val themed = ContextThemeWrapper(RuntimeEnvironment.getApplication(), R.style.App_Viewer)
+        val root = LayoutInflater.from(themed).inflate(R.layout.viewer, null).findViewById<View>(R.id.loading)
+        val view = LoadingView(root, LoadingView.Actions({}, {}, {}, {}))
+        val detail = root.findViewById<TextView>(R.id.loading_detail)
+        view.show(state, "fox.glb") { 1_000_000_000 }
+        assertEquals("3.0 MB of 7.0 MB", detail.text.toString())
+        view.show(state, "fox.glb") { 50_000_000 }
+        assertEquals("Needs about 60 MB of memory; 100 MB are free.", detail.text.lines().last())
     }
 }

@@ -58,9 +58,10 @@ class NativeTest {
 
     @Test
     fun settingsOutOfTheirRange() = inSession { session ->
-        assertWrong { Native.set(session, 2f, 0, 3, 0, false, true, 0.016f, 0, 0) }
-        assertWrong { Native.set(session, Float.NaN, 0, 3, 0, false, true, 0.016f, 0, 0) }
-        assertWrong { Native.set(session, 1f, 3, 3, 0, false, true, 0.016f, 0, 0) }
+        assertWrong { Native.set(session, 2f, 1f, 0, 3, 0, false, true, 0.016f, 0, 0) }
+        assertWrong { Native.set(session, Float.NaN, 1f, 0, 3, 0, false, true, 0.016f, 0, 0) }
+        assertWrong { Native.set(session, 1f, 0f, 0, 3, 0, false, true, 0.016f, 0, 0) }
+        assertWrong { Native.set(session, 1f, 1f, 3, 3, 0, false, true, 0.016f, 0, 0) }
     }
 
     @Test

@@ -76,9 +76,10 @@ class OpeningTest : ViewerScreen() {
         until("it is read") { session.state()!!.loading.phase == "reading" }
         val part = File(material, "scene.ply").inputStream().use { it.readNBytes(1_000_000) }
         java.io.FileOutputStream(File(material, "pipe")).use { it.write(part) }
-        until("what it will take is said") { "28,842 splats" in activity.text(R.id.loading_detail) }
+        until("some of it came") { activity.text(R.id.loading_detail).startsWith("1") }
         assertTrue(activity.isShown(R.id.loading_cancel))
         assertTrue("of how much is said, too", " of " in activity.text(R.id.loading_detail))
+        assertFalse("there is enough of it", "memory" in activity.text(R.id.loading_detail))
         keep(screenOf(activity, null), "loading")
         press(R.id.loading_cancel)
         assertTrue(activity.isFinishing)
@@ -99,7 +100,8 @@ class OpeningTest : ViewerScreen() {
         }
         val message = openAndFail(Documents.uri("garden.splat"))
         sender.join()
-        assertTrue(message, "ended after 196608 of ${whole.length()} bytes" in message)
+        assertEquals(context.getString(R.string.scene_cut), message)
+        assertTrue(cause, "ended after 196608 of ${whole.length()} bytes" in cause)
     }
 
     @Test
@@ -203,9 +205,7 @@ class OpeningTest : ViewerScreen() {
     @Test
     fun everyButtonCanBeReachedInANarrowWindow() {
         openAndDraw()
-        val tools = listOf(
-            R.id.back, R.id.reset, R.id.flip, R.id.gyroscope, R.id.screenshot, R.id.measure, R.id.options,
-        ).map { activity.view(it) }
+        val tools = listOf(R.id.reset, R.id.gyroscope, R.id.screenshot, R.id.more).map { activity.view(it) }
         tools.forEach { it.visibility = View.VISIBLE }
         val density = activity.resources.displayMetrics.density
         for (width in listOf(360, 320, 200)) {
@@ -237,25 +237,37 @@ class OpeningTest : ViewerScreen() {
         until("it is read") { session.state()!!.loading.phase == "reading" }
         press(R.id.loading_cancel)
         assertFalse(activity.isFinishing)
-        activity.view(R.id.measure).performClick()
+        more(R.id.measure)
         assertEquals(Scene.SAMPLE, started().data)
     }
 
     @Test
     fun aFileThatIsGone() {
         val uri = Documents.uri("nothing")
-        assertEquals(context.getString(R.string.scene_not_given, uri), openAndFail(uri))
-        press(R.id.measure)
+        assertEquals(context.getString(R.string.moved_or_deleted), openAndFail(uri))
+        assertEquals("Can't open My nothing", activity.text(R.id.loading_title))
+        more(R.id.measure)
         assertNull("there is nothing to measure", shadowOf(activity).nextStartedActivity)
         pump(200)
         keep(screenOf(activity, null), "cannot-open")
         assertTrue(activity.view(R.id.loading_retry).height > 0)
+        assertFalse("who asks sees it", activity.isShown(R.id.loading_cause))
+        activity.findViewById<android.widget.CheckBox>(R.id.loading_unfold).isChecked = true
+        pump(2 * ViewerActivity.LOOK_EVERY_MS)
+        assertTrue(activity.isShown(R.id.loading_cause))
+        assertTrue(cause, uri.toString() in cause)
+        press(R.id.loading_choose)
+        val asked = shadowOf(activity).nextStartedActivityForResult.intent
+        assertEquals(Intent.ACTION_OPEN_DOCUMENT, asked.action)
+        val other = Documents.offer(File(material, "scene.glb"))
+        shadowOf(activity).receiveResult(asked, android.app.Activity.RESULT_OK, Intent().setData(other))
+        until("the other is drawn") { session.state()!!.drawn && !activity.isShown(R.id.loading) }
     }
 
     @Test
     fun aFileOfTheAppsOwnFolderThatIsGone() {
         val uri = Uri.fromFile(File(context.filesDir, "nothing.glb"))
-        assertEquals(context.getString(R.string.scene_gone), openAndFail(uri))
+        assertEquals(context.getString(R.string.moved_or_deleted), openAndFail(uri))
     }
 
     /** The copy of the sample that an earlier installation has left, of a format of then perhaps. */
@@ -279,14 +291,16 @@ class OpeningTest : ViewerScreen() {
     @Test
     fun aProviderThatThrowsAnything() {
         Documents.answers["rude"] = { throw IllegalStateException("broken app") }
-        assertTrue(openAndFail(Documents.uri("rude")).contains("broken app"))
+        assertEquals(context.getString(R.string.scene_unreadable), openAndFail(Documents.uri("rude")))
+        assertTrue(cause, "broken app" in cause)
     }
 
     @Test
     fun aFileThatIsNoScene() {
         val file = File(context.cacheDir, "letter.pdf").apply { writeText("%PDF-1.7 hello") }
         val said = openAndFail(Documents.offer(file))
-        assertTrue(said, said.contains("is a PDF document"))
+        assertEquals(context.getString(R.string.scene_broken), said)
+        assertTrue(cause, "is a PDF document" in cause)
     }
 
     @Test
@@ -294,6 +308,7 @@ class OpeningTest : ViewerScreen() {
         for (name in listOf("cut.glb", "cut.ply", "many.ply", "zeros.spz", "empty.glb", "bomb.sog")) {
             val said = openAndFail(Documents.offer(File(material, name)))
             assertTrue("$name: $said", said.length in 10..400)
+            assertTrue("$name: $cause", cause.length in 10..400)
             close()
         }
         openAndDraw()
@@ -308,7 +323,7 @@ class OpeningTest : ViewerScreen() {
         }
         memory(600L shl 20)
         val said = openAndFail(Documents.offer(file))
-        assertTrue(said, said.contains("memory") || said.contains("MB"))
+        assertEquals(context.getString(R.string.scene_no_memory), said)
         file.delete()
     }
 

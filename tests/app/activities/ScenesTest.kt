@@ -9,6 +9,7 @@ import android.widget.GridView
 import android.widget.ImageView
 import android.widget.TextView
 import java.io.File
+import java.util.Locale
 import org.junit.After
 import org.junit.Assert.assertEquals
 import org.junit.Assert.assertFalse
@@ -25,6 +26,7 @@ import org.robolectric.android.controller.ActivityController
 import org.robolectric.annotation.Config
 import org.robolectric.annotation.GraphicsMode
 import org.robolectric.shadows.ShadowAlertDialog
+import org.robolectric.shadows.ShadowPopupMenu
 import org.robolectric.shadows.ShadowToast
 
 @RunWith(RobolectricTestRunner::class)
@@ -45,6 +47,11 @@ class ScenesTest {
         Background.start {}.get()
         pump()
     }
+
+    private val locale = Locale.getDefault()
+
+    @After
+    fun speakAsBefore() = Locale.setDefault(locale)
 
     @After
     fun close() {
@@ -101,10 +108,10 @@ class ScenesTest {
         )
         open()
         assertEquals(3, grid.adapter.count)
-        assertEquals("marbles.ply", name(1))
-        assertEquals("corner.glb", name(2))
+        assertEquals("marbles", name(1))
+        assertEquals("corner", name(2))
         assertNotNull(grid.getChildAt(1).findViewById<ImageView>(R.id.image).drawable)
-        assertTrue(grid.getChildAt(1).contentDescription.startsWith("marbles.ply, "))
+        assertTrue(grid.getChildAt(1).contentDescription.startsWith("marbles, 123K splats · 1.5 MB · "))
         keep(screenOf(activity, null), "scenes")
         tap(1)
         assertEquals(uri, shadowOf(activity).nextStartedActivity.data)
@@ -117,9 +124,8 @@ class ScenesTest {
         java.io.File(own, "garden.json").writeText("{}")
         open()
         assertEquals(2, grid.adapter.count)
-        assertEquals("garden.PLY", name(1))
+        assertEquals("garden", name(1))
         assertTrue(grid.getChildAt(1).contentDescription.endsWith("2.5 MB"))
-        assertFalse(grid.onItemLongClickListener!!.onItemLongClick(grid, grid.getChildAt(1), 1, 1))
         tap(1)
         val uri = shadowOf(activity).nextStartedActivity.data!!
         assertEquals(Uri.fromFile(sent), uri)
@@ -129,19 +135,6 @@ class ScenesTest {
         assertEquals("once", 2, grid.adapter.count)
         assertTrue(grid.getChildAt(1).contentDescription.contains("splats"))
         sent.delete()
-    }
-
-    @Test
-    fun aSceneCanBeTakenOffTheList() {
-        val uri = remember("old.spz", "sample.png")
-        open()
-        grid.onItemLongClickListener!!.onItemLongClick(grid, grid.getChildAt(1), 1, 1)
-        pump()
-        ShadowAlertDialog.getLatestAlertDialog().getButton(-1).performClick()
-        pump() // the dialog answers by a message
-        listRead()
-        assertEquals(1, grid.adapter.count)
-        assertNull(Recents(context).find(uri))
     }
 
     @Test
@@ -213,16 +206,61 @@ class ScenesTest {
     }
 
     @Test
-    fun theVersionIsShown() {
+    fun theBenchmarkAndTheVersionAreInTheMenu() {
         open()
-        assertTrue(activity.text(R.id.version).contains(BuildFacts.version(context)))
+        choose(R.id.benchmark)
+        val next = shadowOf(activity).nextStartedActivity
+        assertEquals(BenchmarkActivity::class.java.name, next.component!!.className)
+        choose(R.id.about)
+        val said = ShadowAlertDialog.getLatestAlertDialog().findViewById<TextView>(android.R.id.message).text
+        assertTrue(BuildFacts.version(context) in said)
     }
 
     @Test
-    fun theBenchmarkIsAPressAway() {
+    fun theListSpeaksTheLanguageOfTheDevice() {
+        for ((language, title, today) in listOf(
+            Triple("de", "Szenen", "heute"), Triple("fr", "Scènes", "aujourd’hui"),
+            Triple("es", "Escenas", "hoy"), Triple("ja", "シーン", "今日"), Triple("zh-rCN", "场景", "今天"),
+        )) {
+            RuntimeEnvironment.setQualifiers("+$language")
+            Locale.setDefault(Locale.forLanguageTag(language.replace("-r", "-"))) // as Android does
+            Recents(context).remember(Scene.SAMPLE, "", 282_000, 28_842, null, imageOf("sample.png"))
+            open()
+            val words = ArrayList<View>()
+            activity.window.decorView.findViewsWithText(words, title, View.FIND_VIEWS_WITH_TEXT)
+            assertTrue(language, words.size > 0)
+            val detail = grid.getChildAt(0).findViewById<TextView>(R.id.detail).text.toString()
+            assertTrue(detail, detail.endsWith(today))
+            assertFalse("numbers, too: $detail", "29K" in detail)
+            keep(screenOf(activity, null), "scenes-$language")
+            close()
+        }
+    }
+
+    private fun choose(id: Int) {
+        activity.view(R.id.more).performClick()
+        ShadowPopupMenu.getLatestPopupMenu().menu.performIdentifierAction(id, 0)
+        pump()
+    }
+
+    @Test
+    fun theListIsSortedAsPeopleChooseAndStaysSo() {
+        for ((name, bytes) in listOf("b.glb" to 2L, "C.glb" to 3L, "a.glb" to 1L)) {
+            Recents(context).remember(Documents.uri(name), name, bytes, 1, null, null)
+            Thread.sleep(2)
+        }
         open()
-        activity.view(R.id.benchmark).performClick()
-        val next = shadowOf(activity).nextStartedActivity
-        assertEquals(BenchmarkActivity::class.java.name, next.component!!.className)
+        fun names() = (1..3).map { name(it) }
+        assertEquals(listOf("a", "C", "b"), names())
+        for ((id, order) in listOf(
+            R.id.by_name to listOf("a", "b", "C"), R.id.by_size to listOf("C", "b", "a"),
+        )) {
+            choose(id)
+            listRead()
+            assertEquals(order, names())
+        }
+        close()
+        open()
+        assertEquals(listOf("C", "b", "a"), names())
     }
 }

@@ -93,7 +93,7 @@ internal fun screenOf(activity: Activity, scene: Bitmap?): Bitmap {
 
 /** The views that lie over the surface, which is a hole in the window. */
 private fun drawOver(decor: View, canvas: Canvas) {
-    for (id in intArrayOf(R.id.controls, R.id.loading)) {
+    for (id in intArrayOf(R.id.notes, R.id.controls, R.id.hints, R.id.loading)) {
         val view = decor.findViewById<View>(id) ?: continue
         if (!view.isShown) continue
         val at = IntArray(2)

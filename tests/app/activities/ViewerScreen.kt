@@ -13,6 +13,7 @@ import org.robolectric.Robolectric
 import org.robolectric.RuntimeEnvironment
 import org.robolectric.Shadows.shadowOf
 import org.robolectric.android.controller.ActivityController
+import org.robolectric.shadows.ShadowPopupMenu
 
 /** The size of the scene's view in these tests. */
 internal const val WIDTH = 640
@@ -31,6 +32,7 @@ abstract class ViewerScreen {
         Documents.install()
         Settings(scale = 1f, sorter = 2).save(context)
         animations(0f)
+        Hints.tell(context)
     }
 
     @After
@@ -112,6 +114,16 @@ abstract class ViewerScreen {
         activity.view(id).performClick()
         pump()
     }
+
+    /** An entry of the menu that More opens. */
+    protected fun more(id: Int) {
+        press(R.id.more)
+        ShadowPopupMenu.getLatestPopupMenu().menu.performIdentifierAction(id, 0)
+        pump()
+    }
+
+    /** What the machine says of a problem. */
+    protected val cause get() = activity.text(R.id.loading_cause)
 
     /** The next activity that the one under test starts. */
     protected fun started(): Intent {

@@ -49,6 +49,24 @@ class ViewerTest : ViewerScreen() {
     }
 
     @Test
+    fun aResetCanBeUndoneForAWhile() {
+        openAndDraw()
+        drag(320f to 240f, 420f to 250f)
+        val turned = settled()
+        press(R.id.reset)
+        val undo = activity.view(R.id.undo)
+        assertTrue(undo.isShown)
+        keep(screenOf(activity, turned), "undo")
+        undo.findViewById<View>(R.id.notice_yes).performClick()
+        assertFalse(undo.isShown)
+        assertTrue("it is where it was", psnr(turned, settled()) > 45)
+        press(R.id.reset)
+        assertTrue(psnr(turned, settled()) < 25)
+        pump(ViewerActivity.UNDO_MS + 100)
+        assertFalse(undo.isShown)
+    }
+
+    @Test
     fun twoFingersComeNearer() {
         openAndDraw()
         val before = session.place()!!
@@ -76,9 +94,9 @@ class ViewerTest : ViewerScreen() {
     fun flipTurnsTheImageUpsideDown() {
         openAndDraw()
         val before = settled()
-        press(R.id.flip)
+        more(R.id.flip)
         assertTrue(psnr(before, settled()) < 25)
-        press(R.id.flip)
+        more(R.id.flip)
         assertTrue(psnr(before, settled()) > 45)
     }
 
@@ -97,8 +115,7 @@ class ViewerTest : ViewerScreen() {
     fun buttonsHaveNamesForTalkBack() {
         openAndDraw()
         for (id in intArrayOf(
-            R.id.back, R.id.reset, R.id.flip, R.id.screenshot, R.id.measure, R.id.options,
-            R.id.surface,
+            R.id.back, R.id.reset, R.id.screenshot, R.id.more, R.id.surface,
         )) assertFalse(activity.view(id).contentDescription.isNullOrEmpty())
     }
 
@@ -134,37 +151,159 @@ class ViewerTest : ViewerScreen() {
     // Settings
 
     @Test
-    fun settingsAreSeenAtOnceAndKept() {
+    fun qualityIsChosenOverTheSceneAndKept() {
         openAndDraw()
         val before = settled()
-        press(R.id.options)
-        val dialog = ShadowDialog.getLatestDialog()
-        keepDialog(dialog.window!!.decorView)
+        val dialog = openQuality()
+        val choices = dialog.findViewById<android.widget.RadioGroup>(R.id.qualities)
+        assertEquals("values of somebody's own", -1, choices.checkedRadioButtonId)
+        choices.check(R.id.battery)
+        assertEquals(Quality.BATTERY, Quality.ofSettings(Settings.load(context)))
+        until("the rate is another") { session.state()!!.stats.goal < 31 }
+        assertTrue("at rest it has all pixels", psnr(before, settled()) > 35)
+        choices.check(R.id.sharp)
+        assertEquals(Settings(scale = 1f), Settings.load(context))
+        keepSheet(dialog, before)
+        dialog.dismiss()
+    }
+
+    @Test
+    fun whatQualityStandsForCanBeChosenOneByOne() {
+        openAndDraw()
+        val before = settled()
+        val dialog = openQuality()
+        val choices = dialog.findViewById<android.widget.RadioGroup>(R.id.qualities)
+        choices.check(R.id.automatic)
+        val advanced = dialog.findViewById<View>(R.id.advanced_settings)
+        assertEquals(View.GONE, advanced.visibility)
+        dialog.findViewById<android.widget.CheckBox>(R.id.advanced).isChecked = true
+        assertEquals(View.VISIBLE, advanced.visibility)
         dialog.findViewById<android.widget.Spinner>(R.id.degree).setSelection(0)
         pump()
         assertTrue("fewer SH coefficients", psnr(before, settled()) < 45)
+        assertEquals("no quality has these values", -1, choices.checkedRadioButtonId)
         dialog.findViewById<android.widget.Spinner>(R.id.budget).setSelection(4)
-        assertFalse("no numbers for who does not ask", activity.isShown(R.id.hud))
-        dialog.findViewById<android.widget.Switch>(R.id.hud).isChecked = true
-        pump(300)
-        assertTrue(activity.isShown(R.id.hud))
+        pump()
+        assertEquals(Settings(shDegree = 0, maxSplats = 100_000), Settings.load(context))
         dialog.dismiss()
-        assertEquals(Settings(1f, 2, 0, 100_000, true), Settings.load(context))
+    }
+
+    private fun openQuality(): android.app.Dialog {
+        more(R.id.quality)
+        return ShadowDialog.getLatestDialog()
+    }
+
+    @Test
+    fun everyQualityStandsForValuesOfItsOwn() {
+        val own = Settings(sorter = 2, hud = true)
+        for (quality in Quality.entries) {
+            assertEquals(quality, Quality.ofSettings(quality.of(own)))
+            assertTrue("what has nothing to do with it stays", quality.of(own).hud)
+        }
+    }
+
+    /** The scene with the sheet over it, as the system puts its window. */
+    private fun keepSheet(dialog: android.app.Dialog, scene: Bitmap) {
+        val screen = screenOf(activity, scene)
+        val attributes = dialog.window!!.attributes
+        val decor = dialog.window!!.decorView
+        decor.measure(
+            View.MeasureSpec.makeMeasureSpec(attributes.width, View.MeasureSpec.EXACTLY),
+            View.MeasureSpec.makeMeasureSpec(screen.height, View.MeasureSpec.AT_MOST),
+        )
+        decor.layout(0, 0, decor.measuredWidth, decor.measuredHeight)
+        decor.jumpDrawablesToCurrentState()
+        val canvas = android.graphics.Canvas(screen)
+        canvas.translate((screen.width - decor.width).toFloat(), (screen.height - decor.height).toFloat())
+        decor.draw(canvas)
+        keep(screen, "quality")
+    }
+
+    @Test
+    fun statisticsAreShownToWhoAsks() {
+        openAndDraw()
+        assertFalse(activity.isShown(R.id.hud))
+        more(R.id.statistics)
+        until("they are shown") { activity.isShown(R.id.hud) }
+        keep(screenOf(activity, settled()), "statistics")
+        close()
+        openAndDraw()
+        until("they are still") { activity.isShown(R.id.hud) }
+        more(R.id.statistics)
+        until("they are gone") { !activity.isShown(R.id.hud) }
+    }
+
+    @Test
+    fun whatIsMissingFromTheImageIsSaidToEverybody() {
+        val hud = android.widget.TextView(context)
+        fun said(stats: Stats, numbers: Boolean = false): String {
+            Hud.show(hud, stats, numbers)
+            return if (hud.visibility == View.VISIBLE) hud.text.toString() else ""
+        }
+        val whole = Stats(
+            59.7, 60.0, 8.0, 1.0, 28_000, 28_842, 28_842, 1, 1, 640, 480, 0.85, 1L shl 20, false, 1.0, 1.0,
+        )
+        assertEquals("", said(whole))
+        assertEquals("60 fps · 28K of 29K splats · sharpness 85%", said(whole, true))
+        assertEquals(context.getString(R.string.reduced_heat), said(whole.copy(coolest = 0.7)))
+        assertEquals(context.getString(R.string.reduced_memory), said(whole.copy(reduced = true)))
+        assertEquals(2, said(whole.copy(image = 0.5), true).lines().size)
+    }
+
+    /** While something moves nobody wants them; who needs to find them by touch does. */
+    @Test
+    fun theToolsFadeWhileTheSceneMovesAndComeBackAtRest() {
+        openAndDraw()
+        val tools = activity.view(R.id.back)
+        val fade = ToolsFade(tools)
+        fun moves(ms: Long, moving: Boolean) = repeat((ms / 200).toInt()) {
+            pump(200)
+            fade.look(moving)
+        }
+        moves(ToolsFade.FADE_AFTER_MS - 400, true)
+        assertEquals(View.VISIBLE, tools.visibility)
+        moves(400, false)
+        moves(ToolsFade.FADE_AFTER_MS - 400, true)
+        assertEquals("it rested between", View.VISIBLE, tools.visibility)
+        moves(2000, true)
+        assertEquals(View.INVISIBLE, tools.visibility)
+        moves(400, false)
+        assertEquals(View.VISIBLE, tools.visibility)
+        moves(ToolsFade.FADE_AFTER_MS + 1000, true)
+        fade.toggle()
+        pump(400)
+        assertEquals("a tap brings them", View.VISIBLE, tools.visibility)
+        fade.toggle()
+        moves(1000, false)
+        assertEquals("who does not want them is not shown them", View.GONE, tools.visibility)
+        fade.toggle()
+        val manager = context.getSystemService(android.view.accessibility.AccessibilityManager::class.java)
+        shadowOf(manager).setTouchExplorationEnabled(true)
+        moves(ToolsFade.FADE_AFTER_MS + 1000, true)
+        assertEquals(View.VISIBLE, tools.visibility)
+    }
+
+    @Test
+    fun theGesturesAreToldOnce() {
+        context.getSharedPreferences("hints", android.content.Context.MODE_PRIVATE).edit().clear().commit()
+        openAndDraw()
+        until("they are told") { activity.isShown(R.id.hints) }
+        if (Build.VERSION.SDK_INT >= 28)
+            assertEquals(context.getString(R.string.hint_title), activity.view(R.id.hints).accessibilityPaneTitle)
+        keep(screenOf(activity, settled()), "hints")
+        press(R.id.hints_done)
+        assertFalse(activity.isShown(R.id.hints))
         close()
         openAndDraw()
         pump(300)
-        assertTrue(activity.isShown(R.id.hud))
+        assertFalse(activity.isShown(R.id.hints))
     }
 
-    private fun keepDialog(decor: View) {
-        decor.measure(
-            View.MeasureSpec.makeMeasureSpec(420, View.MeasureSpec.AT_MOST),
-            View.MeasureSpec.makeMeasureSpec(900, View.MeasureSpec.AT_MOST),
-        )
-        decor.layout(0, 0, decor.measuredWidth, decor.measuredHeight)
-        val image = Bitmap.createBitmap(decor.width, decor.height, Bitmap.Config.ARGB_8888)
-        decor.draw(android.graphics.Canvas(image))
-        keep(image, "settings")
+    @Test
+    fun theTitleIsTheScenesName() {
+        val file = File(material, "scene.glb").copyTo(File(context.cacheDir, "garden.glb"), true)
+        openAndDraw(Documents.offer(file))
+        assertEquals("My garden", activity.text(R.id.title))
     }
 
     @Test
@@ -173,8 +312,8 @@ class ViewerTest : ViewerScreen() {
         openAndDraw()
         pump(300)
         val hud = activity.text(R.id.hud)
-        assertTrue(hud, Regex("[\\d,]+ of 28,842 splats").containsMatchIn(hud))
-        assertTrue(hud, Regex("[\\d.]+ ms").containsMatchIn(hud))
+        assertTrue(hud, Regex("\\d+K of 29K splats").containsMatchIn(hud))
+        assertTrue(hud, "100%" in hud)
     }
 
     @Test
@@ -204,7 +343,7 @@ class ViewerTest : ViewerScreen() {
         openAndDraw(uri)
         drag(320f to 240f, 400f to 260f)
         val before = settled()
-        press(R.id.measure)
+        more(R.id.measure)
         val next = started()
         assertEquals(BenchmarkActivity::class.java.name, next.component!!.className)
         assertEquals(uri, next.data)
@@ -297,7 +436,7 @@ class ViewerTest : ViewerScreen() {
         until("the screen stays on again") { surface.keepScreenOn }
         controller!!.pause().resume()
         turnsWithTheDevice("after a pause")
-        press(R.id.measure)
+        more(R.id.measure)
         started()
         controller!!.pause().stop().restart().start().resume()
         until("the scene is there again") { session.state()!!.drawn && !activity.isShown(R.id.loading) }
@@ -334,7 +473,7 @@ class ViewerTest : ViewerScreen() {
         drag(320f to 240f, 420f to 250f)
         until("the scene moves") { !before.contentEquals(session.place()!!) }
         until("it rests again") { !surface.isAwake }
-        press(R.id.flip)
+        more(R.id.flip)
         assertTrue(surface.isAwake)
     }
 

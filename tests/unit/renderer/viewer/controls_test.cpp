@@ -430,6 +430,19 @@ TEST(FrameGoal, HeatTakesTheRateFirst) {
   EXPECT_EQ(goal.coolest(), 1);
 }
 
+TEST(FrameGoal, FewerPixelsMayBeWantedWhileSomethingMoves) {
+  FrameGoal goal;
+  goal.set_most(0.5);
+  play(goal, 10, 0.002, 1.0 / 60);
+  EXPECT_EQ(goal.scale(), 0.5);
+  EXPECT_EQ(goal.coolest(), 1) << "a view at rest has all of them";
+  goal.set_heat({.status = 3});
+  EXPECT_LE(goal.scale(), 0.5);
+  goal.set_heat({});
+  goal.set_most(1);
+  EXPECT_EQ(goal.scale(), 1);
+}
+
 TEST(FrameGoal, NonsenseIsNoFrame) {
   FrameGoal goal;
   goal.set_display(std::nan(""));

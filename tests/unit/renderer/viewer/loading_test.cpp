@@ -119,6 +119,7 @@ TEST(SceneLoading, APipeOfAnnouncedSize) {
   EXPECT_THAT(cut.error, HasSubstr("garden.splat: read: ended after 320 of 32000 bytes"));
   const LoadState large = send(2'000'000'000, 320, 1 << 20);
   EXPECT_THAT(large.error, HasSubstr("memory: needs about 2000.0 MB"));
+  EXPECT_EQ(large.problem, "memory");
 }
 
 // A million splats are announced, of which a part has come.

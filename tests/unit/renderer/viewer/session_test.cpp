@@ -233,6 +233,26 @@ TEST_P(SessionTest, AFingerTurnsItAndResetLeadsBack) {
   EXPECT_GT(psnr(image(), before), 50);
 }
 
+TEST_P(SessionTest, AViewThatWasLeftIsComeBackTo) {
+  ASSERT_TRUE(load(file_with_start()));
+  session_->touch(TouchPhase::down, 0, {{0, {50, 30}}}, 1);
+  session_->touch(TouchPhase::moved, 0, {{0, {80, 30}}}, 1.1);
+  session_->touch(TouchPhase::cancelled, 0, {}, 2);
+  const auto before = image();
+  const auto left = session_->saved_view();
+  ASSERT_TRUE(left);
+  session_->reset_view();
+  session_->flip_up();
+  session_->go_to(*left);
+  ASSERT_TRUE(run_until([this](const SessionState&) { return time_ > 3; }));
+  EXPECT_FALSE(session_->state().flipped);
+  EXPECT_GT(psnr(image(), before), 50);
+  SavedView broken = *left;
+  broken.view.distance = std::nan("");
+  session_->go_to(broken);
+  EXPECT_GT(psnr(image(), before), 50) << "no view to go to";
+}
+
 TEST_P(SessionTest, FlippingTurnsItUpsideDown) {
   ASSERT_TRUE(load(file_with_start()));
   const auto before = image();

@@ -31,9 +31,18 @@ void FrameGoal::set_heat(const Heat& heat) {
   // The first sign costs a faster display its rate, and no pixels
   const bool by_rate = is_faster() && heat.status <= 1 && coolest_scale(heat) >= kLeastScale;
   coolest_ = by_rate ? 1 : coolest_scale(heat);
-  scale_.set_max(coolest_);
-  before_.set_max(coolest_);
+  limit_scale();
   if (fast_ && !cool_) give_up();
+}
+
+void FrameGoal::set_most(double scale) {
+  most_ = scale;
+  limit_scale();
+}
+
+void FrameGoal::limit_scale() {
+  scale_.set_max(std::min(coolest_, most_));
+  before_.set_max(std::min(coolest_, most_));
 }
 
 void FrameGoal::frame(double seconds) {

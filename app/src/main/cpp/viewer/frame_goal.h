@@ -16,6 +16,8 @@ class FrameGoal {
   /// Seconds of the shortest frame that the display has.
   void set_display(double seconds);
   void set_heat(const Heat& heat);
+  /// The largest scale that is wanted while something moves.
+  void set_most(double scale);
 
   /// Tells how long a frame took that was drawn while others were too, from the one before.
   void frame(double seconds);
@@ -29,13 +31,14 @@ class FrameGoal {
 
  private:
   bool is_faster() const;
+  void limit_scale();
   void try_faster();
   void give_up();
   void judge_faster(double seconds);
 
   ScaleControl scale_, before_;  ///< before the faster rate
   double display_ = 1.0 / 60;
-  double coolest_ = 1;
+  double coolest_ = 1, most_ = 1;
   bool cool_ = true;     ///< enough for the faster rate
   bool fast_ = false;    ///< the faster rate is the goal
   double fitting_ = 0;   ///< seconds for which frames have fitted the slower rate

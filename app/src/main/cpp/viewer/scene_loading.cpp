@@ -29,6 +29,18 @@ constexpr std::size_t kChunk = std::size_t{1} << 20;
 constexpr int kLookEveryMs = 100;  // whether it was cancelled
 constexpr std::size_t kEnoughForHeaders = std::size_t{1} << 16;
 
+/// Of LoadState.
+std::string problem_of(const Error& error) {
+  const bool known = error.field == "memory" || error.field == "read" || error.field == "open";
+  return known ? error.field : "";
+}
+
+void set_failed(LoadState& state, const Error& error) {
+  state.phase = LoadPhase::failed;
+  state.error = error.message();
+  state.problem = problem_of(error);
+}
+
 }  // namespace
 
 /// State that the thread and the owner share.
@@ -91,12 +103,10 @@ struct SceneLoading::Job {
     if (state.phase != LoadPhase::reading || !last_came) return;
     if (std::chrono::duration<double>(Clock::now() - *last_came).count() <= limits.patience) return;
     cancelled = true;
-    state.phase = LoadPhase::failed;
-    state.error =
-        fail(name, "read",
-             fmt::format("nothing came for {:.0f} s from where it is kept", limits.patience))
-            .error()
-            .message();
+    set_failed(state,
+               fail(name, "read",
+                    fmt::format("nothing came for {:.0f} s from where it is kept", limits.patience))
+                   .error());
   }
 
   /// False when it was cancelled.
@@ -231,11 +241,9 @@ struct SceneLoading::Job {
       if (cancelled) {
         s.phase = LoadPhase::cancelled;
       } else if (!loaded) {
-        s.phase = LoadPhase::failed;
-        s.error = loaded.error().message();
+        set_failed(s, loaded.error());
       } else if (loaded->cloud.size() == 0) {
-        s.phase = LoadPhase::failed;
-        s.error = fail(name, "", "the scene is empty; expected splats").error().message();
+        set_failed(s, fail(name, "", "the scene is empty; expected splats").error());
       } else {
         s.phase = LoadPhase::ready;
         scene = std::move(*loaded);

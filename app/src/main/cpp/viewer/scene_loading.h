@@ -21,6 +21,9 @@ struct LoadState {
   std::uint64_t read = 0, bytes = 0;      ///< of the file; bytes is 0 where the size is not known
   std::optional<SceneEstimate> estimate;  ///< once the header is read, or all of it
   std::string error;                      ///< one line, when it failed
+  /// Why, for people: "memory": there is too little, "read": not all of it came, "open": it cannot
+  /// be read, "": it is no scene, or damaged.
+  std::string problem;
 };
 
 struct LoadLimits {

@@ -123,6 +123,7 @@ void Viewer::set(const ViewerSettings& settings) {
   }
   settings_ = settings;
   goal_.set_display(settings.frame_seconds);
+  goal_.set_most(settings.moving_scale);
   stale_ = true;
 }
 
@@ -372,6 +373,7 @@ ViewerStats Viewer::stats() {
   stats_.file_sh_degree = cloud_->file_sh_degree;
   stats_.reduced = scene_->is_reduced();
   stats_.image = static_cast<double>(scene_->target().width()) / size_.x;
+  stats_.coolest = settings_.scale > 0 ? 1 : goal_.coolest();
   stats_.memory = scene_->memory();
   stats_.width = scene_->target().blend_width();
   stats_.height = scene_->target().blend_height();

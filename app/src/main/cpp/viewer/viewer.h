@@ -24,6 +24,7 @@ enum class SorterChoice { automatic, gpu, cpu };
 /// Settings of the user.
 struct ViewerSettings {
   double scale = 0;  ///< of the image that is blended, 0.2…1; 0: what holds the display's rate
+  double moving_scale = 1;  ///< the largest of that while something moves, 0.2…1
   SorterChoice sorter = SorterChoice::automatic;
   int sh_degree = 3;                       ///< 0…3
   std::size_t max_splats = 0;              ///< 0: all
@@ -51,6 +52,7 @@ struct ViewerStats {
   std::size_t memory = 0;                 ///< bytes of graphics memory that are taken
   bool reduced = false;  ///< there was no room for all, see SceneView::is_reduced()
   double image = 1;      ///< its width, of the window's: less where memory is short
+  double coolest = 1;    ///< the scale that heat allows, where it is not the user's
 };
 
 /// Makes a renderer of a scene that needs no GPU.

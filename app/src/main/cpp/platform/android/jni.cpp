@@ -302,13 +302,16 @@ FLUXGS_JNI(void, turn)
 }
 
 FLUXGS_JNI(void, set)
-(JNIEnv* env, jclass, jlong session, jfloat scale, jint sorter, jint sh_degree, jint max_splats,
- jboolean gyroscope, jboolean measures, jfloat frame_seconds, jlong memory, jint background) {
+(JNIEnv* env, jclass, jlong session, jfloat scale, jfloat moving_scale, jint sorter, jint sh_degree,
+ jint max_splats, jboolean gyroscope, jboolean measures, jfloat frame_seconds, jlong memory,
+ jint background) {
   guarded(env, [&] {
     expect(sorter >= 0 && sorter <= 2, "a sorter is 0 to 2");
     expect(scale == 0 || (scale >= 0.2F && scale <= 1), "a scale is 0 or 0.2 to 1");
+    expect(moving_scale >= 0.2F && moving_scale <= 1, "a scale while moving is 0.2 to 1");
     viewer::ViewerSettings settings;
     settings.scale = static_cast<double>(scale);
+    settings.moving_scale = static_cast<double>(moving_scale);
     settings.sorter = static_cast<viewer::SorterChoice>(sorter);
     settings.sh_degree = std::clamp<int>(sh_degree, 0, 3);
     settings.max_splats = static_cast<std::size_t>(std::max<jint>(max_splats, 0));
@@ -348,18 +351,18 @@ FLUXGS_JNI(void, flipUp)(JNIEnv* env, jclass, jlong session) {
   guarded(env, [&] { sessions().find(session)->flip_up(); });
 }
 
+FLUXGS_JNI(void, goTo)(JNIEnv* env, jclass, jlong session, jdoubleArray place) {
+  guarded(env, [&] {
+    if (const auto saved = saved_view_from(env, place)) sessions().find(session)->go_to(*saved);
+  });
+}
+
 FLUXGS_JNI(void, resetView)(JNIEnv* env, jclass, jlong session) {
   guarded(env, [&] { sessions().find(session)->reset_view(); });
 }
 
 FLUXGS_JNI(void, drift)(JNIEnv* env, jclass, jlong session, jboolean on) {
   guarded(env, [&] { sessions().find(session)->drift(on == JNI_TRUE); });
-}
-
-FLUXGS_JNI(void, goTo)(JNIEnv* env, jclass, jlong session, jdoubleArray place) {
-  guarded(env, [&] {
-    if (const auto saved = saved_view_from(env, place)) sessions().find(session)->go_to(*saved);
-  });
 }
 
 FLUXGS_JNI(jdouble, pathThrough)

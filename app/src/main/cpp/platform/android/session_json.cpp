@@ -47,13 +47,10 @@ std::string text_of(const json& value) {
 
 json json_of(const viewer::LoadState& s) {
   const SceneEstimate estimate = s.estimate.value_or(SceneEstimate{});
-  return {{"phase", name_of(s.phase)},
-          {"read", s.read},
-          {"bytes", s.bytes},
-          {"error", s.error},
-          {"format", estimate.format},
-          {"splats", estimate.splats},
-          {"shDegree", estimate.sh_degree},
+  return {{"phase", name_of(s.phase)}, {"read", s.read},
+          {"bytes", s.bytes},          {"error", s.error},
+          {"problem", s.problem},      {"format", estimate.format},
+          {"splats", estimate.splats}, {"shDegree", estimate.sh_degree},
           {"memory", estimate.decoded}};
 }
 
@@ -63,7 +60,8 @@ json json_of(const viewer::ViewerStats& s) {
       {"sortMs", s.sort_ms},        {"drawn", s.drawn},        {"shown", s.shown},
       {"splats", s.splats},         {"shDegree", s.sh_degree}, {"fileShDegree", s.file_sh_degree},
       {"width", s.width},           {"height", s.height},      {"scale", s.scale},
-      {"memory", s.memory},         {"reduced", s.reduced},    {"image", s.image}};
+      {"memory", s.memory},         {"reduced", s.reduced},    {"image", s.image},
+      {"coolest", s.coolest}};
 }
 
 }  // namespace

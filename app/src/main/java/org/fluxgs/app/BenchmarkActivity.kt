@@ -17,6 +17,7 @@ import java.io.File
 import java.io.IOException
 import java.util.concurrent.FutureTask
 import kotlin.concurrent.thread
+import kotlin.math.roundToLong
 import org.json.JSONObject
 
 /**
@@ -134,7 +135,7 @@ class BenchmarkActivity : Activity() {
         opening = SceneOpening(this, uri, { descriptor, facts ->
             name = intent.getStringExtra("name") ?: facts.name
             load(descriptor, facts.bytes)
-        }, { fail(it) }, { status.text = getString(R.string.provider_slow) })
+        }, { fail(it.message, it.cause) }, { status.text = getString(R.string.provider_slow) })
         opening?.start()
     }
 
@@ -171,7 +172,7 @@ class BenchmarkActivity : Activity() {
     private fun advance(): Boolean {
         val state = session.state() ?: return false
         val loading = state.loading
-        if (loading.failed) return fail(loading.error)
+        if (loading.failed) return fail(getString(R.string.scene_unreadable), loading.error)
         if (!loading.ready) return true
         val test = selfTest ?: startSelfTest().also { selfTest = it }
         if (!test.isDone) return true // it takes the processor
@@ -259,14 +260,15 @@ class BenchmarkActivity : Activity() {
         if (!part.renameTo(file)) throw IOException("$file cannot be written")
     }
 
-    private fun fail(message: String): Boolean {
+    /** [cause]: as the machine has it. */
+    private fun fail(message: String, cause: String = ""): Boolean {
         preparing = false
-        Log.e(TAG, "failed $message")
+        Log.e(TAG, "failed ${cause.ifEmpty { message }}")
         bar.visibility = View.GONE
         bar.keepScreenOn = false
         findViewById<View>(R.id.stop).visibility = View.GONE
         findViewById<View>(R.id.retry).visibility = View.VISIBLE
-        say(getString(R.string.benchmark_failed, message))
+        say(listOf(getString(R.string.benchmark_failed, message), cause).filter { it.isNotEmpty() }.joinToString("\n"))
         return false
     }
 
@@ -276,7 +278,28 @@ class BenchmarkActivity : Activity() {
         findViewById<View>(R.id.results).visibility = View.VISIBLE
         say(headline(found))
         findViewById<BenchmarkChart>(R.id.chart).show(found.rows, earlier?.rows ?: emptyList())
+        showBig(found)
+        showLegend(earlier)
         findViewById<TextView>(R.id.facts).text = facts(found, earlier)
+    }
+
+    /** What the benchmark is about: the median of the first size, as the paper measures. */
+    private fun showBig(found: BenchmarkResult) {
+        val row = found.rows.firstOrNull()
+        findViewById<View>(R.id.big).visibility = if (row == null) View.GONE else View.VISIBLE
+        findViewById<View>(R.id.big_of).visibility = if (row == null) View.GONE else View.VISIBLE
+        if (row == null) return
+        findViewById<TextView>(R.id.big).text = getString(R.string.benchmark_big, Texts.count(row.drawFps.roundToLong()))
+        findViewById<TextView>(R.id.big_of).text = getString(R.string.benchmark_of, row.label(this))
+    }
+
+    private fun showLegend(earlier: BenchmarkResult?) {
+        findViewById<TextView>(R.id.legend_paper).text =
+            getString(R.string.legend_paper, Texts.count(BenchmarkChart.PAPER_FPS.toLong()))
+        findViewById<TextView>(R.id.legend_before).apply {
+            visibility = if (earlier == null) View.GONE else View.VISIBLE
+            if (earlier != null) text = getString(R.string.legend_before, earlier.startedHere)
+        }
     }
 
     /** Read out, too. */
@@ -286,7 +309,7 @@ class BenchmarkActivity : Activity() {
     }
 
     private fun headline(found: BenchmarkResult): String {
-        val line = getString(R.string.benchmark_done, found.sceneName, Texts.count(found.splats))
+        val line = getString(R.string.benchmark_done, Texts.titleOf(found.sceneName), Texts.splats(this, found.splats))
         return if (found.stopped.isEmpty()) line
         else line + "\n" + getString(R.string.benchmark_stopped, found.stopped)
     }
@@ -296,8 +319,7 @@ class BenchmarkActivity : Activity() {
         val driver = found.json.optJSONObject("driver")
         val thermal = found.json.getJSONObject("thermal")
         val lines = mutableListOf(
-            "${device.getString("manufacturer")} ${device.getString("model")}, " +
-                "Android ${device.getString("android")}",
+            "${nameOf(device)}, Android ${device.getString("android")}",
             driver?.let { "${it.getString("renderer")}, ${it.getString("version")}" } ?: "",
             DriverCheck.textOf(this),
             found.blendedIn?.let { getString(R.string.blended_in, it) } ?: "",
@@ -312,12 +334,17 @@ class BenchmarkActivity : Activity() {
         return lines.filter { it.isNotEmpty() }.joinToString("\n")
     }
 
+    /** Many makers begin the model with their own name. */
+    private fun nameOf(device: JSONObject): String {
+        val maker = device.getString("manufacturer").replaceFirstChar { it.uppercase() }
+        val model = device.getString("model")
+        return if (model.startsWith(maker, ignoreCase = true)) model else "$maker $model"
+    }
+
     private fun comparison(found: BenchmarkResult, earlier: BenchmarkResult): List<String> {
         val ratios = found.rows.mapNotNull { found.ratioTo(earlier, it) }.sorted()
         if (ratios.isEmpty()) return emptyList()
-        val line = getString(
-            R.string.compared, earlier.startedHere, ratios[ratios.size / 2],
-        )
+        val line = getString(R.string.compared, ratios[ratios.size / 2])
         val unlike = found.differences(earlier).mapNotNull { CONDITION_NAMES[it] }.distinct()
         if (unlike.isEmpty()) return listOf(line)
         return listOf(line, getString(R.string.compared_unlike, unlike.joinToString { getString(it) }))

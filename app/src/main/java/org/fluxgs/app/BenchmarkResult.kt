@@ -6,6 +6,7 @@ import android.content.Context
 import android.os.Build
 import java.io.File
 import java.io.IOException
+import java.text.DateFormat
 import java.text.ParseException
 import java.text.SimpleDateFormat
 import java.util.Date
@@ -17,15 +18,30 @@ import org.json.JSONObject
 
 /** A line of a result: one size, sorter and kind of views. */
 data class BenchmarkRow(
-    val label: String,
+    val size: String,
+    val views: String, // "still" or "path"
+    val sorter: String, // "gpu" or "cpu"
     val drawMs: Double,
     val sortToDisplayMs: Double,
     val pipelinedMs: Double,
 ) {
     val drawFps get() = fps(drawMs)
-    val pipelinedFps get() = fps(pipelinedMs)
+    val sortToDisplayFps get() = fps(sortToDisplayMs)
+
+    fun isLike(other: BenchmarkRow) = size == other.size && views == other.views && sorter == other.sorter
+
+    /** For people. */
+    fun label(context: Context): String = context.getString(
+        R.string.chart_label, size,
+        listOfNotNull(VIEWS[views], SORTERS[sorter]).joinToString { context.getString(it) },
+    )
 
     private fun fps(ms: Double) = if (ms > 0) 1000 / ms else 0.0
+
+    private companion object {
+        val VIEWS = mapOf("still" to R.string.views_still, "path" to R.string.views_path)
+        val SORTERS = mapOf("gpu" to R.string.sorted_by_gpu, "cpu" to R.string.sorted_by_cpu)
+    }
 }
 
 /** The result of a benchmark as it is saved: one JSON object. */
@@ -49,7 +65,7 @@ internal class BenchmarkResult(val json: JSONObject) {
         } catch (_: ParseException) {
             null
         } ?: return started
-        return SimpleDateFormat("yyyy-MM-dd HH:mm", Locale.ROOT).format(then)
+        return DateFormat.getDateTimeInstance(DateFormat.MEDIUM, DateFormat.SHORT).format(then)
     }
 
     fun text() = json.toString(1) + "\n"
@@ -75,7 +91,7 @@ internal class BenchmarkResult(val json: JSONObject) {
 
     /** The same measurement in an earlier result: how many times as fast this one is. */
     fun ratioTo(earlier: BenchmarkResult, row: BenchmarkRow): Double? {
-        val before = earlier.rows.find { it.label == row.label } ?: return null
+        val before = earlier.rows.find { it.isLike(row) } ?: return null
         if (before.drawMs <= 0 || row.drawMs <= 0) return null
         return before.drawMs / row.drawMs
     }
@@ -88,8 +104,7 @@ internal class BenchmarkResult(val json: JSONObject) {
     fun isMeasuredLike(earlier: BenchmarkResult) = differences(earlier).none { it in PROTOCOL }
 
     private fun rowOf(row: JSONObject) = BenchmarkRow(
-        "${row.getInt("width")}×${row.getInt("height")} ${row.getString("views")}, " +
-            "${row.getString("sorter").uppercase(Locale.ROOT)} sort",
+        "${row.getInt("width")}×${row.getInt("height")}", row.getString("views"), row.getString("sorter"),
         (row.optJSONObject("in_flight_ms") ?: row.getJSONObject("draw_ms")).getDouble("median"),
         row.getJSONObject("sort_to_display_ms").getDouble("median"),
         row.getDouble("pipelined_ms"),

@@ -35,6 +35,7 @@ internal class DriverCheck(val json: JSONObject) {
 
         /** Checks that did not return, after which no other is tried: one may have been ended by a person. */
         private const val MAX_DEATHS = 2
+        private const val DIED = "the driver ended the app while it was checked"
 
         @Volatile
         var now: DriverCheck? = null
@@ -63,10 +64,15 @@ internal class DriverCheck(val json: JSONObject) {
         /** [DriverCheck.now] for people. */
         fun textOf(context: Context): String {
             val check = now ?: return context.getString(R.string.driver_unchecked)
-            if (!check.right) return context.getString(R.string.driver_wrong, check.faults.lastOrNull() ?: "")
+            if (!check.right) return context.getString(R.string.driver_wrong, faultOf(context, check))
             if (check.limits.isEmpty()) return context.getString(R.string.driver_right, check.psnr)
             val without = check.limits.joinToString { LIMIT_NAMES[it]?.let(context::getString) ?: it }
             return context.getString(R.string.driver_limited, without)
+        }
+
+        private fun faultOf(context: Context, check: DriverCheck): String {
+            val fault = check.faults.lastOrNull() ?: ""
+            return if (fault == DIED) context.getString(R.string.driver_died) else fault
         }
 
         private val LIMIT_NAMES = mapOf(
@@ -96,7 +102,7 @@ internal class DriverCheck(val json: JSONObject) {
             JSONObject()
                 .put("right", false)
                 .put("limits", JSONArray(listOf("no_gpu_sort", "no_vertex_storage", "no_float_targets")))
-                .put("faults", JSONArray(listOf("the driver ended the app while it was checked"))),
+                .put("faults", JSONArray(listOf(DIED))),
         )
     }
 

@@ -16,8 +16,6 @@ import java.util.Locale
 
 /** Saves screenshots to the gallery. */
 internal object Gallery {
-    private const val LONGEST_NAME = 60
-
     /** The image in the gallery; before Android 10, which asks for a permission, in a file to share. */
     @Throws(IOException::class)
     fun save(context: Context, image: Bitmap, name: String): Uri {
@@ -32,13 +30,8 @@ internal object Gallery {
 
     fun fileName(scene: String, ending: String): String {
         val time = SimpleDateFormat("yyyy-MM-dd HH.mm.ss", Locale.ROOT).format(Date())
-        return "${plain(scene)} $time.$ending"
+        return "${Texts.plain(Texts.titleOf(scene))} $time.$ending"
     }
-
-    /** A scene's name comes from another app: as a file's name it may lead anywhere. */
-    private fun plain(name: String): String =
-        name.substringBeforeLast('.').replace(Regex("[^\\p{L}\\p{N} ._-]+"), "-").trim(' ', '.', '-')
-            .take(LONGEST_NAME).ifEmpty { "scene" }
 
     @TargetApi(29)
     private fun save29(context: Context, image: Bitmap, file: String): Uri {
@@ -50,10 +43,10 @@ internal object Gallery {
             put(MediaStore.Images.Media.IS_PENDING, 1)
         }
         val uri = resolver.insert(MediaStore.Images.Media.EXTERNAL_CONTENT_URI, values)
-            ?: throw IOException("the gallery takes no image")
+            ?: throw IOException(context.getString(R.string.gallery_refuses))
         try {
-            resolver.openOutputStream(uri)?.use { compress(image, it) }
-                ?: throw IOException("the gallery takes no image")
+            resolver.openOutputStream(uri)?.use { compress(context, image, it) }
+                ?: throw IOException(context.getString(R.string.gallery_refuses))
         } catch (problem: Exception) {
             resolver.delete(uri, null, null)
             throw problem
@@ -66,12 +59,12 @@ internal object Gallery {
 
     private fun saveToShare(context: Context, image: Bitmap, file: String): Uri {
         val target = SharedFiles.create(context, file)
-        target.outputStream().use { compress(image, it) }
+        target.outputStream().use { compress(context, image, it) }
         return SharedFiles.uriOf(context, target)
     }
 
-    private fun compress(image: Bitmap, stream: java.io.OutputStream) {
+    private fun compress(context: Context, image: Bitmap, stream: java.io.OutputStream) {
         if (!image.compress(Bitmap.CompressFormat.PNG, 100, stream))
-            throw IOException("the image cannot be written")
+            throw IOException(context.getString(R.string.storage_refuses))
     }
 }

@@ -1,40 +1,60 @@
 package org.fluxgs.app
 
+import android.graphics.Bitmap
 import android.view.View
 import android.widget.Button
+import android.widget.CheckBox
+import android.widget.ImageView
 import android.widget.ProgressBar
 import android.widget.TextView
 
+/**
+ * Why a scene cannot be shown: in words for people, and as the machine has it. [name]: of the scene, if there is
+ * one; [again]: whether another try could help.
+ */
+internal data class Problem(
+    val message: String, val cause: String = "", val name: String = "", val again: Boolean = true,
+)
+
 /** Over a scene that is being opened, or cannot be. */
-internal class LoadingView(
-    private val root: View,
-    onCancel: () -> Unit,
-    onRetry: () -> Unit,
-    onLeave: () -> Unit,
-) {
+internal class LoadingView(private val root: View, actions: Actions) {
+    /** What its buttons do. */
+    class Actions(val cancel: () -> Unit, val retry: () -> Unit, val leave: () -> Unit, val choose: () -> Unit)
+
+    private val context = root.context
     private val title = root.findViewById<TextView>(R.id.loading_title)
     private val detail = root.findViewById<TextView>(R.id.loading_detail)
     private val bar = root.findViewById<ProgressBar>(R.id.loading_bar)
     private val cancel = root.findViewById<Button>(R.id.loading_cancel)
     private val retry = root.findViewById<Button>(R.id.loading_retry)
     private val leave = root.findViewById<Button>(R.id.loading_leave)
+    private val choose = root.findViewById<Button>(R.id.loading_choose)
+    private val unfold = root.findViewById<CheckBox>(R.id.loading_unfold)
+    private val cause = root.findViewById<TextView>(R.id.loading_cause)
+    private val preview = root.findViewById<ImageView>(R.id.preview)
     private var problem: Problem? = null // of opening, which the session does not know of
     private var looksAnew = 0 // at a scene whose graphics were given back while nobody saw it
     private var asks = false // whoever keeps the scene; what the session says is of the one before
 
     init {
-        cancel.setOnClickListener { onCancel() }
-        retry.setOnClickListener { onRetry() }
-        leave.setOnClickListener { onLeave() }
+        cancel.setOnClickListener { actions.cancel() }
+        retry.setOnClickListener { actions.retry() }
+        leave.setOnClickListener { actions.leave() }
+        choose.setOnClickListener { actions.choose() }
+        unfold.setOnCheckedChangeListener { _, on -> cause.visibility = if (on) View.VISIBLE else View.GONE }
     }
-
-    /** [again]: whether that could help. */
-    private data class Problem(val message: String, val again: Boolean = true)
 
     fun opening() {
         problem = null
         asks = true
-        progress(root.context.getString(R.string.opening), "", -1)
+        preview.setImageDrawable(null)
+        progress(context.getString(R.string.opening), "", -1)
+    }
+
+    /** How the scene looked: small, so that it is seen blurred. */
+    fun preview(image: Bitmap) {
+        val height = (PREVIEW * image.height / image.width).coerceAtLeast(1)
+        preview.setImageBitmap(Bitmap.createScaledBitmap(image, PREVIEW, height, true))
     }
 
     /** The session has it. */
@@ -42,68 +62,76 @@ internal class LoadingView(
         asks = false
     }
 
-    fun failed(message: String, again: Boolean = true) {
-        problem = Problem(message, again).also { tell(it) }
+    fun failed(problem: Problem) {
+        this.problem = problem
+        tell(problem)
     }
 
     /** The app that keeps the scene takes its time: perhaps it fetches it from far away. */
-    fun slow() = progress(
-        root.context.getString(R.string.opening), root.context.getString(R.string.provider_slow), -1,
-    )
+    fun slow() = progress(context.getString(R.string.opening), context.getString(R.string.provider_slow), -1)
 
     fun hide() {
         problem = null
         asks = false
         root.visibility = View.GONE
+        preview.setImageDrawable(null)
     }
 
-    /** [name]: of what is loaded; of what is drawn, while nothing is. */
-    fun show(state: SessionState, name: String) {
+    /**
+     * [name]: of what is loaded; of what is drawn, while nothing is. [memory]: bytes that a scene may take,
+     * asked for where that matters.
+     */
+    fun show(state: SessionState, name: String, memory: () -> Long) {
         val loading = state.loading
         looksAnew = if (state.drawn && state.stats.memory == 0L) looksAnew + 1 else 0
         when {
             problem != null -> tell(problem!!)
             asks -> return
-            loading.failed -> tell(Problem(loading.error))
-            loading.phase == "reading" -> showReading(loading, name)
-            loading.phase == "decoding" -> progress(
-                root.context.getString(R.string.loading, name), estimateOf(loading), -1,
-            )
-            state.error.isNotEmpty() -> tell(Problem(state.error))
-            loading.ready && !state.drawn -> progress(
-                root.context.getString(R.string.loading, name), estimateOf(loading), -1,
-            )
+            loading.failed -> tell(problemOf(loading, name))
+            loading.isBusy -> showLoading(loading, name, memory)
+            state.error.isNotEmpty() ->
+                tell(Problem(context.getString(R.string.scene_not_drawn), state.error, name))
+            loading.ready && !state.drawn -> showLoading(loading, name, memory)
             looksAnew > 1 -> showAnew(name)
-            loading.ready || state.drawn -> root.visibility = View.GONE
+            loading.ready || state.drawn -> hide()
         }
     }
 
+    private fun problemOf(loading: Loading, name: String) = Problem(
+        context.getString(
+            when (loading.problem) {
+                "memory" -> R.string.scene_no_memory
+                "read" -> R.string.scene_cut
+                "open" -> R.string.scene_unreadable
+                else -> R.string.scene_broken
+            },
+        ),
+        loading.error, name,
+    )
+
     private fun showAnew(name: String) {
-        progress(root.context.getString(R.string.loading, name), "", -1)
+        progress(context.getString(R.string.loading, Texts.titleOf(name)), "", -1)
         cancel.visibility = View.GONE
     }
 
-    private fun showReading(loading: Loading, name: String) {
-        val context = root.context
-        val part = if (loading.bytes > 0) (1000 * loading.read / loading.bytes).toInt() else -1
-        val detail =
-            if (loading.bytes > 0) context.getString(
-                R.string.read_of, Texts.megabytes(loading.read), Texts.megabytes(loading.bytes),
-            )
-            else Texts.megabytes(loading.read)
-        val more = if (loading.splats > 0) "\n" + context.getString(
-            R.string.will_take, Texts.count(loading.splats), Texts.megabytes(2 * loading.memory),
-        ) else ""
-        progress(context.getString(R.string.loading, name), detail + more, part)
+    private fun showLoading(loading: Loading, name: String, memory: () -> Long) {
+        val reads = loading.phase == "reading" && loading.bytes > 0
+        val part = if (reads) (1000 * loading.read / loading.bytes).toInt() else -1
+        val size = Texts.size(context, loading.read)
+        val read = if (reads) context.getString(R.string.read_of, size, Texts.size(context, loading.bytes)) else size
+        val lines = listOfNotNull(read, tightness(loading, memory))
+        progress(context.getString(R.string.loading, Texts.titleOf(name)), lines.joinToString("\n"), part)
     }
 
-    /** Memory that it will take, once the file tells. */
-    private fun estimateOf(loading: Loading): String =
-        if (loading.splats == 0L) Texts.megabytes(loading.read)
-        else root.context.getString(
-            R.string.estimate, Texts.megabytes(loading.read), Texts.count(loading.splats),
-            Texts.megabytes(2 * loading.memory),
+    /** Memory is spoken of where there is little of it for what the file will take. */
+    private fun tightness(loading: Loading, memory: () -> Long): String? {
+        if (loading.memory == 0L) return null
+        val free = memory()
+        if (2 * loading.memory < free) return null
+        return context.getString(
+            R.string.memory_tight, Texts.size(context, 2 * loading.memory), Texts.size(context, 2 * free),
         )
+    }
 
     private fun progress(text: String, more: String, thousandths: Int) {
         root.visibility = View.VISIBLE
@@ -114,8 +142,7 @@ internal class LoadingView(
         bar.isIndeterminate = thousandths < 0
         bar.progress = thousandths.coerceAtLeast(0)
         cancel.visibility = View.VISIBLE
-        retry.visibility = View.GONE
-        leave.visibility = View.GONE
+        for (view in listOf(retry, leave, choose, unfold, cause)) view.visibility = View.GONE
     }
 
     /** Screen readers read out every new text. */
@@ -125,12 +152,24 @@ internal class LoadingView(
 
     private fun tell(problem: Problem) {
         root.visibility = View.VISIBLE
-        set(title, root.context.getString(R.string.cannot_open))
+        set(
+            title,
+            if (problem.name.isNotEmpty()) context.getString(R.string.cannot_open_named, problem.name)
+            else context.getString(R.string.cannot_open),
+        )
         detail.accessibilityLiveRegion = View.ACCESSIBILITY_LIVE_REGION_POLITE
         set(detail, problem.message)
+        set(cause, problem.cause)
         bar.visibility = View.GONE
         cancel.visibility = View.GONE
-        retry.visibility = if (problem.again) View.VISIBLE else View.GONE
+        choose.visibility = View.VISIBLE
         leave.visibility = View.VISIBLE
+        retry.visibility = if (problem.again) View.VISIBLE else View.GONE
+        unfold.visibility = if (problem.cause.isEmpty()) View.GONE else View.VISIBLE
+        cause.visibility = if (unfold.isChecked && problem.cause.isNotEmpty()) View.VISIBLE else View.GONE
+    }
+
+    private companion object {
+        const val PREVIEW = 24 // pixels across
     }
 }

@@ -58,8 +58,9 @@ internal object Native {
         session: Long, x: Float, y: Float, z: Float, w: Float, screenTurns: Int, nanoseconds: Long,
     )
 
+    /** [scale]: 0, or 0.2 to 1; [movingScale], the most while something moves where that is 0: 0.2 to 1. */
     @JvmStatic external fun set(
-        session: Long, scale: Float, sorter: Int, shDegree: Int, maxSplats: Int,
+        session: Long, scale: Float, movingScale: Float, sorter: Int, shDegree: Int, maxSplats: Int,
         gyroscope: Boolean, measures: Boolean, frameSeconds: Float, memory: Long, background: Int,
     )
 

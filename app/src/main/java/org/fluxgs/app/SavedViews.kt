@@ -42,6 +42,13 @@ internal class SavedViews(context: Context, private val scene: Uri) {
         private const val FILE = "views"
         private const val NUMBERS = 12
 
+        /** The scene is opened from another place from now on. */
+        fun move(context: Context, from: Uri, to: Uri) {
+            val kept = context.getSharedPreferences(FILE, Context.MODE_PRIVATE)
+            val views = kept.getString(from.toString(), null) ?: return
+            kept.edit().putString(to.toString(), views).remove(from.toString()).apply()
+        }
+
         /** Of a scene that is no longer in the list. */
         fun forget(context: Context, scene: Uri) =
             context.getSharedPreferences(FILE, Context.MODE_PRIVATE).edit().remove(scene.toString()).apply()

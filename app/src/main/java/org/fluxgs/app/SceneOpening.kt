@@ -24,7 +24,7 @@ internal class SceneOpening(
     context: Context,
     private val uri: Uri,
     private val onOpened: (descriptor: ParcelFileDescriptor, facts: Scene.Facts) -> Unit,
-    private val onFailed: (message: String) -> Unit,
+    private val onFailed: (problem: Problem) -> Unit,
     private val onSlow: () -> Unit,
     private val before: Future<*>? = null,
 ) {
@@ -47,15 +47,17 @@ internal class SceneOpening(
     private val slow = Runnable { if (!over.get()) onSlow() }
 
     private fun open() {
+        var name = ""
         try {
             val facts = Scene.factsOf(context, uri)
+            name = facts.name
             val descriptor = descriptorOf(uri)
             before?.get()
             DriverCheck.of(context)
             Native.waitForHeldScenes() // or what a cancelled one still has would count as taken
             main.post { finish({ descriptor.close() }) { onOpened(descriptor, facts) } }
         } catch (problem: Exception) {
-            main.post { finish { onFailed(messageOf(problem)) } }
+            main.post { finish { onFailed(problemOf(problem, name)) } }
         }
     }
 
@@ -87,17 +89,19 @@ internal class SceneOpening(
         return file
     }
 
-    private fun messageOf(problem: Exception) = when (problem) {
-        is FileNotFoundException ->
-            if (isForbidden(problem)) context.getString(R.string.scene_forbidden)
-            else if (uri.scheme != ContentResolver.SCHEME_CONTENT) context.getString(R.string.scene_gone)
-            else context.getString(R.string.scene_not_given, problem.message ?: problem.toString())
-        is SecurityException -> context.getString(R.string.scene_forbidden)
-        else -> context.getString(R.string.scene_unreadable, problem.message ?: problem.toString())
-    }
+    private fun problemOf(problem: Exception, name: String) = Problem(
+        context.getString(
+            when {
+                problem is SecurityException || isForbidden(problem) -> R.string.scene_forbidden
+                problem is FileNotFoundException -> R.string.moved_or_deleted
+                else -> R.string.scene_unreadable
+            },
+        ),
+        "$uri\n${problem.message ?: problem}", name,
+    )
 
     /** Android says so in words only: "open failed: EACCES (Permission denied)". */
-    private fun isForbidden(problem: FileNotFoundException): Boolean {
+    private fun isForbidden(problem: Exception): Boolean {
         val words = "${problem.message} ${problem.cause?.message}"
         return "EACCES" in words || "EPERM" in words
     }

@@ -11,6 +11,7 @@ data class Loading(
     val read: Long,
     val bytes: Long,
     val error: String,
+    val problem: String, // why it failed: "memory", "read", "open", or "" of what is no scene
     val format: String,
     val splats: Long,
     val memory: Long,
@@ -37,6 +38,7 @@ data class Stats(
     val memory: Long, // bytes of graphics memory that are taken
     val reduced: Boolean, // there was no room for all splats and pixels, at the best precision
     val image: Double, // its width, of the window's: less where memory is short
+    val coolest: Double, // the scale that heat allows
 )
 
 data class SessionState(
@@ -60,7 +62,7 @@ data class SessionState(
             return SessionState(
                 Loading(
                     loading.getString("phase"), loading.getLong("read"), loading.getLong("bytes"),
-                    loading.getString("error"), loading.getString("format"),
+                    loading.getString("error"), loading.getString("problem"), loading.getString("format"),
                     loading.getLong("splats"), loading.getLong("memory"),
                 ),
                 json.getBoolean("hasScene"), json.getBoolean("drawn"), json.getLong("shown"),
@@ -73,6 +75,7 @@ data class SessionState(
                     stats.getInt("shDegree"), stats.getInt("fileShDegree"),
                     stats.getInt("width"), stats.getInt("height"), stats.getDouble("scale"),
                     stats.getLong("memory"), stats.getBoolean("reduced"), stats.getDouble("image"),
+                    stats.getDouble("coolest"),
                 ),
             )
         }
@@ -153,7 +156,7 @@ class Session : AutoCloseable {
 
     fun set(settings: Settings, gyroscope: Boolean, frameSeconds: Float, memory: Long) = change {
         Native.set(
-            it, settings.scale, settings.sorter, settings.shDegree, settings.maxSplats,
+            it, settings.scale, settings.movingScale, settings.sorter, settings.shDegree, settings.maxSplats,
             gyroscope, settings.hud, frameSeconds, memory, settings.backdrop,
         )
     }

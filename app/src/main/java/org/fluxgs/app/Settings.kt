@@ -16,6 +16,10 @@ data class Settings(
     val autoOrbit: Boolean = true,
     /** Behind the scene: red, green and blue, one of [BACKDROPS]. */
     val backdrop: Int = 0,
+    /** The largest scale while something moves, where [scale] is 0. */
+    val movingScale: Float = 1f,
+    /** Frames a second at most; 0: as many as the display has. */
+    val mostFrames: Int = 0,
 ) {
     fun save(context: Context) {
         preferences(context).edit()
@@ -26,6 +30,8 @@ data class Settings(
             .putBoolean("hud", hud)
             .putBoolean("autoOrbit", autoOrbit)
             .putInt("backdrop", backdrop)
+            .putFloat("movingScale", movingScale)
+            .putInt("mostFrames", mostFrames)
             .apply()
     }
 
@@ -45,6 +51,8 @@ data class Settings(
                 kept.getBoolean("hud", defaults.hud),
                 kept.getBoolean("autoOrbit", defaults.autoOrbit),
                 BACKDROPS.find { it == kept.getInt("backdrop", defaults.backdrop) } ?: defaults.backdrop,
+                SCALES.find { it > 0 && it == kept.getFloat("movingScale", 1f) } ?: 1f,
+                kept.getInt("mostFrames", 0).coerceIn(0, 240),
             )
         }
 

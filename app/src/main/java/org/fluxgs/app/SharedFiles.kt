@@ -13,8 +13,8 @@ import java.io.File
 import java.io.FileNotFoundException
 
 /**
- * Files of this app that others may read once they are shared with them: screenshots and results.
- * It gives out what lies directly in [folder] and nothing else.
+ * Files of this app that others may read once they are shared with them: screenshots and results, and the
+ * scenes of the [Library]. It gives out what lies directly in one of these folders and nothing else.
  */
 class SharedFiles : ContentProvider() {
     override fun onCreate() = true
@@ -29,6 +29,7 @@ class SharedFiles : ContentProvider() {
         "mp4" -> VideoFile.TYPE
         "json" -> "application/json"
         "csv" -> "text/csv"
+        "glb" -> "model/gltf-binary"
         else -> "application/octet-stream"
     }
 
@@ -41,7 +42,7 @@ class SharedFiles : ContentProvider() {
         val cursor = MatrixCursor(wanted, 1)
         cursor.addRow(wanted.map {
             when (it) {
-                OpenableColumns.DISPLAY_NAME -> file.name
+                OpenableColumns.DISPLAY_NAME -> nameOf(file)
                 OpenableColumns.SIZE -> file.length()
                 else -> null
             }
@@ -58,12 +59,17 @@ class SharedFiles : ContentProvider() {
     ) = 0
 
     private fun fileOf(uri: Uri): File {
-        val name = uri.lastPathSegment ?: throw FileNotFoundException(uri.toString())
-        val folder = folder(context!!).canonicalFile
-        val file = File(folder, name).canonicalFile
-        if (uri.pathSegments.size != 1 || file.parentFile != folder || !file.isFile)
-            throw FileNotFoundException(uri.toString())
+        val path = uri.pathSegments
+        val folder = foldersOf(context!!)[path.dropLast(1)]?.canonicalFile
+        val file = path.lastOrNull()?.let { name -> folder?.let { File(it, name).canonicalFile } }
+        if (file == null || file.parentFile != folder || !file.isFile) throw FileNotFoundException(uri.toString())
         return file
+    }
+
+    /** A scene's is what people call it. */
+    private fun nameOf(file: File): String {
+        val known = Recents(context!!).find(Uri.fromFile(file)) ?: return file.name
+        return Texts.plain(Texts.titleOf(known.name)) + Texts.endingOf(file.name)
     }
 
     companion object {
@@ -78,11 +84,20 @@ class SharedFiles : ContentProvider() {
 
         private const val KEPT_MS = 3L * 24 * 3600 * 1000
 
-        fun uriOf(context: Context, file: File): Uri = Uri.Builder()
-            .scheme("content")
-            .authority(context.packageName + ".shared")
-            .appendPath(file.name)
-            .build()
+        /** By the paths that others know them by. */
+        private fun foldersOf(context: Context): Map<List<String>, File> = listOfNotNull(
+            emptyList<String>() to folder(context),
+            listOf("library") to Library(context).copies,
+            context.getExternalFilesDir(null)?.let { listOf("sent") to it },
+        ).toMap()
+
+        /** Of a file in one of the folders. */
+        fun uriOf(context: Context, file: File): Uri {
+            val path = foldersOf(context).entries.first { it.value == file.parentFile }.key
+            return (path + file.name).fold(
+                Uri.Builder().scheme("content").authority(context.packageName + ".shared"),
+            ) { uri, part -> uri.appendPath(part) }.build()
+        }
 
         /** An intent with which people choose who gets a file. */
         fun send(context: Context, uri: Uri, type: String): Intent = Intent.createChooser(

@@ -1,20 +1,51 @@
 package org.fluxgs.app
 
+import android.content.Context
+import android.icu.text.CompactDecimalFormat
+import android.text.format.DateUtils
+import android.text.format.Formatter
+import java.text.NumberFormat
 import java.util.Locale
 
-/** Numbers as people read them. */
+/** Numbers and names as people read them. */
 internal object Texts {
-    fun megabytes(bytes: Long): String = when {
-        bytes < 1_000_000 -> String.format(Locale.getDefault(), "%d kB", (bytes + 500) / 1000)
-        bytes < 100_000_000 -> String.format(Locale.getDefault(), "%.1f MB", bytes / 1e6)
-        else -> String.format(Locale.getDefault(), "%.0f MB", bytes / 1e6)
-    }
+    val SCENE_ENDINGS = setOf("glb", "ply", "spz", "splat", "sog")
+    private const val LONGEST_NAME = 60
 
-    fun count(value: Long): String = String.format(Locale.getDefault(), "%,d", value)
+    fun size(context: Context, bytes: Long): String = Formatter.formatShortFileSize(context, bytes)
+
+    fun count(value: Long): String = NumberFormat.getIntegerInstance().format(value)
+
+    /** Three digits of it at the most. */
+    fun short(value: Long): String = CompactDecimalFormat
+        .getInstance(Locale.getDefault(), CompactDecimalFormat.CompactStyle.SHORT).format(value)
 
     /** Large ones in short: "1.9 M". */
     fun millions(value: Long): String =
         if (value < 100_000) count(value) else String.format(Locale.getDefault(), "%.1f M", value / 1e6)
 
     fun milliseconds(value: Double): String = String.format(Locale.getDefault(), "%.1f ms", value)
+
+    fun splats(context: Context, value: Long, number: (Long) -> String = ::count): String =
+        context.resources.getQuantityString(
+            R.plurals.splats, value.coerceAtMost(Int.MAX_VALUE.toLong()).toInt(), number(value),
+        )
+
+    /** "yesterday" */
+    fun day(time: Long): String = DateUtils.getRelativeTimeSpanString(
+        time, System.currentTimeMillis(), DateUtils.DAY_IN_MILLIS,
+    ).toString().replaceFirstChar { it.lowercase() }
+
+    /** The name of a scene without its ending. */
+    fun titleOf(name: String): String = name.removeSuffix(endingOf(name)).ifEmpty { name }
+
+    /** With its dot; empty where the name ends like no scene. */
+    fun endingOf(name: String): String {
+        val ending = name.substringAfterLast('.', "")
+        return if (ending.lowercase() in SCENE_ENDINGS) ".$ending" else ""
+    }
+
+    /** A scene's name comes from another app: as a file's name it may lead anywhere. */
+    fun plain(name: String): String =
+        name.replace(Regex("[^\\p{L}\\p{N} ._-]+"), "-").trim(' ', '.', '-').take(LONGEST_NAME).ifEmpty { "scene" }
 }

@@ -14,10 +14,12 @@ import android.os.SystemClock
 import android.view.KeyEvent
 import android.view.View
 import android.widget.ImageButton
+import android.widget.PopupMenu
 import android.widget.TextView
 import android.widget.Toast
 import java.io.IOException
 import kotlin.math.abs
+import kotlin.math.min
 
 /** A scene in full screen: opened from the list, by "open with", or shared to the app. */
 class ViewerActivity : Activity() {
@@ -32,6 +34,10 @@ class ViewerActivity : Activity() {
     private lateinit var surface: SceneSurface
     private lateinit var settings: Settings
     private lateinit var loadingView: LoadingView
+    private lateinit var tools: ToolsFade
+    private lateinit var undo: Notice
+    private lateinit var copyOffer: CopyOffer
+    private lateinit var hints: Hints
     private var opening: SceneOpening? = null
     private var name = "" // of the scene that is being loaded
     private var heat = Heat()
@@ -62,7 +68,7 @@ class ViewerActivity : Activity() {
         super.onCreate(state)
         setContentView(R.layout.viewer)
         Insets.immersive(window)
-        Insets.pad(findViewById(R.id.controls))
+        for (id in intArrayOf(R.id.controls, R.id.notes, R.id.hints)) Insets.pad(findViewById(id))
         recents = Recents(this)
         thermals = Thermals(this)
         settings = Settings.load(this)
@@ -71,30 +77,44 @@ class ViewerActivity : Activity() {
         budget = GraphicsBudget(this)
         surface = findViewById(R.id.surface)
         surface.session = session
-        surface.onTap = { toggleControls() }
-        loadingView = LoadingView(findViewById(R.id.loading), ::cancelLoading, ::retry, ::leave)
+        loadingView = LoadingView(
+            findViewById(R.id.loading),
+            LoadingView.Actions(::cancelLoading, ::retry, ::leave) { ScenePicker.ask(this) },
+        )
         setUpControls()
+        setUpNotices()
         apply(settings)
         val wanted = state?.getString(SCENE)?.let { Uri.parse(it) } ?: uriOf(intent)
         uri = wanted ?: Scene.SAMPLE
         if (state == null) UriPermissions.keep(this, uri)
         if (wanted == null && intent.action == Intent.ACTION_SEND)
-            loadingView.failed(getString(R.string.nothing_shared), again = false)
+            loadingView.failed(nothingShared())
         else begin(state?.getDoubleArray(PLACE))
-        if (state?.getBoolean(BARE) == true) toggleControls()
+        if (state?.getBoolean(BARE) == true) tools.hide()
         if (state?.getBoolean(GYROSCOPE) == true) lookAround(true)
     }
 
     /** Another scene is opened while one is looked at. */
     override fun onNewIntent(intent: Intent) {
         super.onNewIntent(intent)
-        val other = uriOf(intent)
-            ?: return loadingView.failed(getString(R.string.nothing_shared), again = false)
-        remember()
+        val other = uriOf(intent) ?: return loadingView.failed(nothingShared())
         setIntent(intent)
         UriPermissions.keep(this, other)
+        openOther(other)
+    }
+
+    private fun openOther(other: Uri) {
+        remember()
         uri = other
         begin(null)
+    }
+
+    private fun nothingShared() = Problem(getString(R.string.nothing_shared), again = false)
+
+    @Deprecated("androidx's replacement is not worth its size here")
+    override fun onActivityResult(request: Int, result: Int, data: Intent?) {
+        if (request == MotionMenu.OPEN_PATH && result == RESULT_OK) data?.data?.let { motion.openPath(it) }
+        ScenePicker.picked(this, request, result, data)?.let { openOther(it) }
     }
 
     private fun uriOf(intent: Intent): Uri? {
@@ -118,19 +138,29 @@ class ViewerActivity : Activity() {
         budget.begin()
         apply(settings)
         loadingView.opening()
+        undo.hide()
         val wanted = uri
-        val last = Background.start { recents.find(wanted)?.place }
+        val last = Background.start { lookUp(wanted) }
         opening = SceneOpening(this, uri, { descriptor, facts ->
-            name = facts.name
+            val known = last.get()
+            name = known?.takeIf { it.named }?.name ?: facts.name
             val bytes = maxOf(descriptor.statSize, facts.bytes, 0)
             val number = session.load(
                 descriptor.detachFd(), name, facts.bytes, FreeMemory.forScene(this),
-                place ?: last.get(),
+                place ?: known?.place,
             )
             loadingView.loads()
             opened[number] = Opened(wanted, name, bytes, number)
-        }, { message -> loadingView.failed(message) }, { loadingView.slow() }, last)
+        }, loadingView::failed, { loadingView.slow() }, last)
         opening?.start()
+    }
+
+    /** In the background: what is known of a scene. While nothing else is shown, how it looked, too. */
+    private fun lookUp(wanted: Uri): Recent? {
+        val known = recents.find(wanted) ?: return null
+        val image = recents.image(known) ?: return known
+        runOnUiThread { if (uri == wanted && shown == null) loadingView.preview(image) }
+        return known
     }
 
     private fun cancelLoading() {
@@ -181,11 +211,14 @@ class ViewerActivity : Activity() {
         tellHeat()
         surface.goal = if (state.stats.fps > 0) state.stats.goal.toFloat() else 0f
         fitMemory { budget.look(state.stats.memory, state.stats.reduced) }
-        loadingView.show(state, if (busy) name else shown?.name ?: name)
+        loadingView.show(state, if (busy) name else shown?.name ?: name) { FreeMemory.forScene(this) }
         if (state.drawn && state.shown != shown?.number) opened[state.shown]?.let { appeared(it, state) }
         val hud = findViewById<TextView>(R.id.hud)
-        if (state.drawn) Hud.show(hud, state.stats, heat, settings.hud) else hud.visibility = View.GONE
+        if (state.drawn) Hud.show(hud, state.stats, settings.hud) else hud.visibility = View.GONE
         findViewById<View>(R.id.stick).visibility = if (state.motion == "walk") View.VISIBLE else View.GONE
+        findViewById<View>(R.id.tools).visibility = if (state.drawn) View.VISIBLE else View.INVISIBLE
+        tools.look(state.stats.fps > 0)
+        copyOffer.look()
         stayAwake(state)
     }
 
@@ -223,15 +256,29 @@ class ViewerActivity : Activity() {
         opened.keys.removeAll { it < scene.number }
         if (scene.uri == uri) busy = false
         if (!busy) uri = scene.uri
+        title(scene.name)
         remember()
         tellOfDropped(state)
         if (settings.autoOrbit && !startsStill && !looksAround && Motion.isWelcome(this)) session.drift(true)
         startsStill = false
+        shown?.let { copyOffer.show(it.uri, it.name, it.bytes) { work -> runOnUiThread(work) } }
+        hints.showOnce()
+    }
+
+    private fun title(name: String) {
+        findViewById<TextView>(R.id.title).text = Texts.titleOf(name)
+    }
+
+    /** The app's own copy of a scene takes its place. */
+    private fun kept(source: Uri, copy: Uri) {
+        if (uri == source) uri = copy
+        if (shown?.uri == source) shown = shown?.copy(uri = copy)
     }
 
     private fun tellOfDropped(state: SessionState) {
         if (state.dropped == 0L) return
-        say(getString(R.string.dropped, Texts.count(state.dropped)))
+        val dropped = state.dropped.coerceAtMost(Int.MAX_VALUE.toLong()).toInt()
+        say(resources.getQuantityString(R.plurals.dropped, dropped, Texts.count(state.dropped)))
     }
 
     private fun remember() {
@@ -249,15 +296,15 @@ class ViewerActivity : Activity() {
     // Controls
 
     private fun setUpControls() {
+        tools = ToolsFade(findViewById(R.id.controls))
+        surface.onTap = { tools.toggle() }
         button(R.id.back) { finish() }
-        button(R.id.reset) { session.resetView() }
-        button(R.id.flip) { session.flipUp() }
+        button(R.id.reset) { resetView() }
         button(R.id.screenshot) { takeScreenshot() }
-        button(R.id.options) { showSettings() }
-        button(R.id.measure) { measure() }
         findViewById<ThumbStick>(R.id.stick).onMove = { right, ahead -> session.stick(right, ahead) }
         button(R.id.motion) { motion.show(findViewById(R.id.motion)) }
         button(R.id.gyroscope) { lookAround(!looksAround) }
+        button(R.id.more) { showMore() }
         if (!gyroscope.isThere) findViewById<View>(R.id.gyroscope).visibility = View.GONE
     }
 
@@ -267,9 +314,48 @@ class ViewerActivity : Activity() {
         button.tooltipText = button.contentDescription
     }
 
-    private fun toggleControls() {
-        val controls = findViewById<View>(R.id.controls)
-        controls.visibility = if (controls.visibility == View.VISIBLE) View.GONE else View.VISIBLE
+    private fun setUpNotices() {
+        undo = Notice(findViewById(R.id.undo))
+        copyOffer = CopyOffer(this, Notice(findViewById(R.id.copy)), ::kept, ::say)
+        hints = Hints(findViewById(R.id.hints))
+    }
+
+    private fun showMore() {
+        val popup = PopupMenu(this, findViewById(R.id.more))
+        popup.inflate(R.menu.viewer)
+        popup.menu.findItem(R.id.statistics).isChecked = settings.hud
+        popup.setOnMenuItemClickListener {
+            choose(it.itemId)
+            true
+        }
+        popup.show()
+    }
+
+    private fun choose(id: Int) {
+        when (id) {
+            R.id.flip -> flip()
+            R.id.quality -> QualitySheet(this, settings, ::change).show()
+            R.id.statistics -> change(settings.copy(hud = !settings.hud))
+            R.id.measure -> measure()
+        }
+    }
+
+    private fun resetView() {
+        val before = session.place()
+        session.resetView()
+        if (before == null || shown == null) return
+        val back = Notice.Answer(R.string.undo) { session.goTo(before) }
+        undo.show(getString(R.string.view_reset), back, forMs = UNDO_MS)
+    }
+
+    private fun flip() {
+        undo.hide() // which would turn it back
+        session.flipUp()
+    }
+
+    private fun change(changed: Settings) {
+        changed.save(this)
+        apply(changed)
     }
 
     private fun lookAround(on: Boolean) {
@@ -279,15 +365,6 @@ class ViewerActivity : Activity() {
         button.isActivated = on
         button.isSelected = on // which is read out
         apply(settings)
-    }
-
-    private fun showSettings() {
-        SettingsDialog(this, settings, { apply(it) }, { session.flipUp() }).show()
-    }
-
-    private fun change(changed: Settings) {
-        changed.save(this)
-        apply(changed)
     }
 
     private fun apply(changed: Settings) {
@@ -304,7 +381,8 @@ class ViewerActivity : Activity() {
         val rate = display.supportedModes
             .filter { it.physicalWidth == now.physicalWidth && it.physicalHeight == now.physicalHeight }
             .maxOfOrNull { it.refreshRate } ?: now.refreshRate
-        return if (rate > 1) 1 / rate else 1 / 60f
+        val most = if (settings.mostFrames > 0) settings.mostFrames.toFloat() else Float.MAX_VALUE
+        return 1 / min(if (rate > 1) rate else 60f, most)
     }
 
     private fun takeScreenshot() {
@@ -323,7 +401,9 @@ class ViewerActivity : Activity() {
         }
     }
 
-    private fun say(text: String) = Toast.makeText(this, text, Toast.LENGTH_LONG).show()
+    private fun say(text: String) {
+        Toast.makeText(this, text, Toast.LENGTH_LONG).show()
+    }
 
     private fun tellOfSaved(image: Uri) {
         if (Build.VERSION.SDK_INT >= 29)
@@ -356,11 +436,6 @@ class ViewerActivity : Activity() {
     override fun onKeyDown(code: Int, event: KeyEvent) = surface.key(event) || super.onKeyDown(code, event)
 
     override fun onKeyUp(code: Int, event: KeyEvent) = surface.key(event) || super.onKeyUp(code, event)
-
-    override fun onActivityResult(request: Int, result: Int, data: Intent?) {
-        super.onActivityResult(request, result, data)
-        if (request == MotionMenu.OPEN_PATH && result == RESULT_OK) data?.data?.let { motion.openPath(it) }
-    }
 
     // Life
 
@@ -408,7 +483,7 @@ class ViewerActivity : Activity() {
         super.onSaveInstanceState(state)
         if (opening != null) state.putString(SCENE, uri.toString())
         if (shown?.uri == uri) session.place()?.let { state.putDoubleArray(PLACE, it) }
-        state.putBoolean(BARE, findViewById<View>(R.id.controls).visibility != View.VISIBLE)
+        state.putBoolean(BARE, tools.hidden)
         state.putBoolean(GYROSCOPE, looksAround)
     }
 
@@ -441,6 +516,7 @@ class ViewerActivity : Activity() {
         private const val BARE = "bare"
         private const val GYROSCOPE = "gyroscope"
         const val AWAKE_MS = 5 * 60_000L
+        const val UNDO_MS = 8_000L
         private const val STILL = 0.999 // cosine of half of 5°
         private val asleep = mutableSetOf<ViewerActivity>() // that nobody sees, until they are destroyed
     }
