@@ -19,6 +19,7 @@ void* window_of(JNIEnv* env, jobject surface) {
 
 // In place of libc++abi's own, which takes a twentieth of the library to write the type of an
 // uncaught exception in words into the log; c++filt does so too.
+// NOLINTNEXTLINE(bugprone-reserved-identifier): the name is the C++ ABI's
 extern "C" char* __cxa_demangle(const char*, char*, std::size_t*, int* status) {
   constexpr int kNoMemory = -1;
   if (status != nullptr) *status = kNoMemory;

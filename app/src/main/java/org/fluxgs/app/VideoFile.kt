@@ -56,10 +56,10 @@ internal class VideoFile private constructor(
                 put(MediaStore.MediaColumns.IS_PENDING, 1)
             }
             val uri = resolver.insert(MediaStore.Video.Media.EXTERNAL_CONTENT_URI, values)
-                ?: throw IOException("the gallery takes no video")
+                ?: throw IOException(context.getString(R.string.video_no_gallery))
             val discard = { resolver.delete(uri, null, null); Unit }
             try {
-                val descriptor = resolver.openFileDescriptor(uri, "rw") ?: throw IOException("the gallery takes no video")
+                val descriptor = resolver.openFileDescriptor(uri, "rw") ?: throw IOException(context.getString(R.string.video_no_gallery))
                 return VideoFile(descriptor, {
                     resolver.update(uri, ContentValues().apply { put(MediaStore.MediaColumns.IS_PENDING, 0) }, null, null)
                     uri
