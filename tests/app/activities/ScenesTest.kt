@@ -111,7 +111,7 @@ class ScenesTest {
         assertEquals("marbles", name(1))
         assertEquals("corner", name(2))
         assertNotNull(grid.getChildAt(1).findViewById<ImageView>(R.id.image).drawable)
-        assertTrue(grid.getChildAt(1).contentDescription.startsWith("marbles, 123K splats · 1.5 MB · "))
+        assertTrue(grid.getChildAt(1).contentDescription.startsWith("marbles, ${Texts.short(123_456)} splats · 1.5 MB · "))
         keep(screenOf(activity, null), "scenes")
         tap(1)
         assertEquals(uri, shadowOf(activity).nextStartedActivity.data)

@@ -16,7 +16,7 @@ internal object Texts {
 
     fun count(value: Long): String = NumberFormat.getIntegerInstance().format(value)
 
-    /** Three digits of it at the most. */
+    /** "123K"; before Android 9 "120K". */
     fun short(value: Long): String = CompactDecimalFormat
         .getInstance(Locale.getDefault(), CompactDecimalFormat.CompactStyle.SHORT).format(value)
 
