@@ -11,11 +11,4 @@ int sh_degree_of(const SplatCloud& cloud, std::size_t i) {
   return degree;
 }
 
-DegreeCounts count_degrees(const SplatCloud& cloud) {
-  DegreeCounts counts{};
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    ++counts[static_cast<std::size_t>(sh_degree_of(cloud, i))];
-  return counts;
-}
-
 }  // namespace fluxgs

@@ -15,7 +15,13 @@ int sh_degree_of(const SplatCloud& cloud, std::size_t i);
 
 /// Number of splats that need each degree, 0…3.
 using DegreeCounts = std::array<std::size_t, 4>;
-/// Counts the splats of each degree.
-DegreeCounts count_degrees(const SplatCloud& cloud);
+/// Counts the splats of each degree, of any kind of cloud that has size() and sh_degree_of().
+template <class Cloud = SplatCloud>
+DegreeCounts count_degrees(const Cloud& cloud) {
+  DegreeCounts counts{};
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    ++counts[static_cast<std::size_t>(sh_degree_of(cloud, i))];
+  return counts;
+}
 
 }  // namespace fluxgs

@@ -199,7 +199,7 @@ std::string way(const DriverLimits& limits) {
 
 namespace {
 
-/// Those of the newest attempts, which may be of many.
+/// The first few mistakes from that one on, each cut to one line of a log.
 std::vector<std::string> first_messages(const gl::DebugLog& log, std::size_t from) {
   constexpr std::size_t kMost = 8, kLongest = 300;
   std::vector<std::string> texts;

@@ -22,7 +22,7 @@ struct DriverCheck {
   double psnr = 0;              ///< of the last picture, dB
   /// One line for each way that went wrong, in the order in which they were tried.
   std::vector<std::string> faults;
-  /// What the driver itself said of mistakes (KHR_debug, where it has that): the first few.
+  /// The driver's own first few messages about mistakes (KHR_debug, where it has that).
   std::vector<std::string> messages;
 };
 

@@ -12,7 +12,7 @@ constexpr double kEaseIn = 2;    // seconds to full speed
 constexpr double kSwing = 0.35;  // radians to either side
 constexpr double kMiddle = 0.5;  // of the scene's radius: targets within are about its middle
 
-/// How far a drift has turned: the integral of a speed that rises as 3u² − 2u³.
+/// The angle of a drift so far: the integral of a speed that rises as 3u² − 2u³.
 double turned_by(const Drift& drift) {
   const double u = std::min(drift.elapsed / kEaseIn, 1.0);
   const double way =

@@ -37,7 +37,7 @@ Pose pose_of(const ViewState& view) {
           view.fov};
 }
 
-/// Of the two quaternions of an orientation, the one that is nearer to another's.
+/// Takes the quaternion of an orientation, q or −q, that is nearer to the one before.
 void turn_shorter(const Pose& before, Pose& pose) {
   if (glm::dot(turn_of(before), turn_of(pose)) >= 0) return;
   for (std::size_t i = kTurn; i < kTurn + 4; ++i) pose[i] = -pose[i];
@@ -81,7 +81,7 @@ Pose pose_at(const CameraPath& path, double knot) {
   return p;
 }
 
-/// Of the image's shorter side.
+/// The field of view of the image's shorter side.
 double fov_of(const CameraPath& path, const Pose& pose, const glm::dvec2& size) {
   const double fov = std::clamp(pose[kFov], kNarrowest, kWidest);
   if (!path.of_longer_side) return fov;
@@ -106,7 +106,7 @@ double angle_between(const glm::dquat& a, const glm::dquat& b) {
   return 2 * std::acos(std::min(std::abs(glm::dot(a, b)), 1.0));
 }
 
-/// How far it is from a view to the next: the eye's way and what a turn moves at the target.
+/// The distance from a view to the next: the eye's way and the way of a turn at the target.
 double way_between(const ViewState& a, const ViewState& b) {
   const double turned = angle_between(a.orientation, b.orientation);
   return std::hypot(glm::distance(eye(a), eye(b)), std::sqrt(a.distance * b.distance) * turned);

@@ -30,8 +30,7 @@ struct CameraPath {
   bool of_longer_side = false;  ///< the fields of view are those of the image's longer side
   /// Given: the camera looks at the target with this up. Else it turns as the orientations do.
   std::optional<glm::dvec3> up = {};
-  /// How far the camera has come at even steps of the knots, for a constant speed. Empty: knots are
-  /// seconds.
+  /// The way up to each of even steps of the knots, for a constant speed. Empty: knots are seconds.
   std::vector<double> ways = {};
   double seconds = 1;  ///< once through, > 0
   PathEnd end = PathEnd::stops;

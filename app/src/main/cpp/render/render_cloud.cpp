@@ -124,13 +124,6 @@ int sh_degree_of(const RenderCloud& cloud, std::size_t i) {
   return degree;
 }
 
-DegreeCounts count_degrees(const RenderCloud& cloud) {
-  DegreeCounts counts{};
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    ++counts[static_cast<std::size_t>(sh_degree_of(cloud, i))];
-  return counts;
-}
-
 bool lies_in_order(const SplatCloud& cloud) {
   // Splats that fill a cube evenly lie n^(-1/3) of its side apart. Those of a curve jump now and
   // then, and those without an order are as far apart as any two.

@@ -50,9 +50,6 @@ void append(const SplatCloud& from, std::size_t i, RenderCloud& to);
 /// The degree that splat i needs: the highest of which it has a coefficient that is not zero.
 int sh_degree_of(const RenderCloud& cloud, std::size_t i);
 
-/// Counts the splats of each degree.
-DegreeCounts count_degrees(const RenderCloud& cloud);
-
 /// True if splats next to each other in the cloud mostly lie next to each other in space, as far as
 /// a few thousand of them show.
 bool lies_in_order(const SplatCloud& cloud);

@@ -74,7 +74,7 @@ class SceneView {
   /// Lets go of all GL objects.
   void close();
 
-  /// What the CPU drew last; nothing where the GPU draws.
+  /// Number of splats in the last frame of the CPU; nothing where the GPU draws.
   std::optional<std::uint32_t> drawn_in_software() const { return drawn_in_software_; }
 
   /// Number of splats that there is room for: those that contribute most (splat_budget.h).

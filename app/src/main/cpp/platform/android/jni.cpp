@@ -395,7 +395,7 @@ FLUXGS_JNI(void, play)(JNIEnv* env, jclass, jlong session, jboolean on) {
   guarded(env, [&] { sessions().find(session)->play(on == JNI_TRUE); });
 }
 
-// Of this window an encoder makes a video.
+// Starts a video; `surface` is the window of its encoder.
 FLUXGS_JNI(void, startVideo)
 (JNIEnv* env, jclass, jlong session, jobject surface, jint width, jint height, jdouble fps) {
   guarded(env, [&] {
