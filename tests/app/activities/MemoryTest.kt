@@ -160,6 +160,22 @@ class MemoryTest : ViewerScreen() {
         assertTrue("where it was looked at", psnr(before, settled()) > 45)
     }
 
+    /** Or the system would end the app, as one that has much. */
+    @Test
+    fun whenTheSystemWantsMemoryOfAnAppThatNobodySeesItsSceneIsReadAgainLater() {
+        openAndDraw()
+        drag(320f to 240f, 380f to 240f)
+        val (first, before) = Pair(session, settled())
+        controller!!.pause().stop()
+        @Suppress("DEPRECATION")
+        controller!!.get().onTrimMemory(ComponentCallbacks2.TRIM_MEMORY_BACKGROUND)
+        assertNull("its memory is free", first.state())
+        controller!!.restart().start().resume()
+        giveSurface(activity.view(R.id.surface) as SceneSurface, WIDTH, HEIGHT)
+        until("the scene is there again") { session.state()!!.drawn && !activity.isShown(R.id.loading) }
+        assertTrue("where it was looked at", psnr(before, settled()) > 45)
+    }
+
     @Test
     fun inTheBackgroundGraphicsMemoryIsGivenBackAndTheSceneComesAgain() {
         openAndDraw()

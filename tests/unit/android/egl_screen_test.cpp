@@ -196,7 +196,9 @@ TEST_F(EglScreenTest, AVideoHasItsOwnWindowAndTimes) {
   EXPECT_EQ(drawn, 3);
   EXPECT_EQ(encoder->shown, 3);
   EXPECT_THAT(encoder->times, testing::ElementsAre(0, 33'333'333, 66'666'667));
+  EXPECT_NE(mock.current, window->connected) << "which may be taken away at any time";
   EXPECT_EQ(present(), true) << "the screen, between the frames";
+  EXPECT_EQ(mock.current, window->connected);
   screen_->detach();
   ASSERT_TRUE(screen_->video_frame([] {}, 1)) << "the window may go meanwhile";
   screen_->end_video();

@@ -8,8 +8,9 @@ void Presenter::set_limits(const render::DriverLimits& limits) {
   lose_context();
 }
 
-void Presenter::attach(void* window) {
+void Presenter::attach(void* window, std::uint64_t number) {
   screen_->attach(window);
+  gate_.use(number);
   failed_ = false;
   redraw_ = true;
 }
@@ -44,7 +45,9 @@ Expected<bool> Presenter::draw() {
     if (auto opened = viewer_.open(**api, width_, height_); !opened)
       return std::unexpected(opened.error());
   if (auto drawn = viewer_.draw(); !drawn) return std::unexpected(drawn.error());
-  return screen_->present([this] { viewer_.scene().show(width_, height_); }, width_, height_);
+  return gate_.draw_or(Expected<bool>(false), [&] {
+    return screen_->present([this] { viewer_.scene().show(width_, height_); }, width_, height_);
+  });
 }
 
 Expected<bool> Presenter::frame(double seconds) {

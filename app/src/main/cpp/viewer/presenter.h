@@ -11,10 +11,11 @@
 #include "viewer/screen.h"
 #include "viewer/video.h"
 #include "viewer/viewer.h"
+#include "viewer/window_gate.h"
 
 namespace fluxgs::viewer {
 
-/// All functions but the constructor on the screen's thread.
+/// All functions but the constructor and gate() on the screen's thread.
 class Presenter {
  public:
   explicit Presenter(std::unique_ptr<Screen> screen) : screen_(std::move(screen)) {}
@@ -27,8 +28,12 @@ class Presenter {
   /// on; one that there is with others is given up.
   void set_limits(const render::DriverLimits& limits);
 
-  /// See Screen::attach(). What failed in the last window is tried again in this one.
-  void attach(void* window);
+  /// The window is drawn in through this gate only. Before attach() it is open.
+  WindowGate& gate() { return gate_; }
+
+  /// See Screen::attach(). What failed in the last window is tried again in this one, which is
+  /// known to the gate by that number.
+  void attach(void* window, std::uint64_t number);
   /// Sets the size of the window in pixels; nothing is drawn in one without pixels. `density`:
   /// pixels of a dp.
   void resize(int width, int height, double density = 1);
@@ -81,6 +86,7 @@ class Presenter {
   Expected<bool> draw();
 
   std::unique_ptr<Screen> screen_;
+  WindowGate gate_;
   Viewer viewer_;  // goes before the screen's context
   render::DriverLimits limits_;
   int width_ = 0, height_ = 0;

@@ -29,7 +29,7 @@ class Screen {
   /// Images go to this window from now on; the platform's own handle, ownership of which is
   /// passed.
   virtual void attach(void* window) = 0;
-  /// The window is no longer touched when this returns.
+  /// The window has been let go of when this returns.
   virtual void detach() = 0;
   virtual bool has_window() const = 0;
 

@@ -96,9 +96,9 @@ void Session::run() {
 }
 
 void Session::surface_created(void* window) {
-  post([this, window] {
+  post([this, window, number = presenter_->gate().offer()] {
     const bool had_failed = presenter_->has_failed();
-    presenter_->attach(window);
+    presenter_->attach(window, number);
     const std::lock_guard lock(mutex_);
     if (had_failed) state_.error.clear();
   });
@@ -112,7 +112,8 @@ void Session::surface_changed(int width, int height, double density) {
 }
 
 void Session::surface_destroyed() {
-  post_and_wait([this] { presenter_->screen().detach(); });
+  presenter_->gate().take_back();
+  post([this] { presenter_->screen().detach(); });
 }
 
 std::uint64_t Session::load(int descriptor, const std::string& name, const LoadLimits& limits,

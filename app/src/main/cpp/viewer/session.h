@@ -35,7 +35,8 @@ struct SessionState {
 };
 
 /// Every function may be called from one thread, the shell's main thread, and image(), scene() and
-/// draw_now() from any. These, surface_destroyed() and the destructor wait for the drawing thread.
+/// draw_now() from any. These three and the destructor, which may run on another thread, wait for
+/// the drawing thread, and so for a scene that is being uploaded.
 class Session {
  public:
   /// `screen` is used on the session's thread only, and gone before the session is.
@@ -48,7 +49,8 @@ class Session {
   void surface_created(void* window);
   /// In pixels, and how many of them are a dp (1/160 inch).
   void surface_changed(int width, int height, double density);
-  /// Returns when the window is no longer touched.
+  /// Returns when nothing is drawn in the window any more: at once, or after the frame that is
+  /// being shown.
   void surface_destroyed();
 
   /// Opens a scene from a descriptor, see SceneLoading, and looks at it from `saved` if given.

@@ -57,7 +57,7 @@ class EglScreen final : public viewer::Screen {
     drop_context();
     if (auto opened = open_display(); !opened) return std::unexpected(opened.error());
     if (auto made = create_context(); !made) return std::unexpected(made.error());
-    if (const EGLint error = make_current(); error != EGL_SUCCESS)
+    if (const EGLint error = make_current(idle_surface_); error != EGL_SUCCESS)
       return egl_failure("eglMakeCurrent", error);
     auto api = gl::load_api(function);
     if (!api) return std::unexpected(api.error());
@@ -103,21 +103,21 @@ class EglScreen final : public viewer::Screen {
   }
 
   Expected<void> video_frame(const std::function<void()>& draw, std::int64_t nanoseconds) override {
-    if (eglMakeCurrent(display_, video_surface_, video_surface_, context_) != EGL_TRUE)
-      return lost_or_failure("eglMakeCurrent");
+    if (const EGLint error = make_current(video_surface_); error != EGL_SUCCESS)
+      return egl_failure("eglMakeCurrent", error);
     draw();
     if (present_at_(display_, video_surface_, nanoseconds) != EGL_TRUE)
       return lost_or_failure("eglPresentationTimeANDROID");
     if (eglSwapBuffers(display_, video_surface_) != EGL_TRUE)
       return lost_or_failure("eglSwapBuffers");
-    if (const EGLint error = make_current(); error != EGL_SUCCESS)
+    if (const EGLint error = make_current(idle_surface_); error != EGL_SUCCESS)
       return egl_failure("eglMakeCurrent", error);
     return {};
   }
 
   void end_video() override {
     if (video_surface_ != EGL_NO_SURFACE) {
-      if (make_current() != EGL_SUCCESS) let_go();  // a frame that failed has left it current
+      be_idle();  // a frame that failed has left it current
       eglDestroySurface(display_, std::exchange(video_surface_, EGL_NO_SURFACE));
     }
     if (video_window_ != nullptr) ANativeWindow_release(std::exchange(video_window_, nullptr));
@@ -142,16 +142,18 @@ class EglScreen final : public viewer::Screen {
   /// True if there is one then.
   Expected<bool> make_surface(const Size& size) {
     if (size != size_) destroy_surface();
-    if (window_surface_ != EGL_NO_SURFACE) return true;
     if (window_ == nullptr) return false;
-    window_surface_ = create_surface(window_);
     if (window_surface_ == EGL_NO_SURFACE) {
-      const EGLint error = eglGetError();
-      if (window_is_going(error)) return false;
-      return egl_failure("eglCreateWindowSurface", error);
+      window_surface_ = create_surface(window_);
+      if (window_surface_ == EGL_NO_SURFACE) {
+        const EGLint error = eglGetError();
+        if (window_is_going(error)) return false;
+        return egl_failure("eglCreateWindowSurface", error);
+      }
+      size_ = size;
     }
-    size_ = size;
-    const EGLint error = make_current();
+    if (current_ == window_surface_) return true;
+    const EGLint error = make_current(window_surface_);
     if (error == EGL_SUCCESS) return true;
     destroy_surface();
     if (window_is_going(error)) return false;
@@ -240,20 +242,29 @@ class EglScreen final : public viewer::Screen {
 
   void destroy_surface() {
     if (window_surface_ == EGL_NO_SURFACE) return;
-    // A surface that is current is only marked for deletion, and keeps its window
-    if (eglMakeCurrent(display_, idle_surface_, idle_surface_, context_) != EGL_TRUE) let_go();
+    be_idle();
     eglDestroySurface(display_, window_surface_);
     window_surface_ = EGL_NO_SURFACE;
   }
 
-  void let_go() {
-    eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  /// No surface but the idle one stays current: it would only be marked for deletion, and keep its
+  /// window.
+  void be_idle() {
+    if (make_current(idle_surface_) == EGL_SUCCESS) return;
+    let_go();
     if (api_) api_->lost = true;  // nothing more reaches it
   }
 
-  EGLint make_current() {
-    const EGLSurface surface = window_surface_ != EGL_NO_SURFACE ? window_surface_ : idle_surface_;
-    if (eglMakeCurrent(display_, surface, surface, context_) == EGL_TRUE) return EGL_SUCCESS;
+  void let_go() {
+    eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    current_ = EGL_NO_SURFACE;
+  }
+
+  EGLint make_current(EGLSurface surface) {
+    if (eglMakeCurrent(display_, surface, surface, context_) == EGL_TRUE) {
+      current_ = surface;
+      return EGL_SUCCESS;
+    }
     const EGLint error = eglGetError();
     if (error == EGL_CONTEXT_LOST && api_) api_->lost = true;
     return error;
@@ -262,7 +273,7 @@ class EglScreen final : public viewer::Screen {
   void drop_context() {
     api_.reset();
     if (display_ == EGL_NO_DISPLAY) return;
-    eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    let_go();
     for (EGLSurface* surface : {&window_surface_, &video_surface_, &idle_surface_}) {
       if (*surface != EGL_NO_SURFACE) eglDestroySurface(display_, *surface);
       *surface = EGL_NO_SURFACE;
@@ -276,6 +287,7 @@ class EglScreen final : public viewer::Screen {
   EGLContext context_ = EGL_NO_CONTEXT;
   EGLSurface window_surface_ = EGL_NO_SURFACE;
   EGLSurface idle_surface_ = EGL_NO_SURFACE;  // of one pixel, while there is no window
+  EGLSurface current_ = EGL_NO_SURFACE;
   ANativeWindow* window_ = nullptr;
   EGLSurface video_surface_ = EGL_NO_SURFACE;
   ANativeWindow* video_window_ = nullptr;  // of an encoder

@@ -5,7 +5,7 @@ import android.view.Surface
 /**
  * The native library (app/src/main/cpp/platform/android/jni.cpp). Sessions are numbers from [create];
  * one that does not exist is an IllegalStateException. Nothing here waits, but [waitForHeldScenes], and for
- * the drawing thread [surfaceDestroyed], [drawNow], [image], [selfTest] and [destroy]. [Session] is what the app
+ * the drawing thread [drawNow], [image], [selfTest] and [destroy]. [Session] is what the app
  * uses.
  */
 internal object Native {
@@ -22,7 +22,7 @@ internal object Native {
     /** [density]: pixels of a dp. */
     @JvmStatic external fun surfaceChanged(session: Long, width: Int, height: Int, density: Float)
 
-    /** Returns when the surface is no longer touched. */
+    /** Returns when nothing is drawn on the surface any more, after a frame at most. */
     @JvmStatic external fun surfaceDestroyed(session: Long)
 
     /**

@@ -54,7 +54,8 @@ internal class SceneOpening(
             val descriptor = descriptorOf(uri)
             before?.get()
             DriverCheck.of(context)
-            Native.waitForHeldScenes() // or what a cancelled one still has would count as taken
+            Session.waitForClosed() // or what it, or a cancelled loading, still has would count as taken
+            Native.waitForHeldScenes()
             main.post { finish({ descriptor.close() }) { onOpened(descriptor, facts) } }
         } catch (problem: Exception) {
             main.post { finish { onFailed(problemOf(problem, name)) } }

@@ -4,6 +4,8 @@ import android.graphics.Bitmap
 import android.util.Size
 import android.view.Surface
 import org.json.JSONObject
+import java.util.concurrent.ConcurrentLinkedQueue
+import kotlin.concurrent.thread
 
 /** State of the native session, parsed. */
 data class Loading(
@@ -103,9 +105,17 @@ class Session : AutoCloseable {
         onChange()
     }
 
+    /**
+     * Draws in no window any more. Its memory is free after [waitForClosed]: the main thread does not
+     * wait for a driver that is busy.
+     */
     override fun close() {
-        call { Native.destroy(it) }
+        val closed = handle
+        if (closed == 0L) return
         handle = 0
+        Native.surfaceDestroyed(closed)
+        closing.removeAll { !it.isAlive }
+        closing.add(thread(name = "close-session") { Native.destroy(closed) })
     }
 
     fun surfaceCreated(surface: Surface) = change { Native.surfaceCreated(it, surface) }
@@ -251,4 +261,11 @@ class Session : AutoCloseable {
     fun stopBenchmark(why: String) = call { Native.stopBenchmark(it, why) }
 
     fun benchmark(): JSONObject? = if (handle != 0L) JSONObject(Native.benchmark(handle)) else null
+
+    companion object {
+        private val closing = ConcurrentLinkedQueue<Thread>()
+
+        /** Until the memory of all sessions that were closed is free. Not for the main thread. */
+        fun waitForClosed() = closing.forEach { it.join() }
+    }
 }

@@ -184,7 +184,7 @@ class ViewerActivity : Activity() {
         begin(place)
     }
 
-    /** For another viewer, which is in front: this one opens its scene again when it is seen. */
+    /** For what is in front, this app or another one: the scene is opened again when it is seen. */
     private fun dropUnseen() {
         if (shown?.uri != uri) return // nothing, or it is being opened
         droppedPlace = session.place()
@@ -489,6 +489,7 @@ class ViewerActivity : Activity() {
 
     override fun onTrimMemory(level: Int) {
         super.onTrimMemory(level)
+        if (level >= ComponentCallbacks2.TRIM_MEMORY_BACKGROUND && this in asleep) dropUnseen()
         @Suppress("DEPRECATION")
         if (level == ComponentCallbacks2.TRIM_MEMORY_RUNNING_CRITICAL)
             fitMemory { budget.shrink(session.state()?.stats?.memory ?: 0) }
