@@ -60,7 +60,7 @@ TEST_F(BenchCommand, SaysWhatTheContractPromises) {
 }
 
 TEST_F(BenchCommand, SettingsReachTheRenderer) {
-  EXPECT_EQ(bench("--min-size 90")["splats_drawn"], 0);
+  EXPECT_EQ(bench("--min-weight 1e6")["splats_drawn"], 0);
   const json standard = bench(""), half = bench("--splat-precision half"),
              small = bench("--scale 0.5");
   EXPECT_LT(half["traffic"]["vertices"], standard["traffic"]["vertices"]);

@@ -64,7 +64,7 @@ class BenchTest : public GlTest {};
 
 TEST_P(BenchTest, TimesFramesAndLeavesTheRendererAsItWas) {
   const SplatCloud cloud = random_cloud(500, 1, 1);
-  const render::ApproximationSettings approximation{.key_bits = 20, .min_size = 0.5};
+  const render::ApproximationSettings approximation{.key_bits = 20, .min_weight = 0.5};
   const auto made = must(render::Renderer::create(api(), {.sorter = render::SorterKind::cpu_async,
                                                           .timestamps = true,
                                                           .approximation = approximation}));
@@ -90,7 +90,7 @@ TEST_P(BenchTest, TimesFramesAndLeavesTheRendererAsItWas) {
   EXPECT_GT(result.pipelined_ms, 0);
   EXPECT_EQ(result.stages.has_value(), api().capabilities.timestamps);
   EXPECT_EQ(made->settings().approximation.key_bits, 20);
-  EXPECT_EQ(made->settings().approximation.min_size, 0.5);
+  EXPECT_EQ(made->settings().approximation.min_weight, 0.5);
   EXPECT_EQ(made->settings().approximation.resort_motion, 0);
 }
 

@@ -125,6 +125,32 @@ TEST_P(ProjectionTest, MixedDegreesOfSh) {
                         {.sh_degree = wanted}));
 }
 
+TEST_P(ProjectionTest, LightSplatsAreLeftOut) {
+  const SplatCloud cloud = random_cloud(3000, 0, 6);
+  const Camera camera = orbit_camera(160, 120, {}, 2.5, 1, 4);
+  must(renderer().upload(cloud));
+  const auto target = must(render::RenderTarget::create(api(), camera.width, camera.height,
+                                                        render::TargetFormat::rgba8));
+  const auto splats = project_reference(cloud, camera, {});
+  const auto weight = [](const ReferenceSplat& s) {
+    return 2 * std::numbers::pi * s.opacity / (s.xx * s.yy);
+  };
+  for (const double least : {1.0, 10.0, 100.0}) {
+    must(renderer().set_approximation({.min_weight = least}));
+    must(renderer().draw(camera, {}, target));
+    must(renderer().set_approximation({}));
+    const auto keys = must(renderer().projection().keys().read_all<std::uint32_t>(cloud.size()));
+    std::size_t light = 0;
+    for (const ReferenceSplat& s : splats) {
+      if (!touches(s, camera, -0.25) || std::abs(weight(s) / least - 1) < 1e-3) continue;
+      EXPECT_EQ(keys[s.index] == sort::kDropped, weight(s) < least) << weight(s);
+      light += weight(s) < least;
+    }
+    EXPECT_GT(light, 0U) << least;
+    EXPECT_LT(light, splats.size()) << least;
+  }
+}
+
 TEST_P(ProjectionTest, CameraInsideTheCloud) {
   expect_small("inside", errors(random_cloud(3000, 1, 5), orbit_camera(301, 203, {}, 0.3, 1, 3)));
 }

@@ -253,7 +253,7 @@ TEST_P(RendererTest, ApproximationsCostWhatTheyMay) {
   EXPECT_GT(psnr({.approximation = {.key_bits = 16}}, 1), 50);
   EXPECT_GT(psnr({.splat_precision = SplatPrecision::half}, 1), 45);
   EXPECT_GT(psnr({.approximation = {.max_deviations = 3}}, 1), 40);
-  EXPECT_GT(psnr({.approximation = {.min_size = 1}}, 1), 40);
+  EXPECT_GT(psnr({.approximation = {.min_weight = 1}}, 1), 40);
   EXPECT_GT(psnr({}, 0.5), 20);
 }
 

@@ -71,7 +71,7 @@ constexpr double kSamePsnr = 0.1;  // dB: less is no difference
 constexpr const char* kDefaults = "defaults";
 constexpr std::array kGroups = {kDefaults,   "phone",           "target",  "key-bits",
                                 "sh-degree", "splat-precision", "cut-off", "extent",
-                                "size",      "scale",           "sorter",  "re-sort"};
+                                "weight",    "scale",           "sorter",  "re-sort"};
 
 std::vector<SettingRow> all_rows(int sh_degree) {
   using T = TuningOptions;
@@ -99,8 +99,8 @@ std::vector<SettingRow> all_rows(int sh_degree) {
         [&](T& t) { t.alpha_min = steps / 255.0; });
   for (const double sigmas : {3.0, 2.5, 2.0})
     add("extent", fmt::format("{} deviations", sigmas), [&](T& t) { t.max_deviations = sigmas; });
-  for (const double size : {1.5, 2.0, 3.0, 4.0})
-    add("size", fmt::format("at least {} px", size), [&](T& t) { t.min_size = size; });
+  for (const double weight : {0.5, 1.0, 2.0, 4.0})
+    add("weight", fmt::format("weight {} or more", weight), [&](T& t) { t.min_weight = weight; });
   for (const double scale : {0.9, 0.75, 0.5})
     add("scale", fmt::format("scale {}", scale), [&](T& t) { t.scale = scale; });
   add("sorter", "CPU, waited for", [](T& t) { t.sorter = "cpu"; });

@@ -49,8 +49,10 @@ void add_tuning_options(CLI::App& command, TuningOptions& t) {
             .add_option("--max-deviations", t.max_deviations,
                         "largest radius of a splat, standard deviations (0: no limit)")
             ->check(in_range(0.0, 100.0)));
-  shown(command.add_option("--min-size", t.min_size, "leave out splats smaller than this, px")
-            ->check(in_range(0.0, 100.0)));
+  shown(command
+            .add_option("--min-weight", t.min_weight,
+                        "leave out splats that weigh less: alpha, summed over all pixels")
+            ->check(in_range(0.0, 1e6)));
   shown(command
             .add_option(
                 "--resort", t.resort_degrees,
@@ -73,7 +75,7 @@ render::RendererSettings settings_of(const TuningOptions& t) {
       .timestamps = true,
       .texture_fetch = t.texture_fetch,
       .approximation = {.key_bits = t.key_bits,
-                        .min_size = t.min_size,
+                        .min_weight = t.min_weight,
                         .max_deviations = t.max_deviations,
                         .resort_motion = t.resort_degrees * std::numbers::pi / 180}};
 }

@@ -19,7 +19,7 @@ struct TuningOptions {
   int key_bits = render::ApproximationSettings().key_bits,
       digit_bits = render::RendererSettings().sort_digit_bits;
   int batch = render::RendererSettings().batch, sh_degree = 3;
-  double min_size = 0, max_deviations = 0, resort_degrees = 0, scale = 1, alpha_min = 1.0 / 255;
+  double min_weight = 0, max_deviations = 0, resort_degrees = 0, scale = 1, alpha_min = 1.0 / 255;
   bool texture_fetch = false;
 };
 

@@ -9,10 +9,10 @@
 
 #include <glm/gtc/quaternion.hpp>
 
+#include "viewer/detail_control.h"
 #include "viewer/frame_goal.h"
 #include "viewer/gestures.h"
 #include "viewer/gyroscope.h"
-#include "viewer/scale_control.h"
 
 namespace fluxgs::viewer {
 namespace {
@@ -242,45 +242,45 @@ TEST(Gyroscope, AnyPoseIsHarmless) {
   }
 }
 
-TEST(ScaleControl, HoldsTheDisplaysRate) {
+TEST(DetailControl, HoldsTheDisplaysRate) {
   struct Work {
     double always, pixels, fits;  // seconds for a frame of full size; the scale
   };
   for (const auto& [always, pixels, fits] :
        {Work{0, 0.030, 0.7}, Work{0.002, 0.030, 0.6}, Work{0.008, 0.024, 0.6},
         Work{0.012, 0.020, 0.4}, Work{0.008, 0.041, 0.4}, Work{0.010, 0.039, 0.4}}) {
-    ScaleControl control(1.0 / 60);
+    DetailControl control(1.0 / 60);
     double scale = 1;
     for (int i = 0; i < 600; ++i) {
       const double work = always + pixels * scale * scale;
-      scale = control.frame(std::ceil(work * 60) / 60);  // the display waits for whole frames
+      scale = control.frame(std::ceil(work * 60) / 60).scale;  // the display waits for whole frames
     }
     EXPECT_EQ(scale, fits) << always;
   }
 }
 
 // Bound by the sort, by the projection, or by a display that is slower than it says.
-TEST(ScaleControl, FewerPixelsThatGainNothingAreTakenBack) {
+TEST(DetailControl, FewerPixelsThatGainNothingAreTakenBack) {
   for (const double display : {1.0 / 60, 1.0 / 120}) {
-    ScaleControl control(display);
+    DetailControl control(display);
     int low = 0;
     constexpr int kFrames = 60 * 60;
     for (int i = 0; i < kFrames; ++i) {
       const double noise = 0.01 * std::sin(1.7 * i);
-      low += control.frame(0.0245 * (1 + noise)) < 1;
+      low += control.frame(0.0245 * (1 + noise)) != Detail{};
     }
-    EXPECT_EQ(control.scale(), 1) << display;
+    EXPECT_EQ(control.detail(), Detail{}) << display;
     EXPECT_LT(low, kFrames / 10) << display;
   }
 }
 
-TEST(ScaleControl, StopsWhereTheRestIsNotOfPixels) {
+TEST(DetailControl, StopsWhereTheRestIsNotOfPixels) {
   // 12 ms at full size are for pixels, 25 for other things
-  ScaleControl control(1.0 / 60);
+  DetailControl control(1.0 / 60);
   double scale = 1;
   int lower = 0;
   for (int i = 0; i < 60 * 60; ++i) {
-    scale = control.frame(0.025 + 0.012 * scale * scale);
+    scale = control.frame(0.025 + 0.012 * scale * scale).scale;
     lower += scale < 0.5;
   }
   EXPECT_LE(scale, 0.85);
@@ -288,73 +288,92 @@ TEST(ScaleControl, StopsWhereTheRestIsNotOfPixels) {
   EXPECT_LT(lower, 60 * 6);
 }
 
-TEST(ScaleControl, AImageThatWasGivenUpOnIsTriedAgain) {
-  ScaleControl control(1.0 / 60);
+// A scene of very many splats, whose frames take as long with any number of pixels.
+TEST(DetailControl, LeavesOutSplatsWherePixelsDoNotDo) {
+  const auto seconds = [](const Detail& detail) {
+    return 0.004 + 0.040 / (1 + detail.min_weight) + 0.002 * detail.scale * detail.scale;
+  };
+  DetailControl control(1.0 / 60);
+  Detail detail;
+  for (int i = 0; i < 60 * 4; ++i) detail = control.frame(seconds(detail));
+  EXPECT_EQ(detail, kDetails.back());
+  EXPECT_LT(seconds(detail), kTooLong / 60);
+  control.set_max(0.3);
+  EXPECT_EQ(control.detail(), (Detail{0.3, 2}));
+  std::vector<double> weights;  // up again, past steps that would change nothing
+  for (int i = 0; i < 60 * 120; ++i)
+    if (const double w = control.frame(1.0 / 90).min_weight; weights.empty() || w != weights.back())
+      weights.push_back(w);
+  EXPECT_EQ(weights, (std::vector<double>{2, 1, 0.5, 0}));
+}
+
+TEST(DetailControl, AImageThatWasGivenUpOnIsTriedAgain) {
+  DetailControl control(1.0 / 60);
   const auto bound_by_the_sort = [&](int frames) {
     for (int i = 0; i < frames; ++i) control.frame(0.025);
-    while (control.scale() < 1) control.frame(0.025);  // a trial is under way
+    while (control.detail().scale < 1) control.frame(0.025);  // a trial is under way
   };
   bound_by_the_sort(400);
   double scale = 1;
   // Another view, of many pixels
-  for (int i = 0; i < 60 * 20; ++i) scale = control.frame(0.030 * scale * scale);
+  for (int i = 0; i < 60 * 20; ++i) scale = control.frame(0.030 * scale * scale).scale;
   EXPECT_EQ(scale, 0.7);
   // One that takes much longer needs not wait
-  control = ScaleControl(1.0 / 60);
+  control = DetailControl(1.0 / 60);
   bound_by_the_sort(40 * 120);
   scale = 1;
   double seconds = 0;
-  for (; scale == 1 && seconds < 10; seconds += 0.120) scale = control.frame(0.120);
+  for (; scale == 1 && seconds < 10; seconds += 0.120) scale = control.frame(0.120).scale;
   EXPECT_LT(seconds, 3);
 }
 
-TEST(ScaleControl, TriesMoreAndMoreSeldom) {
-  ScaleControl control(1.0 / 60);
+TEST(DetailControl, TriesMoreAndMoreSeldom) {
+  DetailControl control(1.0 / 60);
   double scale = 1;
   int changes = 0;
   for (int i = 0; i < 60 * 120; ++i) {
     const double before = scale;
-    scale = control.frame(std::ceil(0.030 * scale * scale * 60) / 60);
+    scale = control.frame(std::ceil(0.030 * scale * scale * 60) / 60).scale;
     changes += scale != before;
   }
   EXPECT_LE(changes, 14) << "in two minutes";
 }
 
-TEST(ScaleControl, GoesUpAgainWhenThereIsRoom) {
-  ScaleControl control(1.0 / 60);
+TEST(DetailControl, GoesUpAgainWhenThereIsRoom) {
+  DetailControl control(1.0 / 60);
   double scale = 1;
-  for (int i = 0; i < 300; ++i) scale = control.frame(0.15 * scale * scale);
-  EXPECT_EQ(control.scale(), 0.4);
+  for (int i = 0; i < 300; ++i) scale = control.frame(0.15 * scale * scale).scale;
+  EXPECT_EQ(control.detail().scale, 0.4);
   for (int i = 0; i < 60 * 120; ++i) control.frame(1.0 / 60);
-  EXPECT_EQ(control.scale(), 1);
+  EXPECT_EQ(control.detail().scale, 1);
 }
 
-TEST(ScaleControl, PausesAndNonsenseAreNoFrames) {
-  ScaleControl control(1.0 / 60);
+TEST(DetailControl, PausesAndNonsenseAreNoFrames) {
+  DetailControl control(1.0 / 60);
   for (int i = 0; i < 100; ++i) control.frame(3.0);
   for (int i = 0; i < 100; ++i) control.frame(std::nan(""));
   for (int i = 0; i < 100; ++i) {
     control.frame(0.05);
     if (i % 5 == 0) control.pause();
   }
-  EXPECT_EQ(control.scale(), 1);
+  EXPECT_EQ(control.detail().scale, 1);
   control.set_frame_seconds(-1);
   for (int i = 0; i < 300; ++i) control.frame(1.0 / 60);
-  EXPECT_EQ(control.scale(), 1);
+  EXPECT_EQ(control.detail().scale, 1);
 }
 
-TEST(ScaleControl, HeatLowersItBeforeTheSystemDoes) {
+TEST(DetailControl, HeatLowersItBeforeTheSystemDoes) {
   EXPECT_EQ(coolest_scale({}), 1);
   EXPECT_EQ(coolest_scale({.headroom = std::nan("")}), 1);
   EXPECT_LT(coolest_scale({.headroom = 0.9}), 1) << "severe throttling begins at 1";
   EXPECT_LT(coolest_scale({.status = 2}), coolest_scale({.status = 1}));
   EXPECT_EQ(coolest_scale({.status = 4}), 0.5);
-  ScaleControl control(1.0 / 60);
+  DetailControl control(1.0 / 60);
   control.set_max(0.7);
   for (int i = 0; i < 100; ++i) control.frame(1.0 / 60);
-  EXPECT_EQ(control.scale(), 0.7);
+  EXPECT_EQ(control.detail().scale, 0.7);
   for (int i = 0; i < 12; ++i) control.frame(0.05);
-  EXPECT_EQ(control.scale(), 0.6) << "a step down is one that can be seen";
+  EXPECT_EQ(control.detail(), (Detail{0.7, 0.5})) << "a step down is one that can be seen";
 }
 
 /// Draws for so many seconds frames that take `work` at scale 1, on a display that waits for whole
@@ -363,7 +382,8 @@ double play(FrameGoal& goal, double seconds, double work, double display = 1.0 /
   double last_second = 0;
   int frames = 0;
   for (double t = 0; t < seconds;) {
-    const double needed = std::max(work * goal.scale() * goal.scale(), goal.seconds());
+    const double needed =
+        std::max(work * goal.detail().scale * goal.detail().scale, goal.seconds());
     const double frame = std::ceil(needed / display - 1e-9) * display;
     goal.frame(frame);
     t += frame;
@@ -375,7 +395,7 @@ double play(FrameGoal& goal, double seconds, double work, double display = 1.0 /
 TEST(FrameGoal, ASlowDisplayIsHeld) {
   FrameGoal goal;
   EXPECT_NEAR(play(goal, 10, 0.030, 1.0 / 60), 60, 1);
-  EXPECT_EQ(goal.scale(), 0.7);
+  EXPECT_EQ(goal.detail().scale, 0.7);
   goal.set_display(1.0 / 30);
   EXPECT_EQ(goal.seconds(), 1.0 / 30);
 }
@@ -387,7 +407,7 @@ TEST(FrameGoal, AFastDisplayIsUsedWhereNearlyAllPixelsAreThere) {
     FrameGoal goal;
     goal.set_display(1.0 / 120);
     EXPECT_NEAR(play(goal, 30, work), rate, 0.02 * rate) << work;
-    EXPECT_EQ(goal.scale(), scale) << work;
+    EXPECT_EQ(goal.detail().scale, scale) << work;
   }
 }
 
@@ -411,7 +431,7 @@ TEST(FrameGoal, FramesThatComeLateAllTheSameGiveItUp) {
   for (int i = 0; i < 400; ++i) goal.frame(1.0 / 60);
   for (int i = 0; i < 200; ++i) goal.frame(1.0 / 70);
   EXPECT_EQ(goal.seconds(), 1.0 / 60);
-  EXPECT_EQ(goal.scale(), 1);
+  EXPECT_EQ(goal.detail().scale, 1);
 }
 
 TEST(FrameGoal, HeatTakesTheRateFirst) {
@@ -420,10 +440,10 @@ TEST(FrameGoal, HeatTakesTheRateFirst) {
   EXPECT_NEAR(play(goal, 10, 0.005), 120, 1);
   goal.set_heat({.status = 1});
   EXPECT_EQ(goal.seconds(), 1.0 / 60);
-  EXPECT_EQ(goal.scale(), 1);
+  EXPECT_EQ(goal.detail().scale, 1);
   EXPECT_NEAR(play(goal, 10, 0.005), 60, 1) << "it is not tried while it is warm";
   goal.set_heat({.status = 2});
-  EXPECT_EQ(goal.scale(), 0.7);
+  EXPECT_EQ(goal.detail().scale, 0.7);
   EXPECT_EQ(goal.coolest(), 0.7);
   goal.set_heat({});
   EXPECT_NEAR(play(goal, 20, 0.005), 120, 1);
@@ -434,13 +454,13 @@ TEST(FrameGoal, FewerPixelsMayBeWantedWhileSomethingMoves) {
   FrameGoal goal;
   goal.set_most(0.5);
   play(goal, 10, 0.002, 1.0 / 60);
-  EXPECT_EQ(goal.scale(), 0.5);
+  EXPECT_EQ(goal.detail().scale, 0.5);
   EXPECT_EQ(goal.coolest(), 1) << "a view at rest has all of them";
   goal.set_heat({.status = 3});
-  EXPECT_LE(goal.scale(), 0.5);
+  EXPECT_LE(goal.detail().scale, 0.5);
   goal.set_heat({});
   goal.set_most(1);
-  EXPECT_EQ(goal.scale(), 1);
+  EXPECT_EQ(goal.detail().scale, 1);
 }
 
 TEST(FrameGoal, NonsenseIsNoFrame) {

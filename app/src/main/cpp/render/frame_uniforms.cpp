@@ -55,7 +55,7 @@ FrameUniforms make_frame_uniforms(const Camera& camera, const RenderOptions& opt
   u.splat_count = scene.count;
   u.sh_degree = static_cast<std::uint32_t>(std::min(options.sh_degree, scene.sh_degree));
   u.radius_max = static_cast<float>(radius_limit(approximation.max_deviations));
-  u.size_min = static_cast<float>(approximation.min_size);
+  u.weight_min = static_cast<float>(approximation.min_weight / (2 * std::numbers::pi));
   u.sort_margin = static_cast<float>(sort_margin(camera, approximation.resort_motion));
   u.key_low = keys.low;
   u.key_shift = keys.shift;

@@ -22,7 +22,7 @@ struct FrameUniforms {
   float level_min, alpha_max;
   float dilation, near_plane, depth_spread_max;
   std::uint32_t splat_count, sh_degree;
-  float radius_max, size_min, sort_margin;
+  float radius_max, weight_min, sort_margin;
   std::uint32_t key_low, key_shift, key_max;
   std::uint32_t unused;
 };

@@ -20,7 +20,8 @@ Expected<void> check_approximation(const ApproximationSettings& s) {
                 std::to_string(s.key_bits) + "; 10 to 32 were expected");
   }
   const auto amount = [](double v) { return std::isfinite(v) && v >= 0; };
-  if (!amount(s.min_size)) return fail("approximation", "min_size", "must be finite, not negative");
+  if (!amount(s.min_weight))
+    return fail("approximation", "min_weight", "must be finite, not negative");
   if (!amount(s.max_deviations)) {
     return fail("approximation", "max_deviations", "must be finite, not negative");
   }

@@ -31,8 +31,9 @@ struct ApproximationSettings {
   /// the splats by all the bits of their float32 depths. 24 cost no measurable error and one pass
   /// of the GPU's sort less; see sort/depth_keys.h.
   int key_bits = 24;
-  /// px: splats whose box is smaller in both directions are not drawn.
-  double min_size = 0;
+  /// px²: splats that weigh less are not drawn. The weight is the sum of α over all pixels that a
+  /// splat covers, 2π·opacity·√det Σ′.
+  double min_weight = 0;
   /// Quads end at so many standard deviations, or where α falls below alpha_min if that is nearer;
   /// 0: only there.
   double max_deviations = 0;

@@ -15,7 +15,7 @@ layout(std140, binding = 0) uniform Frame {
   highp uint splat_count;
   highp uint sh_degree;     // to evaluate
   highp float radius_max;   // of a quad, in the units of ProjectedSplat::factor
-  highp float size_min;     // px: splats with smaller boxes are left out
+  highp float weight_min;   // px²/2π: splats with a smaller opacity·√det Σ′ are left out
   highp float sort_margin;  // px around the image in which splats are sorted though not drawn
   highp uint key_low;       // sort/depth_keys.h
   highp uint key_shift;

@@ -83,14 +83,15 @@ uint project(uint splat) {
   // Where α falls below the cut-off, not at a fixed number of deviations.
   float radius = min(sqrt(level - frame.level_min), frame.radius_max) / TO_LEVELS;
   vec2 half_extent = radius * shape.deviation;
-  bool large = is_flat(p.z, rotation, scale_red.xyz) &&
-               2.0 * max(half_extent.x, half_extent.y) >= frame.size_min;
+  // √det Σ′ is 1/(xx·yy), which may be infinite
+  bool light = exp2(level) < frame.weight_min * (shape.factor.x * shape.factor.z);
+  bool drawable = !light && is_flat(p.z, rotation, scale_red.xyz);
 #ifdef COMPENSATED
-  large = large && seen;
+  drawable = drawable && seen;
 #endif
-  if (!large || !touches_image(centre, half_extent)) {
+  if (!drawable || !touches_image(centre, half_extent)) {
     hide(splat);
-    bool near_by = large && touches_image(centre, half_extent + frame.sort_margin);
+    bool near_by = drawable && touches_image(centre, half_extent + frame.sort_margin);
     return near_by ? depth_key(p.z) : CULLED;
   }
   uvec4 words[PROJECTED_SPLAT_SIZE];

@@ -23,7 +23,7 @@ void FrameGoal::set_display(double seconds) {
   fast_ = false;
   fitting_ = 0;
   patience_ = kPatience;
-  scale_.set_frame_seconds(this->seconds());
+  control_.set_frame_seconds(this->seconds());
 }
 
 void FrameGoal::set_heat(const Heat& heat) {
@@ -41,16 +41,17 @@ void FrameGoal::set_most(double scale) {
 }
 
 void FrameGoal::limit_scale() {
-  scale_.set_max(std::min(coolest_, most_));
+  control_.set_max(std::min(coolest_, most_));
   before_.set_max(std::min(coolest_, most_));
 }
 
 void FrameGoal::frame(double seconds) {
   if (!(seconds > 0) || seconds > kLongestFrame) return;
-  scale_.frame(seconds);
+  control_.frame(seconds);
   if (!is_faster()) return;
   if (fast_) return judge_faster(seconds);
-  const bool fits = seconds <= kFits * kUsual && scale_.scale() >= std::min(coolest_, kLeastScale);
+  const bool fits =
+      seconds <= kFits * kUsual && control_.detail().scale >= std::min(coolest_, kLeastScale);
   fitting_ = fits ? fitting_ + seconds : 0;
   if (cool_ && fitting_ >= patience_) try_faster();
 }
@@ -58,21 +59,21 @@ void FrameGoal::frame(double seconds) {
 void FrameGoal::judge_faster(double seconds) {
   held_ += seconds;
   late_ = seconds > kTooLong * display_ ? late_ + seconds : std::max(late_ - 2 * seconds, 0.0);
-  if (scale_.scale() < kLeastScale || late_ > kTooLate) give_up();
+  if (control_.detail().scale < kLeastScale || late_ > kTooLate) give_up();
 }
 
 void FrameGoal::try_faster() {
-  before_ = scale_;
+  before_ = control_;
   fast_ = true;
   late_ = held_ = fitting_ = 0;
-  scale_.set_frame_seconds(display_);
-  scale_.pause();
+  control_.set_frame_seconds(display_);
+  control_.pause();
 }
 
 void FrameGoal::give_up() {
   fast_ = false;
-  scale_ = before_;
-  scale_.pause();
+  control_ = before_;
+  control_.pause();
   fitting_ = 0;
   patience_ = held_ >= kHeld ? kPatience : std::min(2 * patience_, kMostPatience);
 }

@@ -1,8 +1,8 @@
-// The rate that frames are drawn at, and the scale that holds it: 60 a second, or those of a faster
-// display where nearly all pixels are there at that rate.
+// The rate that frames are drawn at, and the detail that holds it: 60 a second, or those of a
+// faster display where nearly all pixels are there at that rate.
 #pragma once
 
-#include "viewer/scale_control.h"
+#include "viewer/detail_control.h"
 
 namespace fluxgs::viewer {
 
@@ -21,11 +21,11 @@ class FrameGoal {
 
   /// Tells how long a frame took that was drawn while others were too, from the one before.
   void frame(double seconds);
-  /// See ScaleControl::pause().
-  void pause() { scale_.pause(); }
+  /// See DetailControl::pause().
+  void pause() { control_.pause(); }
 
   double seconds() const;  ///< that a frame may take
-  double scale() const { return scale_.scale(); }
+  Detail detail() const { return control_.detail(); }
   /// The largest scale that heat allows: that of a view at rest.
   double coolest() const { return coolest_; }
 
@@ -36,7 +36,7 @@ class FrameGoal {
   void give_up();
   void judge_faster(double seconds);
 
-  ScaleControl scale_, before_;  ///< before the faster rate
+  DetailControl control_, before_;  ///< before the faster rate
   double display_ = 1.0 / 60;
   double coolest_ = 1, most_ = 1;
   bool cool_ = true;     ///< enough for the faster rate

@@ -78,7 +78,7 @@ render::SceneViewSettings Viewer::scene_settings(const gl::Api& api) const {
   s.renderer.sorter = on_cpu ? SorterKind::cpu_async : SorterKind::gpu_radix;
   s.memory = settings_.memory;
   if (settings_.max_splats > 0) s.max_splats = settings_.max_splats;
-  s.scale = wanted_scale();
+  s.scale = wanted_detail().scale;
   if (make_software_) s.software = make_software_(cloud_);
   return s;
 }
@@ -89,7 +89,7 @@ Expected<void> Viewer::make(gl::Api& api) {
   if (!opened) scene_.reset();
   stale_ = true;
   remake_ = false;
-  scale_ = 0;
+  detail_.reset();
   return opened;
 }
 
@@ -261,20 +261,28 @@ bool Viewer::advance(double seconds) {
   if (!rests()) return false;
   goal_.pause();
   frame_seconds_ = 0;
-  return scale_ != wanted_scale();
+  return detail_ != wanted_detail();
 }
 
 bool Viewer::rests() const { return still_ >= kRest; }
 
 bool Viewer::at_rest() const {
   return is_open() && rests() && !stale_ && !camera::moving(navigation_) &&
-         scale_ == wanted_scale() && scene_->renderer().order_is_current();
+         detail_ == wanted_detail() && scene_->renderer().order_is_current();
 }
 
-/// There is time for all pixels when nothing moves.
-double Viewer::wanted_scale() const {
-  if (settings_.scale > 0) return settings_.scale;
-  return rests() ? goal_.coolest() : goal_.scale();
+/// There is time for all pixels and splats when nothing moves.
+Detail Viewer::wanted_detail() const {
+  if (settings_.scale > 0) return {.scale = settings_.scale};
+  return rests() ? Detail{.scale = goal_.coolest()} : goal_.detail();
+}
+
+Expected<void> Viewer::set_detail(const Detail& detail) {
+  scene_->set_scale(detail.scale);
+  render::Renderer& renderer = scene_->renderer();
+  render::ApproximationSettings approximation = renderer.settings().approximation;
+  approximation.min_weight = detail.min_weight;
+  return renderer.set_approximation(approximation);
 }
 
 RenderOptions Viewer::render_options() const {
@@ -288,7 +296,7 @@ RenderOptions Viewer::render_options() const {
 Expected<void> Viewer::draw_exact(const camera::ViewState& view, int width, int height) {
   if (!is_open()) return fail("viewer", "", "the scene is no longer shown");
   stale_ = true;  // the window shows another view
-  scene_->set_scale(1);
+  if (auto set = set_detail({}); !set) return set;
   scene_->renderer().wait_for_sorts(true);
   scene_->renderer().measure(false);
   return scene_->draw(camera::camera_of(view, width, height), render_options());
@@ -299,15 +307,15 @@ Expected<void> Viewer::draw() {
     scene_.reset();
     if (auto made = make(*api_); !made) return made;
   }
-  const double scale = wanted_scale();
-  scene_->set_scale(scale);
+  const Detail detail = wanted_detail();
+  if (auto set = set_detail(detail); !set) return set;
   const Camera camera = camera::camera_of(navigation_.view, size_.x, size_.y);
   scene_->renderer().wait_for_sorts(settings_.wait_for_sorts);
   scene_->renderer().measure(settings_.measures);
   auto drawn = scene_->draw(camera, render_options());
   if (!drawn) return drawn;
   stale_ = false;
-  scale_ = scale;
+  detail_ = detail;
   measurable_ = true;
   return {};
 }
@@ -377,7 +385,7 @@ ViewerStats Viewer::stats() {
   stats_.memory = scene_->memory();
   stats_.width = scene_->target().blend_width();
   stats_.height = scene_->target().blend_height();
-  stats_.scale = scale_ > 0 ? scale_ : wanted_scale();
+  stats_.scale = detail_.value_or(wanted_detail()).scale;
   return stats_;
 }
 

@@ -144,7 +144,8 @@ class Viewer {
   using Clock = std::chrono::steady_clock;
   Expected<void> make(gl::Api& api);
   render::SceneViewSettings scene_settings(const gl::Api& api) const;
-  double wanted_scale() const;
+  Detail wanted_detail() const;
+  Expected<void> set_detail(const Detail& detail);
   RenderOptions render_options() const;
   bool rests() const;
   void measure();
@@ -169,10 +170,10 @@ class Viewer {
   gl::Api* api_ = nullptr;
   std::optional<render::SceneView> scene_;
   FrameGoal goal_;
-  bool stale_ = true;    // the image is not of the present view
-  double still_ = 0;     // seconds for which nothing has moved
-  double scale_ = 0;     // of the last image; 0: there is none
-  bool remake_ = false;  // settings changed that need other GL objects
+  bool stale_ = true;             // the image is not of the present view
+  double still_ = 0;              // seconds for which nothing has moved
+  std::optional<Detail> detail_;  // of the last image
+  bool remake_ = false;           // settings changed that need other GL objects
 
   // Times
   std::optional<Clock::time_point> presented_;

@@ -1,4 +1,4 @@
-#include "viewer/scale_control.h"
+#include "viewer/detail_control.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,34 +25,37 @@ double coolest_scale(const Heat& heat) {
   return 1;
 }
 
-void ScaleControl::set_frame_seconds(double seconds) {
+void DetailControl::set_frame_seconds(double seconds) {
   if (seconds > 0 && std::isfinite(seconds)) frame_seconds_ = seconds;
 }
 
-double ScaleControl::scale() const { return std::min(kScales.at(step_), most_); }
+Detail DetailControl::detail_at(std::size_t step) const {
+  const Detail& detail = kDetails.at(step);
+  return {std::min(detail.scale, most_), detail.min_weight};
+}
 
-double ScaleControl::frame(double seconds) {
-  if (!(seconds > 0) || seconds > kLongestFrame) return scale();
+Detail DetailControl::frame(double seconds) {
+  if (!(seconds > 0) || seconds > kLongestFrame) return detail();
   resigned_ = std::max(resigned_ - seconds, 0.0);
   mean_ = counted_ <= 0 ? seconds : std::lerp(mean_, seconds, kTimeSmoothing);
-  if (++counted_ < kFramesToJudge) return scale();
+  if (++counted_ < kFramesToJudge) return detail();
   if (mean_ > kTooLong * frame_seconds_) {
     fitting_ = 0;
     judge_long();
-    return scale();
+    return detail();
   }
   trial_.reset();
   if (mean_ > kFits * frame_seconds_) {
     fitting_ = 0;
-    return scale();
+    return detail();
   }
   fitting_ += seconds;
   if (fitting_ >= kProof) trying_ = false;
   if (fitting_ >= patience_) step_up();
-  return scale();
+  return detail();
 }
 
-void ScaleControl::judge_long() {
+void DetailControl::judge_long() {
   const bool at_the_end = next_down() == step_;
   if (trying_) {  // a step up that was too much
     patience_ = std::min(2 * patience_, kLongestPatience);
@@ -76,24 +79,26 @@ void ScaleControl::judge_long() {
   trial_.reset();
 }
 
-/// The next step that can be seen, if there is one: those above what is allowed change nothing.
-std::size_t ScaleControl::next_down() const {
-  std::size_t step = step_;
-  while (step + 1 < kScales.size() && kScales.at(step + 1) >= most_) ++step;
-  return std::min(step + 1, kScales.size() - 1);
+/// The next step that can be seen, if there is one: a scale above what is allowed changes nothing.
+std::size_t DetailControl::next_down() const {
+  std::size_t step = step_ + 1;
+  while (step < kDetails.size() && detail_at(step) == detail()) ++step;
+  return step < kDetails.size() ? step : step_;
 }
 
-void ScaleControl::change_to(std::size_t step) {
+void DetailControl::change_to(std::size_t step) {
   step_ = step;
   trying_ = false;
   counted_ = -kFramesOfChange;
   fitting_ = 0;
 }
 
-void ScaleControl::step_up() {
+void DetailControl::step_up() {
   fitting_ = 0;
-  if (step_ == 0 || kScales.at(step_) >= most_) return;
-  change_to(step_ - 1);
+  std::size_t step = step_;
+  while (step > 0 && detail_at(step) == detail()) --step;
+  if (detail_at(step) == detail()) return;
+  change_to(step);
   trying_ = true;
 }
 

@@ -1,4 +1,5 @@
-// Chooses the render scale that holds the display's rate, and keeps the device cool.
+// Chooses how many pixels and splats a frame has, so that it holds the display's rate and keeps the
+// device cool.
 #pragma once
 
 #include <array>
@@ -7,9 +8,18 @@
 
 namespace fluxgs::viewer {
 
-/// The scales that are tried: each has some 0.7 times the pixels of the one before. Few, as every
-/// change makes new images.
-inline constexpr std::array<double, 6> kScales{1, 0.85, 0.7, 0.6, 0.5, 0.4};
+/// What a frame shows of a scene.
+struct Detail {
+  double scale = 1;       ///< of the image that is blended
+  double min_weight = 0;  ///< of the splats, see render::ApproximationSettings
+  bool operator==(const Detail&) const = default;
+};
+
+/// Steps that are tried: each scale has some 0.7 times the pixels of the one before. Dense scenes
+/// have many splats that weigh little: without those below 1 a frame takes half of its time, at
+/// 30 dB or more (docs/renderer.md). Other scenes have few of them, and lose nothing.
+inline constexpr std::array<Detail, 6> kDetails{
+    {{1, 0}, {0.85, 0}, {0.7, 0.5}, {0.6, 0.5}, {0.5, 1}, {0.4, 2}}};
 
 /// Multiples of the time that a frame may take: above the first is too long, below the second fits.
 inline constexpr double kTooLong = 1.2, kFits = 1.1;
@@ -31,30 +41,31 @@ double coolest_scale(const Heat& heat);
 /// One step down when frames take longer than the display's, which is seen soon; one step up when
 /// they have fitted for long enough, and again down, and a longer wait, when that was too much.
 /// What does not make frames shorter is taken back: where they wait for the sort or for the
-/// display's own rate, fewer pixels are only a worse image.
-class ScaleControl {
+/// display's own rate, less detail is only a worse image.
+class DetailControl {
  public:
   /// `frame_seconds`: of the display; what is drawn should take no longer.
-  explicit ScaleControl(double frame_seconds = 1.0 / 60) : frame_seconds_(frame_seconds) {}
+  explicit DetailControl(double frame_seconds = 1.0 / 60) : frame_seconds_(frame_seconds) {}
 
   void set_frame_seconds(double seconds);
 
   /// Tells how long a frame took that was drawn while others were too, from the one before. Returns
-  /// the scale for the next.
-  double frame(double seconds);
+  /// the detail of the next.
+  Detail frame(double seconds);
 
   /// The image stood still: what follows has nothing to do with the time between.
   void pause() { counted_ = 0; }
 
   void set_max(double scale) { most_ = scale; }  ///< coolest_scale(), or the user's
 
-  double scale() const;
+  Detail detail() const { return detail_at(step_); }
 
  private:
   struct Trial {
     std::size_t step = 0;  // it began at
     double mean = 0;       // of the frames there
   };
+  Detail detail_at(std::size_t step) const;
   void judge_long();
   void change_to(std::size_t step);
   std::size_t next_down() const;
@@ -62,7 +73,7 @@ class ScaleControl {
 
   double frame_seconds_;
   double most_ = 1;
-  std::size_t step_ = 0;        // into kScales
+  std::size_t step_ = 0;        // into kDetails
   double mean_ = 0;             // of the frames' times, smoothed
   int counted_ = 0;             // frames since the last change or pause
   double fitting_ = 0;          // seconds for which frames have fitted
