@@ -101,6 +101,19 @@ void add_ply_points(Seeds& seeds) {
   }
 }
 
+void add_camera_track(Seeds& seeds) {
+  const std::string values = R"({"position": [1, 2, 3, 4, 5, 6], "target": [0, 0, 0, 0, 1, 0])";
+  const auto track = [&](const std::string& rest, const std::string& more) {
+    return bytes_of(R"({"animTracks": [{"duration": 4, "loopMode": "repeat", "keyframes": )"
+                    R"({"times": [0, 30], "values": )" +
+                    values + more + "}}" + rest + "}]}");
+  };
+  auto& tracks = seeds["camera_track"];
+  tracks["first_version"] = track("", "");
+  tracks["second_version"] =
+      track(R"(, "frameRate": 30, "smoothness": 0.5)", R"(, "fov": [60, 7e1])");
+}
+
 /// Headers of each format of images, as small as they can be; the phone's Exif data in three of
 /// them.
 void add_image_header(Seeds& seeds) {
@@ -471,6 +484,7 @@ void add_own_seeds(Seeds& seeds) {
   add_written(seeds);
   add_ply(seeds);
   add_ply_points(seeds);
+  add_camera_track(seeds);
   add_image_header(seeds);
   add_compressed_ply(seeds);
   add_spz(seeds);
