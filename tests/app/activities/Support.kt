@@ -1,6 +1,7 @@
 package org.fluxgs.app
 
 import android.app.Activity
+import android.app.ActivityManager
 import android.content.ContentProvider
 import android.content.ContentValues
 import android.database.Cursor
@@ -24,6 +25,7 @@ import kotlin.math.log10
 import kotlin.math.max
 import org.junit.Assert.fail
 import org.robolectric.Robolectric
+import org.robolectric.RuntimeEnvironment
 import org.robolectric.Shadows.shadowOf
 import org.robolectric.android.controller.ActivityController
 import org.robolectric.annotation.Implementation
@@ -37,6 +39,18 @@ internal val material = File(System.getProperty("fluxgs.material")!!)
 
 /** Where images of the screens are left. */
 internal val screens = File(System.getProperty("fluxgs.screens")!!)
+
+/** What the system says of the memory that is free. */
+internal fun memory(bytes: Long, low: Boolean = false) {
+    val info = ActivityManager.MemoryInfo().apply {
+        availMem = bytes
+        totalMem = 4L shl 30
+        threshold = 0
+        lowMemory = low
+    }
+    val context = RuntimeEnvironment.getApplication()
+    shadowOf(context.getSystemService(ActivityManager::class.java)).setMemoryInfo(info)
+}
 
 /** Lets the main thread do what it has to for some milliseconds of its clock, and others work. */
 internal fun pump(milliseconds: Long = 20) {

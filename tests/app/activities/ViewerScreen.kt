@@ -134,14 +134,4 @@ abstract class ViewerScreen {
         }
         return intent!!
     }
-
-    protected fun memory(bytes: Long, low: Boolean = false) {
-        val info = android.app.ActivityManager.MemoryInfo().apply {
-            availMem = bytes
-            totalMem = 4L shl 30
-            threshold = 0
-            lowMemory = low
-        }
-        shadowOf(context.getSystemService(android.app.ActivityManager::class.java)).setMemoryInfo(info)
-    }
 }
