@@ -477,13 +477,13 @@ TEST(Command, OutOfMemoryIsALine) {
 TEST(Command, SaysWhenQuantizationIsNotAsAskedFor) {
   const test::TempFolder folder;
   const auto said = [&](const std::string& options) {
-    return fluxgs(train(folder / "scene.glb", "--force --iterations 60 " + options)).err;
+    return fluxgs(train(folder / "scene.glb", "--force --iterations 30 " + options)).err;
   };
   EXPECT_THAT(
-      said("--densify-until 60 --quantize-from 20"),
-      HasSubstr("quantization-aware training never takes place: it would begin at iteration 61"));
-  EXPECT_THAT(said("--sh-reduce-iter 50 --quantize-from 30"),
-              HasSubstr("at iteration 51 instead of 30"));
+      said("--densify-until 30 --quantize-from 10"),
+      HasSubstr("quantization-aware training never takes place: it would begin at iteration 31"));
+  EXPECT_THAT(said("--sh-reduce-iter 25 --quantize-from 15"),
+              HasSubstr("at iteration 26 instead of 15"));
   EXPECT_THAT(said("--preset flux-paper --quantize-aware on"),
               HasSubstr("--quantize-aware has no effect"));
   EXPECT_THAT(said(""), Not(HasSubstr("warning: ")));
