@@ -88,7 +88,7 @@ CompactSearch::CompactSearch(const SplatCloud& cloud, const SplatCloud& shown,
                              const SceneError& error, CompactOptions options,
                              ProgressReport progress)
     : cloud_(cloud),
-      ordered_(in_order(shown, compact_order(cloud, options.networks.has_value()))),
+      ordered_(in_order(shown, compact_order(cloud, options))),
       error_(error),
       options_(std::move(options)),
       progress_(std::move(progress)),

@@ -23,16 +23,16 @@ void join_small(std::array<std::vector<std::uint32_t>, 4>& by_degree) {
 
 }  // namespace
 
-std::vector<DegreeBucket> degree_buckets(const SplatCloud& cloud) {
+std::vector<DegreeBucket> degree_buckets(const SplatCloud& cloud,
+                                         std::span<const std::uint32_t> splats) {
   std::array<std::vector<std::uint32_t>, 4> by_degree;
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    by_degree[static_cast<std::size_t>(sh_degree_of(cloud, i))].push_back(
-        static_cast<std::uint32_t>(i));
+  for (const std::uint32_t i : splats)
+    by_degree[static_cast<std::size_t>(sh_degree_of(cloud, i))].push_back(i);
   join_small(by_degree);
   std::vector<DegreeBucket> buckets;
   for (int degree = 0; degree < 4; ++degree)
-    if (auto& splats = by_degree[static_cast<std::size_t>(degree)]; !splats.empty())
-      buckets.push_back({degree, std::move(splats)});
+    if (auto& own = by_degree[static_cast<std::size_t>(degree)]; !own.empty())
+      buckets.push_back({degree, std::move(own)});
   return buckets;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "fluxgs/splat_cloud.h"
@@ -20,8 +21,9 @@ struct DegreeBucket {
 /// its tables) takes more bytes than the bands that they do without.
 inline constexpr std::size_t kMinBucket = 512;
 
-/// All splats of the cloud in buckets of ascending degrees, none of them empty.
-std::vector<DegreeBucket> degree_buckets(const SplatCloud& cloud);
+/// These splats of the cloud, ascending, in buckets of ascending degrees, none of them empty.
+std::vector<DegreeBucket> degree_buckets(const SplatCloud& cloud,
+                                         std::span<const std::uint32_t> splats);
 
 /// The splats of a bucket as a cloud of its degree.
 SplatCloud cloud_of(const DegreeBucket& bucket, const SplatCloud& cloud);

@@ -59,8 +59,8 @@ QuantizationSteps steps_within(const QuantizationSteps& steps, const StepMeans& 
   result.log_scale = times(steps.log_scale, (whole.log_scale - part.log_scale) / 2);
   result.opacity = times(steps.opacity, whole.opacity - part.opacity);
   result.rotation = times(steps.rotation, whole.rotation - part.rotation);
-  result.sh_dc = times(steps.sh_dc, whole.color - part.color);
-  result.sh_rest = times(steps.sh_rest, whole.color - part.color);
+  for (float* step : {&result.sh_dc, &result.sh_rest, &result.energy})
+    *step = times(*step, whole.color - part.color);
   return result;
 }
 

@@ -79,7 +79,7 @@ constexpr auto kFormats = std::to_array<SceneFormat>({
     {"ply", "3DGS .ply", ".ply", 3, StoredFilter::all, is_ply, read_ply, true,
      FLUXGS_WRITER(with_start<encode_ply>)},
     {"glb", "glTF binary with KHR_gaussian_splatting", ".glb", 3, StoredFilter::all, is_glb,
-     of_all<read_glb>, false, FLUXGS_WRITER(glb_with_start), read_gltf_folder},
+     read_glb, false, FLUXGS_WRITER(glb_with_start), read_gltf_folder},
     {"spz", "SPZ (Niantic)", ".spz", 3, StoredFilter::compensation, is_spz,
      of_all<read_spz_of_any_axes>, false, FLUXGS_WRITER(write_spz)},
     {"sog", "bundled SOG", ".sog", 3, StoredFilter::all, is_sog, of_all<read_sog>, false,

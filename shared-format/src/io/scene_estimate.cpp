@@ -43,7 +43,8 @@ Expected<Announced> in_ply(std::span<const std::byte> bytes, std::uint64_t size,
 }
 
 Expected<Announced> in_gltf(std::span<const std::byte> bytes, const std::string& name) {
-  const auto document = open_gltf(bytes, {}, name);
+  const MemoryBytes source(bytes);
+  const auto document = open_gltf(source, {}, name);
   if (!document) return std::unexpected(document.error());
   Announced result;
   for (const GltfInstance& instance : document->instances) {

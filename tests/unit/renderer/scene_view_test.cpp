@@ -480,8 +480,8 @@ TEST(SplatBudget, ContributionIsOpacityTimesMeanArea) {
   add(cloud, {.scale = {1, 2, 3}, .opacity = 0.5F});
   add(cloud, {});
   cloud.log_scales[1].x = std::nanf("");
-  EXPECT_NEAR(render::contribution(cloud, 0), 0.5 * 11 / 3, 1e-6);
-  EXPECT_EQ(render::contribution(cloud, 1), 0);
+  EXPECT_NEAR(contribution(cloud, 0), 0.5 * 11 / 3, 1e-6);
+  EXPECT_EQ(contribution(cloud, 1), 0);
 }
 
 TEST(SplatBudget, TheLeastGoFirstAndTiesByIndex) {

@@ -33,7 +33,8 @@ namespace {
 
 struct ConvertSettings {
   std::string in, out;
-  bool compact = false, no_compact = false, plain_attributes = false, force = false;
+  bool compact = false, no_compact = false, plain_attributes = false, no_chunks = false,
+       force = false;
   GlbOptions glb;
   CropOptions crop;
   MapOptions map;
@@ -89,15 +90,21 @@ Expected<void> tell_losses(const ConvertSettings& s, const SceneFile& scene,
   return {};
 }
 
+CompactOptions compact_options(const ConvertSettings& s, const SplatCloud& cloud) {
+  return {.steps = default_quantization_steps(cloud, s.step_scale),
+          .plain_attributes = s.plain_attributes,
+          .in_chunks = !s.no_chunks};
+}
+
 Expected<void> write_compact(const ConvertSettings& s, const SceneFile& scene) {
   const SplatCloud& cloud = scene.cloud;
-  const CompactOptions options{default_quantization_steps(cloud, s.step_scale), s.plain_attributes};
+  const CompactOptions options = compact_options(s, cloud);
   const auto bytes = encode_compact_glb(cloud, options, s.out);
   if (!bytes) return std::unexpected(bytes.error());
   const auto written = write_glb(s.out, *bytes, scene.start);
   if (!written) return std::unexpected(written.error());
   fmt::print("{}: {} splats, {} bytes, compact\n", shown(s.out), cloud.size(), *written);
-  return tell_losses(s, scene, compact_order(cloud));
+  return tell_losses(s, scene, compact_order(cloud, options));
 }
 
 WriteOptions write_options(const ConvertSettings& s, const SceneFile& scene) {
@@ -141,7 +148,7 @@ Expected<CompactTrial> search(const ConvertSettings& s, const SceneFile& scene) 
   options.background = s.data.background_color();
   const std::vector<Camera> cameras = evaluation_cameras(cloud, data);
   const SceneError error(cloud, cameras, options, threads);
-  CompactOptions start{default_quantization_steps(cloud), s.plain_attributes};
+  CompactOptions start = compact_options(s, cloud);
   if (data != nullptr)
     start.sensitivity = view_sensitivity(cameras_of(data->train), cloud, false, options, threads,
                                          {.progress = show_work("views")});
@@ -255,9 +262,9 @@ void check_use(const ConvertSettings& s, const CLI::App& command) {
     throw CLI::ValidationError("--downscale", "is used only with --data");
   if (!s.data.folder.empty() && !s.searches())
     throw CLI::ValidationError("--data", "is used only by --min-psnr and --max-bytes");
-  if (s.plain_attributes && !s.compact && !s.searches())
-    throw CLI::ValidationError("--plain-attributes",
-                               "is used only with --compact, --min-psnr or --max-bytes");
+  for (const char* option : {"--plain-attributes", "--no-chunks"})
+    if (command.count(option) > 0 && !s.compact && !s.searches())
+      throw CLI::ValidationError(option, "is used only with --compact, --min-psnr or --max-bytes");
   check_crop(s.crop);
 }
 
@@ -282,9 +289,11 @@ void add_compact_options(CLI::App& command, ConvertSettings& s) {
   CLI::Option* plain =
       command.add_flag("--plain-attributes", s.plain_attributes,
                        "also store plain floats: a large file that other viewers open");
+  CLI::Option* chunks = command.add_flag(
+      "--no-chunks", s.no_chunks, "do not put first what shows most of a scene while it is loaded");
   CLI::Option* data = command.add_option(
       "--data", s.data.folder, "measure PSNR on the views of this data set instead of an orbit");
-  for (CLI::Option* option : {compact, floats, step_scale, bytes, loss, plain, data})
+  for (CLI::Option* option : {compact, floats, step_scale, bytes, loss, plain, chunks, data})
     option->group(group);
   CLI::Option* quantize = command.add_option(
       "--quantize-attributes", s.glb.attribute_bits,

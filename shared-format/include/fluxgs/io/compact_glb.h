@@ -46,10 +46,6 @@ double largest_fine_extent(const SplatCloud& cloud, double step_scale = 1);
 /// Every step times `factor`.
 QuantizationSteps scaled(const QuantizationSteps& steps, double factor);
 
-/// Order of a finite cloud's splats in its compact file: order[k] is the index in
-/// the cloud of splat k of the file. With networks: CompactOptions::networks.
-std::vector<std::uint32_t> compact_order(const SplatCloud& cloud, bool has_networks = false);
-
 /// Worth of a bit in squared steps of error when values are quantized. At fine steps, where a
 /// bit more quarters the mean square error of step²/12, it is 2·ln 2/12.
 inline constexpr double kDefaultRateWeight = 0.115;
@@ -80,7 +76,15 @@ struct CompactOptions {
   /// stored. Φ gets rotations as the file has them: it must know them as canonicalize_rotations()
   /// makes them. What is written is run once as a check, for which onnxruntime must be here.
   std::optional<CompactNetworks> networks = {};
+  /// Scenes of 20,000 splats or more in chunks, those that add most first, so that the first bytes
+  /// of the file show it already. Else, and smaller ones, in one chunk.
+  bool in_chunks = true;
 };
+
+/// Order of a finite cloud's splats in its compact file: order[k] is the index in the cloud of
+/// splat k of the file.
+std::vector<std::uint32_t> compact_order(const SplatCloud& cloud,
+                                         const CompactOptions& options = {});
 
 /// Write one node with a POINTS primitive for each degree that splats need (sh_degree_of()), lowest
 /// first, each in the Morton order of its positions; the file's degree is the highest of them. A

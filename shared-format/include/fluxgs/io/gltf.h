@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "fluxgs/byte_source.h"
 #include "fluxgs/error.h"
 #include "fluxgs/io/scene_file.h"
 #include "fluxgs/io/splat_sink.h"
@@ -16,6 +18,9 @@ namespace fluxgs {
 
 /// True if the bytes begin like a .glb.
 bool is_glb(std::span<const std::byte> bytes);
+
+/// The size that a .glb, of which these are the first bytes, says it has; nothing of other bytes.
+std::optional<std::uint64_t> size_of_glb(std::span<const std::byte> begin);
 
 /// Turns a cloud from its frame into glTF's, or back: half a turn about z, x → −x, y → −y. Exact
 /// but for the signs of quaternions, which mean nothing.
@@ -47,9 +52,10 @@ void turn_gltf_frame(SplatCloud& cloud);
 /// (1 − 2⁻²⁵, half-way to the float below one) and scale 0 becomes logarithm ≈ −87.3. Negative
 /// scales are invalid: such splats count as dropped.
 Expected<SceneFile> read_glb(std::span<const std::byte> bytes, const std::string& name);
-/// The same, but the splats go to the sink, not into the result, primitive by primitive.
-Expected<SceneFile> read_glb(std::span<const std::byte> bytes, const std::string& name,
-                             SplatSink& sink);
+/// The same, but the splats go to the sink, not into the result, primitive by primitive. Of a file
+/// with compact splats each primitive is read when those before it have been taken, so that a file
+/// that comes slowly, or ends too early, gives what has come (SplatSink::chunk_came()).
+Expected<SceneFile> read_glb(const ByteSource& file, const std::string& name, SplatSink& sink);
 
 /// True if the bytes look like the JSON form of glTF, a .gltf.
 bool is_gltf(std::span<const std::byte> bytes);

@@ -36,7 +36,7 @@ struct SceneFormat {
   bool (*recognises)(std::span<const std::byte> bytes);
   /// Gives the splats to the sink, not into the result. Null for a format of several files.
   Expected<SceneFile> (*read)(const ByteSource& source, const std::string& name, SplatSink& sink);
-  /// Its reader looks at parts of the file; others take all of it into memory at once.
+  /// Its reader holds parts of the file only; others may take all of it into memory.
   bool reads_parts;
   /// Null for a format that is only read.
   Expected<std::vector<std::byte>> (*encode)(const SplatCloud& cloud, const std::string& name,

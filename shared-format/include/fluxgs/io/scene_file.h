@@ -17,6 +17,12 @@ namespace fluxgs {
 /// of a bit).
 using AttributeBits = std::map<std::string, double>;
 
+/// A part of a file whose splats lie in the order of what they add to images.
+struct SceneChunk {
+  std::size_t splats = 0;  ///< those with a NaN or infinity included
+  std::size_t end = 0;     ///< so many of the file's first bytes hold this and all chunks before
+};
+
 /// A scene as read, with what `fluxgs info` says about it.
 struct SceneFile {
   SplatCloud cloud;                     ///< finite splats only
@@ -29,6 +35,7 @@ struct SceneFile {
   AttributeBits attribute_bits;      ///< see above
   std::size_t bytes = 0;             ///< size of the file
   std::optional<InitialView> start;  ///< the start view that the file names
+  std::vector<SceneChunk> chunks;    ///< none where all splats come at once
 };
 
 /// The bits of a format that stores plain 32-bit floats.

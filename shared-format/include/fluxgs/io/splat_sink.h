@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "fluxgs/error.h"
+#include "fluxgs/io/scene_file.h"
 #include "fluxgs/splat_cloud.h"
 
 namespace fluxgs {
@@ -21,7 +22,7 @@ struct ComingSplats {
 inline constexpr std::size_t kSplatsOfAPart = 16384;
 
 /// Takes the splats of a file in its order. After an error, and when the reader fails, what came
-/// is to be thrown away.
+/// is to be thrown away, but for whole chunks.
 class SplatSink {
  public:
   SplatSink() = default;
@@ -35,6 +36,10 @@ class SplatSink {
   /// Finite splats, of the degree that begin() returned or a lower one: then the bands that are
   /// missing are zeros. The part may be moved from.
   virtual Expected<void> take(SplatCloud& part) = 0;
+
+  /// All of a chunk was taken, and more are to come: a coarse picture of the whole scene
+  /// (SceneFile::chunks). `so_far` has the start view, the filter and the chunks.
+  virtual void chunk_came([[maybe_unused]] const SceneFile& so_far) {}
 };
 
 }  // namespace fluxgs

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <iterator>
 #include <limits>
-#include <numeric>
 #include <span>
 #include <utility>
 
@@ -15,6 +14,7 @@
 #include "cloud/cloud_memory.h"
 #include "cloud/degree_buckets.h"
 #include "cloud/gather.h"
+#include "cloud/importance_chunks.h"
 #include "codec/compact.h"
 #include "codec/step_means.h"
 #include "fluxgs/io/gltf_frame.h"
@@ -133,25 +133,23 @@ Expected<void> check_options(const CompactOptions& options, const SplatCloud& cl
   return check_networks(*options.networks, cloud, name);
 }
 
-/// Contents of a primitive, beside the description of it.
-struct Payload {
-  std::vector<std::byte> stream;
-  const CompactNetworks* networks = nullptr;
-  std::size_t splats = 0;
-  int sh_degree = 0;
-};
-
-/// Decodes it to a cloud.
-Expected<SplatCloud> decode(const Payload& payload, const std::string& name) {
+/// A stream as it is read. `source`: what it was made of.
+Expected<SplatCloud> decode(const std::vector<std::byte>& stream, const SplatCloud& source,
+                            const std::optional<CompactNetworks>& networks,
+                            const std::string& name) {
   io::GltfSplats splats;
-  splats.count = payload.splats;
-  splats.sh_degree = payload.sh_degree;
+  splats.count = source.size();
+  splats.sh_degree = source.sh_degree;
   splats.compression = io::GltfCompression::compact;
-  splats.compressed = payload.stream;
   splats.compressed_field = io::kCompactExtension;
-  if (const CompactNetworks* n = payload.networks; n != nullptr)
-    splats.networks = io::GltfNetworks{n->models.psi, n->models.phi, n->normalisation};
-  auto cloud = io::decode_compact_splats(splats, name);
+  io::CompactBytes bytes{.stream = stream, .psi = {}, .phi = {}};
+  if (networks) {
+    bytes.psi = networks->models.psi;
+    bytes.phi = networks->models.phi;
+    splats.networks = io::GltfNetworks{
+        {0, 0, bytes.psi.size()}, {0, 0, bytes.phi.size()}, networks->normalisation};
+  }
+  auto cloud = io::decode_compact_splats(splats, bytes, name);
   if (cloud) io::turn_cloud(*cloud);
   return cloud;
 }
@@ -188,63 +186,94 @@ class BinWriter {
   std::byte* at_;
 };
 
+constexpr std::size_t kFewestInChunks = 20'000, kFewestOfAShare = 6'000;
+
+/// Splats that have a stream of their own.
+struct Share {
+  std::size_t chunk = 0;
+  io::DegreeBucket splats;
+};
+
+/// In each chunk a share for each degree that there is. Networks know scenes of degree 1 and make
+/// what is in their bands.
+std::vector<Share> shares_of(const SplatCloud& cloud, const std::vector<io::SplatChunk>& chunks,
+                             bool has_networks) {
+  std::vector<Share> shares;
+  for (std::size_t c = 0; c < chunks.size(); ++c) {
+    if (has_networks)
+      shares.push_back({c, {cloud.sh_degree, chunks[c]}});
+    else
+      for (io::DegreeBucket& bucket : io::degree_buckets(cloud, chunks[c]))
+        shares.push_back({c, std::move(bucket)});
+  }
+  return shares;
+}
+
+/// What describes a share (JSON, tables) takes about two kilobytes: in chunks only where that is
+/// little.
+std::vector<Share> shares_of(const SplatCloud& cloud, const CompactOptions& options) {
+  const bool has_networks = options.networks.has_value();
+  if (options.in_chunks && cloud.size() >= kFewestInChunks) {
+    auto shares = shares_of(cloud, io::importance_chunks(cloud), has_networks);
+    if (cloud.size() / shares.size() >= kFewestOfAShare) return shares;
+  }
+  return shares_of(cloud, {io::one_chunk(cloud)}, has_networks);
+}
+
 /// A primitive as it is stored and as it is read.
 struct Part {
-  Payload payload;
+  std::size_t chunk = 0;
+  std::vector<std::byte> stream;
   SplatCloud decoded;
 };
 
-Expected<Part> make_part(const SplatCloud& splats, const CompactOptions& options,
-                         const codec::RateFactors& rates, const std::string& name) {
-  const CompactNetworks* networks = options.networks ? &*options.networks : nullptr;
-  const std::span<const float> energy =
-      networks != nullptr ? std::span<const float>(networks->energy) : std::span<const float>();
-  auto stream = codec::encode_compact(splats, options, energy, rates);
+/// Steps and costs of a scene, and what those of its parts are relative to.
+struct Quantization {
+  const CompactOptions& options;
+  codec::StepMeans means;
+  codec::RateWeights weights;
+};
+
+Expected<Part> make_part(const SplatCloud& scene, const Share& share, const Quantization& of_scene,
+                         const std::string& name) {
+  const auto& [sh_degree, indices] = share.splats;
+  const SplatCloud splats = io::cloud_of(share.splats, scene);
+  CompactOptions own{.rate_weight = of_scene.options.rate_weight};
+  own.steps =
+      codec::steps_within(of_scene.options.steps, codec::step_means(splats), of_scene.means);
+  own.sensitivity =
+      sensitivity_of(of_scene.options.sensitivity, scene.sh_degree, indices, sh_degree);
+  const std::optional<CompactNetworks>& networks = of_scene.options.networks;
+  const std::vector<float> energy =
+      io::gather(networks ? networks->energy : std::vector<float>(), indices,
+                 codec::kEnergyChannels, codec::kEnergyChannels);
+  auto stream = codec::encode_compact(splats, own, energy, of_scene.weights.of(indices));
   if (!stream) return fail(name, stream.error().field, stream.error().what);
-  Part part{.payload = {std::move(*stream), networks, splats.size(), splats.sh_degree},
-            .decoded = {}};
-  auto decoded = decode(part.payload, name);
+  auto decoded = decode(*stream, splats, networks, name);
   if (!decoded) return std::unexpected(decoded.error());
-  part.decoded = std::move(*decoded);
-  return part;
+  return Part{share.chunk, std::move(*stream), std::move(*decoded)};
 }
 
-/// Networks know scenes of degree 1 and make what is in their bands.
-Expected<std::vector<Part>> whole_scene(const SplatCloud& splats, const CompactOptions& options,
-                                        const std::string& name) {
-  auto part = make_part(splats, options, {}, name);
-  if (!part) return std::unexpected(part.error());
+/// All with the same quantization.
+Expected<std::vector<Part>> make_parts(const SplatCloud& splats, const CompactOptions& options,
+                                       const std::string& name) {
+  const Quantization quantization{options, codec::step_means(splats),
+                                  codec::RateWeights(splats, options.sensitivity)};
   std::vector<Part> parts;
-  parts.push_back(std::move(*part));
-  return parts;
-}
-
-/// A part for each degree that there is, all with the same quantization.
-Expected<std::vector<Part>> parts_by_degree(const SplatCloud& splats, const CompactOptions& options,
-                                            const std::string& name) {
-  const codec::StepMeans means = codec::step_means(splats);
-  const codec::RateWeights weights(splats, options.sensitivity);
-  std::vector<Part> parts;
-  for (const io::DegreeBucket& bucket : io::degree_buckets(splats)) {
-    const SplatCloud own_splats = io::cloud_of(bucket, splats);
-    CompactOptions own = options;
-    own.steps = codec::steps_within(options.steps, codec::step_means(own_splats), means);
-    own.sensitivity =
-        sensitivity_of(options.sensitivity, splats.sh_degree, bucket.splats, bucket.sh_degree);
-    auto part = make_part(own_splats, own, weights.of(bucket.splats), name);
+  for (const Share& share : shares_of(splats, options)) {
+    auto part = make_part(splats, share, quantization, name);
     if (!part) return std::unexpected(part.error());
     parts.push_back(std::move(*part));
   }
   return parts;
 }
 
-io::GltfPrimitive describe(const Part& part, const ScreenFilter& filter, bool plain_attributes,
-                           io::GltfBuilder& builder) {
-  const Payload& payload = part.payload;
+io::GltfPrimitive describe(const Part& part, const json& networks, const ScreenFilter& filter,
+                           bool plain_attributes, io::GltfBuilder& builder) {
   json extension = {{"version", io::kCompactVersion},
-                    {"bufferView", builder.add_view(payload.stream.size(), false)}};
-  if (payload.networks != nullptr)
-    extension["networks"] = networks_json(*payload.networks, builder);
+                    {"bufferView", builder.add_view(part.stream.size(), false)}};
+  if (part.chunk > 0) extension["chunk"] = part.chunk;
+  if (!networks.is_null()) extension["networks"] = networks;
   json attributes = plain_attributes ? io::add_plain_attributes(part.decoded, builder)
                                      : add_described_attributes(part.decoded, builder);
   return {std::move(attributes),
@@ -252,27 +281,28 @@ io::GltfPrimitive describe(const Part& part, const ScreenFilter& filter, bool pl
           io::screen_filter_extras(filter)};
 }
 
-void put_part(const Part& part, bool plain_attributes, BinWriter& bin) {
-  bin.put(part.payload.stream);
-  if (part.payload.networks != nullptr) {
-    bin.put(part.payload.networks->models.psi);
-    bin.put(part.payload.networks->models.phi);
-  }
-  if (plain_attributes) bin.put_plain_attributes(part.decoded);
-}
-
+/// What all chunks need lies first, then chunk by chunk.
 Expected<std::vector<std::byte>> make_file(const std::vector<Part>& parts,
-                                           const ScreenFilter& filter, bool plain_attributes,
-                                           const std::string& name) {
+                                           const CompactOptions& options,
+                                           const ScreenFilter& filter, const std::string& name) {
   io::GltfBuilder builder;
+  const json networks = options.networks ? networks_json(*options.networks, builder) : json();
   std::vector<io::GltfPrimitive> primitives;
   for (const Part& part : parts)
-    primitives.push_back(describe(part, filter, plain_attributes, builder));
-  auto file = io::allocate_glb(builder.document({{std::move(primitives)}}, !plain_attributes),
-                               builder.bin_bytes(), name);
+    primitives.push_back(describe(part, networks, filter, options.plain_attributes, builder));
+  auto file =
+      io::allocate_glb(builder.document({{std::move(primitives)}}, !options.plain_attributes),
+                       builder.bin_bytes(), name);
   if (!file) return std::unexpected(file.error());
   BinWriter bin(file->bytes.data() + file->bin);
-  for (const Part& part : parts) put_part(part, plain_attributes, bin);
+  if (options.networks) {
+    bin.put(options.networks->models.psi);
+    bin.put(options.networks->models.phi);
+  }
+  for (const Part& part : parts) {
+    bin.put(part.stream);
+    if (options.plain_attributes) bin.put_plain_attributes(part.decoded);
+  }
   return std::move(file->bytes);
 }
 
@@ -320,15 +350,10 @@ void canonicalize_rotations(SplatCloud& cloud) {
   for (glm::quat& q : cloud.rotations) q = canonical_rotation(q);
 }
 
-std::vector<std::uint32_t> compact_order(const SplatCloud& cloud, bool has_networks) {
-  if (has_networks) {
-    io::DegreeBucket all{cloud.sh_degree, std::vector<std::uint32_t>(cloud.size())};
-    std::iota(all.splats.begin(), all.splats.end(), 0U);
-    return order_within(all, cloud);
-  }
+std::vector<std::uint32_t> compact_order(const SplatCloud& cloud, const CompactOptions& options) {
   std::vector<std::uint32_t> order;
-  for (const io::DegreeBucket& bucket : io::degree_buckets(cloud))
-    std::ranges::copy(order_within(bucket, cloud), std::back_inserter(order));
+  for (const Share& share : shares_of(cloud, options))
+    std::ranges::copy(order_within(share.splats, cloud), std::back_inserter(order));
   return order;
 }
 
@@ -353,10 +378,9 @@ Expected<std::vector<std::byte>> encode_compact_glb(const SplatCloud& cloud,
     return std::move(file->bytes);
   }
   io::turn_cloud(splats);
-  const auto parts =
-      own.networks ? whole_scene(splats, own, name) : parts_by_degree(splats, own, name);
+  const auto parts = make_parts(splats, own, name);
   if (!parts) return std::unexpected(parts.error());
-  return make_file(*parts, cloud.filter, options.plain_attributes, name);
+  return make_file(*parts, own, cloud.filter, name);
 }
 
 }  // namespace fluxgs

@@ -2,23 +2,31 @@
 #pragma once
 
 #include <cstddef>
-#include <span>
+#include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "fluxgs/byte_source.h"
 #include "fluxgs/error.h"
 
 namespace fluxgs::io {
 
-/// The two chunks of a .glb, as views of the file's bytes.
+/// The two chunks of a .glb.
 struct GlbChunks {
-  std::string_view json;           ///< without the padding behind it
-  std::span<const std::byte> bin;  ///< empty if there is no such chunk
+  std::string_view json;                    ///< without the padding behind it
+  std::uint64_t bin_at = 0, bin_bytes = 0;  ///< place in the file; zeros if there is none
+  std::uint64_t behind = 0;                 ///< where others would begin
 };
 
-/// Magic, version, length and every chunk's length and type. Chunks of unknown type after the first
-/// two are skipped, as the specification asks.
-Expected<GlbChunks> parse_glb_container(std::span<const std::byte> bytes, const std::string& name);
+/// Magic, version, length and the lengths and types of the first two chunks. Of the file no more is
+/// read than the first chunk, which lies in `room` or in the source, and the next header.
+Expected<GlbChunks> parse_glb_container(const ByteSource& file, const std::string& name,
+                                        std::vector<std::byte>& room);
+
+/// The chunks behind those two, which are of unknown type and skipped, as the specification asks.
+Expected<void> check_chunks_behind(const ByteSource& file, const GlbChunks& chunks,
+                                   const std::string& name);
 
 inline constexpr std::size_t kGlbHeader = 12, kGlbChunkHeader = 8;
 inline constexpr char kGlbMagic[] = {'g', 'l', 'T', 'F'};

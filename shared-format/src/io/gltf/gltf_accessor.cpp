@@ -92,21 +92,30 @@ std::string place_of(const std::string& field, const GltfExpectation& expected, 
 
 }  // namespace
 
-Expected<std::span<const std::byte>> resolve_view(const tinygltf::Model& model, int index,
-                                                  GltfBuffers& buffers, const std::string& name) {
+Expected<GltfView> find_view(const tinygltf::Model& model, int index, GltfBuffers& buffers,
+                             const std::string& name) {
   const std::string where = fmt::format("bufferViews[{}]", index);
   if (static_cast<std::size_t>(index) >= model.bufferViews.size()) {
     return fail(name, where, "does not exist");
   }
   const tinygltf::BufferView& view = model.bufferViews[static_cast<std::size_t>(index)];
-  const auto buffer = buffers.get(static_cast<std::size_t>(view.buffer));
-  if (!buffer) return buffer;
-  if (view.byteOffset > buffer->size() || view.byteLength > buffer->size() - view.byteOffset) {
+  const auto buffer = static_cast<std::size_t>(view.buffer);
+  const auto size = buffers.size(buffer);
+  if (!size) return std::unexpected(size.error());
+  if (view.byteOffset > *size || view.byteLength > *size - view.byteOffset) {
     return fail(name, where,
                 fmt::format("{} bytes at {} are outside the buffer of {}", view.byteLength,
-                            view.byteOffset, buffer->size()));
+                            view.byteOffset, *size));
   }
-  return buffer->subspan(view.byteOffset, view.byteLength);
+  return GltfView{buffer, view.byteOffset, view.byteLength};
+}
+
+Expected<std::span<const std::byte>> resolve_view(const tinygltf::Model& model, int index,
+                                                  GltfBuffers& buffers, const std::string& name) {
+  const auto view = find_view(model, index, buffers, name);
+  if (!view) return std::unexpected(view.error());
+  const auto buffer = buffers.get(view->buffer);
+  return buffer ? buffer->subspan(view->offset, view->bytes) : buffer;
 }
 
 Expected<void> check_accessor(const tinygltf::Model& model, int accessor,

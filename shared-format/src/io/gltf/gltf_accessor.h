@@ -31,6 +31,10 @@ struct GltfExpectation {
   unsigned components;  ///< GltfComponents
 };
 
+/// A buffer view, checked; of a BIN chunk nothing is read.
+Expected<GltfView> find_view(const tinygltf::Model& model, int index, GltfBuffers& buffers,
+                             const std::string& name);
+
 /// The bytes of a buffer view.
 Expected<std::span<const std::byte>> resolve_view(const tinygltf::Model& model, int index,
                                                   GltfBuffers& buffers, const std::string& name);

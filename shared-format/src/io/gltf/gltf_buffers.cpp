@@ -125,12 +125,20 @@ Expected<std::vector<std::byte>> GltfBuffers::read_uri(const GltfBuffer& buffer,
   return bytes;
 }
 
-Expected<std::span<const std::byte>> GltfBuffers::read(const GltfBuffer& buffer,
-                                                       const std::string& field) {
-  if (!buffer.uri) {
-    if (&buffer == buffers_.data() && source_.bin) return *source_.bin;
-    return fail(name_, field, "has no uri, and no BIN chunk of a .glb holds it");
+bool GltfBuffers::is_bin(std::size_t index) const {
+  return index == 0 && source_.bin && !buffers_.empty() && !buffers_[0].uri;
+}
+
+Expected<std::span<const std::byte>> GltfBuffers::content(std::size_t index,
+                                                          const std::string& field) {
+  const GltfBuffer& buffer = buffers_[index];
+  if (is_bin(index)) {
+    if (bin_) return *bin_;
+    auto read = source_.bin->file->read(source_.bin->at, source_.bin->bytes, bin_room_);
+    if (read) bin_ = *read;
+    return read;
   }
+  if (!buffer.uri) return fail(name_, field, "has no uri, and no BIN chunk of a .glb holds it");
   auto found = contents_.find(*buffer.uri);
   if (found == contents_.end()) {
     auto content = read_uri(buffer, field + ".uri");
@@ -140,17 +148,38 @@ Expected<std::span<const std::byte>> GltfBuffers::read(const GltfBuffer& buffer,
   return found->second;
 }
 
-Expected<std::span<const std::byte>> GltfBuffers::get(std::size_t index) {
+Expected<std::size_t> GltfBuffers::size(std::size_t index) {
   const std::string field = fmt::format("buffers[{}]", index);
   if (index >= buffers_.size()) return fail(name_, field, "does not exist");
   const GltfBuffer& buffer = buffers_[index];
-  auto content = read(buffer, field);
-  if (!content) return content;
-  if (content->size() < buffer.bytes)
+  std::uint64_t held = 0;
+  if (is_bin(index)) {
+    held = source_.bin->bytes;
+  } else {
+    const auto bytes = content(index, field);
+    if (!bytes) return std::unexpected(bytes.error());
+    held = bytes->size();
+  }
+  if (held < buffer.bytes)
     return fail(name_, field + ".byteLength",
                 fmt::format("is {}, but {} {} bytes", buffer.bytes,
-                            buffer.uri ? "the URI holds" : "the BIN chunk holds", content->size()));
-  return content->first(buffer.bytes);
+                            buffer.uri ? "the URI holds" : "the BIN chunk holds", held));
+  return buffer.bytes;
+}
+
+Expected<std::span<const std::byte>> GltfBuffers::get(std::size_t index) {
+  const auto bytes = size(index);
+  if (!bytes) return std::unexpected(bytes.error());
+  auto all = content(index, fmt::format("buffers[{}]", index));
+  return all ? all->first(*bytes) : all;
+}
+
+Expected<std::span<const std::byte>> GltfBuffers::read(const GltfView& view,
+                                                       std::vector<std::byte>& room) {
+  if (is_bin(view.buffer) && !bin_)
+    return source_.bin->file->read(source_.bin->at + view.offset, view.bytes, room);
+  const auto all = get(view.buffer);
+  return all ? all->subspan(view.offset, view.bytes) : all;
 }
 
 }  // namespace fluxgs::io

@@ -194,8 +194,11 @@ Expected<std::vector<std::byte>> with_initial_view(std::span<const std::byte> gl
   if (!is_sound(view))
     return fail(name, "start view",
                 "expected finite numbers, directions of unit length and an angle from 0 to pi");
-  const auto chunks = parse_glb_container(glb, name);
+  const MemoryBytes source(glb);
+  std::vector<std::byte> room;
+  const auto chunks = parse_glb_container(source, name, room);
   if (!chunks) return std::unexpected(chunks.error());
+  if (auto ok = check_chunks_behind(source, *chunks, name); !ok) return std::unexpected(ok.error());
   auto document = parse_json_object(chunks->json, name, "JSON");
   if (!document) return std::unexpected(document.error());
   const json* scene = default_scene(*document);
@@ -206,9 +209,10 @@ Expected<std::vector<std::byte>> with_initial_view(std::span<const std::byte> gl
   } catch (const json::exception&) {
     return fail(name, "cameras", "expected lists of cameras and nodes");
   }
-  auto file = allocate_glb(*document, chunks->bin.size(), name);
+  auto file = allocate_glb(*document, chunks->bin_bytes, name);
   if (!file) return std::unexpected(file.error());
-  std::ranges::copy(chunks->bin, file->bytes.begin() + static_cast<std::ptrdiff_t>(file->bin));
+  std::ranges::copy(glb.subspan(chunks->bin_at, chunks->bin_bytes),
+                    file->bytes.begin() + static_cast<std::ptrdiff_t>(file->bin));
   return std::move(file->bytes);
 }
 

@@ -37,11 +37,11 @@ Expected<GltfNetworks> find_networks(const GltfCompressedPlace& place,
   for (const auto& [key, to] : {std::pair("psi", &found.psi), std::pair("phi", &found.phi)}) {
     if (!networks.Has(key)) continue;
     const int view = networks.Get(key).GetNumberAsInt();
-    const auto bytes = resolve_view(place.model, view, place.buffers, place.name);
-    if (!bytes) return std::unexpected(bytes.error());
-    if (bytes->empty())
+    const auto model = find_view(place.model, view, place.buffers, place.name);
+    if (!model) return std::unexpected(model.error());
+    if (model->bytes == 0)
       return fail(place.name, fmt::format("{}: {}", place.field, key), "has no bytes");
-    *to = *bytes;
+    *to = *model;
   }
   found.normalisation = normalisation_of(networks.Get("normalisation"));
   return found;
@@ -73,11 +73,8 @@ std::vector<std::byte> copy_of(std::span<const std::byte> bytes) {
   return {bytes.begin(), bytes.end()};
 }
 
-// The networks know the scene in glTF's frame.
-Expected<void> bake(const GltfNetworks& from, std::span<const float> energy,
-                    const std::string& name, SplatCloud& cloud) {
-  return networks::bake_appearance(cloud, energy, {copy_of(from.psi), copy_of(from.phi)},
-                                   from.normalisation, name);
+bool has_energy(const GltfSplats& splats) {
+  return splats.networks && splats.networks->psi.bytes > 0;
 }
 
 }  // namespace
@@ -89,11 +86,13 @@ Expected<GltfSplats> find_compact_splats(const GltfCompressedPlace& place,
   if (!splats) return splats;
   splats->compression = GltfCompression::compact;
   if (auto ok = check_attributes(place, splats->sh_degree); !ok) return std::unexpected(ok.error());
-  const std::size_t most = codec::max_splats(splats->compressed.size());
+  const std::size_t most = codec::max_splats(splats->compressed.bytes);
   if (splats->count > most)
     return fail(place.name, splats->compressed_field,
                 fmt::format("{} splats in {} bytes, expected {} at most", splats->count,
-                            splats->compressed.size(), most));
+                            splats->compressed.bytes, most));
+  if (extension.Has(kChunk))
+    splats->chunk = static_cast<std::size_t>(extension.Get(kChunk).GetNumberAsInt());
   if (!extension.Has(kNetworks)) return splats;
   if (splats->sh_degree != 1)
     return fail(
@@ -105,24 +104,25 @@ Expected<GltfSplats> find_compact_splats(const GltfCompressedPlace& place,
   return splats;
 }
 
-Expected<SplatCloud> decode_compact_splats(const GltfSplats& from, const std::string& name) {
-  const bool has_energy = from.networks && !from.networks->psi.empty();
+Expected<SplatCloud> decode_compact_splats(const GltfSplats& from, const CompactBytes& bytes,
+                                           const std::string& name) {
   std::vector<float> energy;
-  auto cloud = codec::decode_compact(from.compressed, from.count, from.sh_degree,
-                                     has_energy ? &energy : nullptr);
+  auto cloud = codec::decode_compact(bytes.stream, from.count, from.sh_degree,
+                                     has_energy(from) ? &energy : nullptr);
   if (!cloud) return fail(name, from.compressed_field, cloud.error().message());
-  if (from.networks)
-    if (auto ok = bake(*from.networks, energy, name, *cloud); !ok)
-      return std::unexpected(ok.error());
+  if (!from.networks) return cloud;
+  // The networks know the scene in glTF's frame
+  if (auto ok = networks::bake_appearance(*cloud, energy, {copy_of(bytes.psi), copy_of(bytes.phi)},
+                                          from.networks->normalisation, name);
+      !ok)
+    return std::unexpected(ok.error());
   return cloud;
 }
 
-std::vector<std::pair<std::string, std::size_t>> compact_attribute_bytes(const GltfSplats& from) {
-  const bool has_energy = from.networks && !from.networks->psi.empty();
-  auto sizes = codec::attribute_bytes(from.compressed, from.sh_degree, has_energy);
+std::vector<std::pair<std::string, std::size_t>> compact_attribute_bytes(
+    const GltfSplats& from, const CompactBytes& bytes) {
+  auto sizes = codec::attribute_bytes(bytes.stream, from.sh_degree, has_energy(from));
   if (!sizes) return {};
-  if (from.networks)
-    sizes->emplace_back("networks", from.networks->psi.size() + from.networks->phi.size());
   return std::move(*sizes);
 }
 

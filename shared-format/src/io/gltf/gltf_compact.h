@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,10 +23,17 @@ namespace fluxgs::io {
 Expected<GltfSplats> find_compact_splats(const GltfCompressedPlace& place,
                                          const tinygltf::Value& extension);
 
-/// Decodes them, in glTF's frame, their networks baked in. Errors name the file and the primitive.
-Expected<SplatCloud> decode_compact_splats(const GltfSplats& from, const std::string& name);
+/// Bytes of a primitive's splats and their networks.
+struct CompactBytes {
+  std::span<const std::byte> stream, psi, phi;  ///< empty: there is none
+};
 
-/// Bytes that each attribute takes, and the networks. Nothing if the stream is damaged.
-std::vector<std::pair<std::string, std::size_t>> compact_attribute_bytes(const GltfSplats& from);
+/// Decodes them, in glTF's frame, their networks baked in. Errors name the file and the primitive.
+Expected<SplatCloud> decode_compact_splats(const GltfSplats& from, const CompactBytes& bytes,
+                                           const std::string& name);
+
+/// Bytes that each attribute takes. Nothing if the stream is damaged.
+std::vector<std::pair<std::string, std::size_t>> compact_attribute_bytes(const GltfSplats& from,
+                                                                         const CompactBytes& bytes);
 
 }  // namespace fluxgs::io

@@ -79,12 +79,12 @@ Expected<GltfSplats> describe_compressed(const GltfCompressedPlace& place, int v
   if (!count) return std::unexpected(count.error());
   const auto degree = complete_degree(place.primitive, place.name, place.field);
   if (!degree) return std::unexpected(degree.error());
-  const auto bytes = resolve_view(place.model, view, place.buffers, place.name);
-  if (!bytes) return std::unexpected(bytes.error());
+  const auto found = find_view(place.model, view, place.buffers, place.name);
+  if (!found) return std::unexpected(found.error());
   GltfSplats splats;
   splats.count = *count;
   splats.sh_degree = *degree;
-  splats.compressed = *bytes;
+  splats.compressed = *found;
   splats.compressed_field = fmt::format("{}: {}", place.field, extension);
   splats.bounds = position_bounds(place.model, place.primitive);
   return splats;

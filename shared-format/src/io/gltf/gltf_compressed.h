@@ -28,7 +28,7 @@ struct GltfCompressedPlace {
 /// The highest degree of which the primitive names a coefficient.
 int highest_degree(const tinygltf::Primitive& primitive);
 
-/// The count that all attributes share, the degree that they name completely, the bytes of buffer
+/// The count that all attributes share, the degree that they name completely, the place of buffer
 /// view `view`, and the bounds of POSITION. `extension` names the compression in errors.
 Expected<GltfSplats> describe_compressed(const GltfCompressedPlace& place, int view,
                                          const char* extension);

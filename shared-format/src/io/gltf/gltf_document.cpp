@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <exception>
 #include <utility>
 
@@ -232,6 +233,32 @@ bool has_splat_attributes(const tinygltf::Primitive& primitive) {
          primitive.attributes.contains(kRotation.semantic);
 }
 
+// The chunks of a mesh lie in the order of their numbers, so that the first bytes of a file hold
+// the first ones.
+class ChunkOrder {
+ public:
+  Expected<void> add(const GltfSplats& splats, const std::string& name, const std::string& field) {
+    const GltfView& view = splats.compressed;
+    if (splats.chunk != chunk_ && splats.chunk != chunk_ + 1)
+      return fail(name, field,
+                  fmt::format("is of chunk {} behind one of chunk {}; expected {} or {}",
+                              splats.chunk, chunk_, chunk_, chunk_ + 1));
+    if (splats.chunk == chunk_ + 1) behind_ = end_;
+    chunk_ = splats.chunk;
+    if (chunk_ > 0 && (view.buffer != 0 || view.offset < behind_))
+      return fail(
+          name, field,
+          fmt::format("of chunk {} lies at {} of buffer {}; expected in buffer 0 behind the "
+                      "chunk before, which ends at {}",
+                      chunk_, view.offset, view.buffer, behind_));
+    end_ = std::max(end_, view.end());
+    return {};
+  }
+
+ private:
+  std::size_t chunk_ = 0, behind_ = 0, end_ = 0;
+};
+
 // Walks the nodes, parents first, and collects what their meshes hold.
 class Walk {
  public:
@@ -278,25 +305,31 @@ class Walk {
       return fail(name_, field, fmt::format("mesh {} does not exist", mesh));
     }
     const auto& primitives = model_.meshes[mesh].primitives;
+    ChunkOrder order;
     for (std::size_t i = 0; i < primitives.size(); ++i) {
       if (!primitives[i].extensions.contains(kSplatExtension)) {
         if (has_splat_attributes(primitives[i]))
-          return fail(name_, fmt::format("meshes[{}].primitives[{}]", mesh, i),
+          return fail(name_, field_of(mesh, i),
                       fmt::format("has attributes of splats without the extension {}; expected it "
                                   "in \"extensions\"",
                                   kSplatExtension));
         continue;
       }
-      auto splats = reader_.read(primitives[i], fmt::format("meshes[{}].primitives[{}]", mesh, i));
+      auto splats = reader_.read(primitives[i], field_of(mesh, i));
       if (!splats) return std::unexpected(splats.error());
       const auto transform = affine_map(matrix, name_, field);
       if (!transform) return std::unexpected(transform.error());
+      if (auto ok = order.add(*splats, name_, field_of(mesh, i)); !ok) return ok;
       instances_.push_back({*splats, *transform});
       if (instances_.size() > kMaxInstances) {
         return fail(name_, field, fmt::format("more than {} instances of splats", kMaxInstances));
       }
     }
     return {};
+  }
+
+  static std::string field_of(std::size_t mesh, std::size_t primitive) {
+    return fmt::format("meshes[{}].primitives[{}]", mesh, primitive);
   }
 
   static constexpr std::size_t kMaxInstances = 65536;
@@ -341,20 +374,36 @@ std::vector<std::string> warnings_of(const std::vector<GltfInstance>& instances)
   return warnings;
 }
 
+Expected<bool> has_glb_magic(const ByteSource& file) {
+  std::vector<std::byte> room;
+  if (file.size() < sizeof kGlbMagic) return false;
+  const auto begin = file.read(0, sizeof kGlbMagic, room);
+  if (!begin) return std::unexpected(begin.error());
+  return std::memcmp(begin->data(), kGlbMagic, sizeof kGlbMagic) == 0;
+}
+
+/// The text of a .gltf.
+Expected<GlbChunks> whole_text(const ByteSource& file, std::vector<std::byte>& room) {
+  const auto text = file.read(0, static_cast<std::size_t>(file.size()), room);
+  if (!text) return std::unexpected(text.error());
+  return GlbChunks{.json = as_text(*text), .behind = file.size()};
+}
+
 }  // namespace
 
-Expected<GltfDocument> open_gltf(std::span<const std::byte> bytes, NamedFiles files,
+Expected<GltfDocument> open_gltf(const ByteSource& file, NamedFiles files,
                                  const std::string& name) {
-  GltfSource source{
-      .bin = {}, .data_uris = {}, .files = std::move(files), .document = bytes.size()};
-  std::string_view text = as_text(bytes);
-  if (text.starts_with(std::string_view(kGlbMagic, sizeof kGlbMagic))) {
-    const auto chunks = parse_glb_container(bytes, name);
-    if (!chunks) return std::unexpected(chunks.error());
-    text = chunks->json;
-    source.bin = chunks->bin;
-  }
-  const std::string rest = take_data_uris(text, source.data_uris);
+  GltfSource source{.bin = {},
+                    .data_uris = {},
+                    .files = std::move(files),
+                    .document = static_cast<std::size_t>(file.size())};
+  std::vector<std::byte> room;
+  const auto glb = has_glb_magic(file);
+  if (!glb) return std::unexpected(glb.error());
+  const auto chunks = *glb ? parse_glb_container(file, name, room) : whole_text(file, room);
+  if (!chunks) return std::unexpected(chunks.error());
+  if (*glb) source.bin = GltfBin{&file, chunks->bin_at, chunks->bin_bytes};
+  const std::string rest = take_data_uris(chunks->json, source.data_uris);
   auto found = check_gltf_json(rest, name);
   if (!found) return std::unexpected(found.error());
   GltfBuffers buffers(found->buffers, std::move(source), name);
@@ -362,8 +411,9 @@ Expected<GltfDocument> open_gltf(std::span<const std::byte> bytes, NamedFiles fi
   if (!instances) return std::unexpected(instances.error());
   std::vector<std::string> warnings = warnings_of(*instances);
   warnings.insert(warnings.end(), found->warnings.begin(), found->warnings.end());
-  return GltfDocument{std::move(*found), std::move(buffers), std::move(*instances),
-                      std::move(warnings)};
+  return GltfDocument{std::move(*found),     *chunks,
+                      std::move(room),       std::move(buffers),
+                      std::move(*instances), std::move(warnings)};
 }
 
 }  // namespace fluxgs::io

@@ -15,6 +15,7 @@
 #include "fluxgs/error.h"
 #include "fluxgs/networks/appearance.h"
 #include "fluxgs/transform.h"
+#include "io/gltf/glb_container.h"
 #include "io/gltf/gltf_buffers.h"
 #include "io/gltf/gltf_json.h"
 
@@ -40,7 +41,7 @@ enum class GltfCompression { none, spz, compact };
 
 /// Networks of compact splats (networks/appearance.h), as they lie in the file.
 struct GltfNetworks {
-  std::span<const std::byte> psi, phi;  ///< empty: none
+  GltfView psi, phi;  ///< empty: none
   networks::Normalisation normalisation;
 };
 
@@ -53,10 +54,11 @@ struct GltfSplats {
   std::array<GltfAttribute, 16> sh;  ///< degree 0, then 1…sh_degree in the order of the basis
 
   GltfCompression compression = GltfCompression::none;
-  std::span<const std::byte> compressed;  ///< instead of the attributes
-  std::string compressed_field;           ///< names them in errors
-  std::optional<GltfBounds> bounds;       ///< of compressed positions, if stated
-  std::optional<GltfNetworks> networks;   ///< of compact splats
+  GltfView compressed;                   ///< instead of the attributes
+  std::string compressed_field;          ///< names them in errors
+  std::optional<GltfBounds> bounds;      ///< of compressed positions, if stated
+  std::optional<GltfNetworks> networks;  ///< of compact splats
+  std::size_t chunk = 0;                 ///< of compact splats: its number, by importance
 };
 
 /// One splat primitive under one node.
@@ -68,15 +70,16 @@ struct GltfInstance {
 /// A document from a stranger, checked.
 struct GltfDocument {
   GltfJson json;
-  GltfBuffers buffers;  ///< what the instances point into
+  GlbChunks chunks;                  ///< of a .glb
+  std::vector<std::byte> json_room;  ///< what they and the buffers may point into
+  GltfBuffers buffers;               ///< what the instances point into
   /// All splat primitives of the default scene, in the order of its nodes.
   std::vector<GltfInstance> instances;
   std::vector<std::string> warnings;  ///< see SceneFile::warnings
 };
 
-/// Opens a .glb or the text of a .gltf. `files` reads what lies beside it; empty: nothing does.
-/// `bytes` must outlive the document.
-Expected<GltfDocument> open_gltf(std::span<const std::byte> bytes, NamedFiles files,
-                                 const std::string& name);
+/// Opens a .glb or the text of a .gltf. `files` reads what lies beside it; empty: nothing does. Of
+/// a .glb with compact splats only the JSON is read. `file` must outlive the document.
+Expected<GltfDocument> open_gltf(const ByteSource& file, NamedFiles files, const std::string& name);
 
 }  // namespace fluxgs::io

@@ -247,6 +247,10 @@ void reduce_compression(Checker& check, const json& nested, const std::string& f
       kept[kCompressedView] = view;
       if (key != kCompactExtension) continue;
       check_compact_version(check, value, field);
+      if (const json& chunk = member(value, "chunk"); !chunk.is_null()) {
+        check.whole(chunk, fmt::format("{}.{}.chunk", field, key), kMaxEntries);
+        kept[kChunk] = chunk;
+      }
       if (const json& networks = member(value, "networks"); !networks.is_null())
         kept[kNetworks] = reduce_networks(check, networks,
                                           fmt::format("{}.{}.networks", field, kCompactExtension));

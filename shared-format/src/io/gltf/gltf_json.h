@@ -29,6 +29,7 @@ using fluxgs::kCompactExtension;
 /// "normalisation".
 inline constexpr char kNetworks[] = "networks";
 inline constexpr int kCompactVersion = 2;  ///< the only one; see schema/
+inline constexpr char kChunk[] = "chunk";  ///< its chunk's number, if it has one
 /// Members in which the reduced document keeps the compression of a primitive's splats, and
 /// the bufferView of their data.
 inline constexpr char kCompression[] = "compression", kCompressedView[] = "compressedBufferView";

@@ -1,9 +1,12 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
 #include <new>
+#include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 #include <tiny_gltf.h>
@@ -101,9 +104,28 @@ SplatValues load_splat(const SplatCloud& from, std::size_t i) {
   return splat;
 }
 
+// The splats of one compact primitive, in its own frame.
+Expected<SplatCloud> read_compact(const GltfSplats& from, GltfBuffers& buffers,
+                                  const std::string& name, AttributeBits& bits) {
+  CompactBytes bytes;
+  std::array<std::vector<std::byte>, 3> rooms;
+  const GltfNetworks none{};
+  const GltfNetworks& networks = from.networks ? *from.networks : none;
+  for (const auto& [view, to, room] : {std::tuple(&networks.psi, &bytes.psi, &rooms[0]),
+                                       {&networks.phi, &bytes.phi, &rooms[1]},
+                                       {&from.compressed, &bytes.stream, &rooms[2]}}) {
+    const auto read = view->bytes > 0 ? buffers.read(*view, *room) : std::span<const std::byte>();
+    if (!read) return std::unexpected(read.error());
+    *to = *read;
+  }
+  for (const auto& [attribute, count] : compact_attribute_bytes(from, bytes))
+    bits[attribute] += 8 * static_cast<double>(count);
+  return decode_compact_splats(from, bytes, name);
+}
+
 // Appends the splats of one primitive at `next`, in its own frame and colours.
-Expected<void> read_primitive(const GltfSplats& from, const std::string& name, SplatCloud& cloud,
-                              std::size_t& next) {
+Expected<void> read_primitive(const GltfSplats& from, GltfBuffers& buffers, const std::string& name,
+                              SplatCloud& cloud, std::size_t& next, AttributeBits& bits) {
   const auto rest = static_cast<std::size_t>(sh_rest_count(from.sh_degree));
   const auto append = [&](const SplatValues& splat) { store_splat(splat, rest, cloud, next++); };
   if (from.compression == GltfCompression::none) {
@@ -114,14 +136,17 @@ Expected<void> read_primitive(const GltfSplats& from, const std::string& name, S
     return {};
   }
   if (from.compression == GltfCompression::compact) {
-    const auto decoded = decode_compact_splats(from, name);
+    const auto decoded = read_compact(from, buffers, name, bits);
     if (!decoded) return std::unexpected(decoded.error());
     for (std::size_t i = 0; i < from.count; ++i) {
       append(load_splat(*decoded, i));
     }
     return {};
   }
-  const SpzSource source{from.compressed, name, from.compressed_field};
+  std::vector<std::byte> room;
+  const auto bytes = buffers.read(from.compressed, room);
+  if (!bytes) return std::unexpected(bytes.error());
+  const SpzSource source{*bytes, name, from.compressed_field};
   const auto header = read_spz_header(source);
   if (!header) return std::unexpected(header.error());
   const auto packed = unpack_spz(source, *header);
@@ -136,22 +161,36 @@ Expected<void> read_primitive(const GltfSplats& from, const std::string& name, S
   return {};
 }
 
-// How many splats there are in all, within the bounds on repeated meshes. Networks are run for
-// every node that shows them, which may take seconds: they belong to scenes of one primitive.
+// Networks are run for every primitive that is shown, which may take seconds: a scene has one, or
+// one a chunk with the same networks.
+bool may_run_networks(const std::vector<GltfInstance>& instances) {
+  constexpr std::size_t kMostRuns = 16;
+  if (std::ranges::none_of(instances, [](const auto& i) { return i.splats.networks.has_value(); }))
+    return true;
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    const GltfSplats &own = instances[i].splats, &first = instances[0].splats;
+    if (own.chunk != i || !own.networks || !first.networks ||
+        own.networks->psi != first.networks->psi || own.networks->phi != first.networks->phi)
+      return false;
+  }
+  return instances.size() <= kMostRuns;
+}
+
+// How many splats there are in all, within the bounds on repeated meshes.
 Expected<std::size_t> count_splats(const std::vector<GltfInstance>& instances, std::size_t file,
                                    const std::string& name) {
   const std::size_t max_plain = file / kFileBytesPerSplat;
   const std::size_t max_compressed = std::max(kAlwaysAllowed, kCompressedPerFileByte * file);
   std::size_t plain = 0, compressed = 0, decoded = 0;
+  if (!may_run_networks(instances))
+    return fail(name, "nodes",
+                fmt::format("show {} primitives, expected one where networks make the colours",
+                            instances.size()));
   for (const GltfInstance& instance : instances) {
     const GltfSplats& splats = instance.splats;
-    if (splats.networks && instances.size() > 1)
-      return fail(name, "nodes",
-                  fmt::format("show {} primitives, expected one where networks make the colours",
-                              instances.size()));
     // Every count has 32 bits or is at most the size of the file, and there are at most 65,536.
     (splats.compression == GltfCompression::none ? plain : compressed) += splats.count;
-    decoded += splats.compressed.size();
+    decoded += splats.compressed.bytes;
     if (plain <= max_plain && compressed <= max_compressed && decoded <= kMaxDecoding * file) {
       continue;
     }
@@ -178,19 +217,20 @@ void add_plain_bits(const GltfSplats& from, AttributeBits& bits) {
   for (std::size_t k = 0; k < rest; ++k) add("sh_rest", from.sh[k + 1], 3);
 }
 
-// SPZ's attributes cannot be told apart.
-AttributeBits bits_of(const std::vector<GltfInstance>& instances, int sh_degree) {
-  AttributeBits bits;
+// Bits a splat. `bits`: sums of what the streams of compact primitives tell. SPZ's attributes
+// cannot be told apart.
+AttributeBits bits_of(const std::vector<GltfInstance>& instances, int sh_degree,
+                      AttributeBits bits) {
   double splats = 0;
-  for (const GltfInstance& instance : instances) {
-    const GltfSplats& from = instance.splats;
+  for (const auto& [from, transform] : instances) {
     splats += static_cast<double>(from.count);
     if (from.compression == GltfCompression::none) add_plain_bits(from, bits);
     if (from.compression == GltfCompression::spz)
-      bits["spz"] += 8 * static_cast<double>(from.compressed.size());
-    if (from.compression != GltfCompression::compact) continue;
-    for (const auto& [attribute, bytes] : compact_attribute_bytes(from))
-      bits[attribute] += 8 * static_cast<double>(bytes);
+      bits["spz"] += 8 * static_cast<double>(from.compressed.bytes);
+  }
+  if (!instances.empty() && instances[0].splats.networks) {
+    const GltfNetworks& networks = *instances[0].splats.networks;  // those of all
+    bits["networks"] = 8 * static_cast<double>(networks.psi.bytes + networks.phi.bytes);
   }
   if (bits.empty()) return float_attribute_bits(sh_degree);
   for (auto& [attribute, sum] : bits) sum /= std::max(splats, 1.0);
@@ -198,19 +238,21 @@ AttributeBits bits_of(const std::vector<GltfInstance>& instances, int sh_degree)
 }
 
 // The splats of one instance, of its own degree, in the frame of a SplatCloud.
-Expected<SplatCloud> read_instance(const GltfInstance& instance, const std::string& name) {
+Expected<SplatCloud> read_instance(const GltfInstance& instance, GltfBuffers& buffers,
+                                   const std::string& name, AttributeBits& bits) {
   const GltfSplats& splats = instance.splats;
   // What most files hold needs no second copy
   if (instance.transform == AffineMap{} && splats.compression == GltfCompression::compact &&
       !splats.linear_colours) {
-    auto cloud = decode_compact_splats(splats, name);
+    auto cloud = read_compact(splats, buffers, name, bits);
     if (cloud) turn_cloud(*cloud);
     return cloud;
   }
   auto cloud = allocate_cloud(splats.count, splats.sh_degree, name);
   if (!cloud) return cloud;
   std::size_t next = 0;
-  if (auto ok = read_primitive(splats, name, *cloud, next); !ok) return std::unexpected(ok.error());
+  if (auto ok = read_primitive(splats, buffers, name, *cloud, next, bits); !ok)
+    return std::unexpected(ok.error());
   if (splats.linear_colours) encode_linear_colours(*cloud, 0, next);
   transform_splats(instance.transform, *cloud, 0, next);
   turn_splats(*cloud, 0, next, splats.sh_degree);
@@ -228,25 +270,47 @@ ComingSplats coming_from(const std::vector<GltfInstance>& instances, std::size_t
   return coming;
 }
 
-Expected<void> read_instances(const std::vector<GltfInstance>& instances, std::size_t total,
-                              const std::string& name, SplatSink& sink, SceneFile& scene) {
+// The chunks of a scene by importance. Where a mesh is shown twice, there is one.
+std::vector<SceneChunk> chunks_of(const GltfDocument& document, std::size_t bytes) {
+  const std::vector<GltfInstance>& instances = document.instances;
+  const auto number = [](const GltfInstance& instance) { return instance.splats.chunk; };
+  const bool in_order = std::ranges::is_sorted(instances, {}, number);
+  std::vector<SceneChunk> chunks;
+  for (const GltfInstance& instance : instances) {
+    const GltfSplats& splats = instance.splats;
+    if (chunks.empty() || (in_order && splats.chunk == chunks.size())) chunks.emplace_back();
+    chunks.back().splats += splats.count;
+    chunks.back().end = static_cast<std::size_t>(document.chunks.bin_at) + splats.compressed.end();
+  }
+  if (chunks.size() <= 1) return {};
+  chunks.back().end = bytes;
+  return chunks;
+}
+
+// Tells the sink of every chunk but the last.
+Expected<void> read_instances(GltfDocument& document, std::size_t total, const std::string& name,
+                              SplatSink& sink, SceneFile& scene) {
+  const std::vector<GltfInstance>& instances = document.instances;
   const auto degree = sink.begin(coming_from(instances, total));
   if (!degree) return std::unexpected(degree.error());
   scene.cloud.sh_degree = *degree;
-  for (const GltfInstance& instance : instances) {
-    auto part = read_instance(instance, name);
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    auto part = read_instance(instances[i], document.buffers, name, scene.attribute_bits);
     if (!part) return std::unexpected(part.error());
-    if (part->filter.compensated) scene.cloud.filter.compensated = true;
+    if (part->filter.compensated && !document.json.filter) scene.cloud.filter.compensated = true;
     limit_sh_degree(*part, *degree);
     scene.dropped += drop_non_finite(*part);
     if (auto taken = sink.take(*part); !taken) return taken;
+    const bool ends_chunk =
+        i + 1 < instances.size() && instances[i].splats.chunk < instances[i + 1].splats.chunk;
+    if (ends_chunk && !scene.chunks.empty()) sink.chunk_came(scene);
   }
   return {};
 }
 
-Expected<SceneFile> read(std::span<const std::byte> bytes, const NamedFiles& files,
-                         const std::string& name, SplatSink& sink) {
-  const auto document = open_gltf(bytes, files, name);
+Expected<SceneFile> read(const ByteSource& file, const NamedFiles& files, const std::string& name,
+                         SplatSink& sink) {
+  auto document = open_gltf(file, files, name);
   if (!document) return std::unexpected(document.error());
   const std::vector<GltfInstance>& instances = document->instances;
   const GltfJson& json = document->json;
@@ -261,28 +325,33 @@ Expected<SceneFile> read(std::span<const std::byte> bytes, const NamedFiles& fil
   const auto total = count_splats(instances, size, name);
   if (!total) return std::unexpected(total.error());
   SceneFile scene;
-  if (auto done = read_instances(instances, *total, name, sink, scene); !done)
-    return std::unexpected(done.error());
   if (json.filter) scene.cloud.filter = *json.filter;
+  scene.start = json.start;
+  scene.chunks = chunks_of(*document, size);
+  if (auto done = read_instances(*document, *total, name, sink, scene); !done)
+    return std::unexpected(done.error());
+  if (document->chunks.behind > 0)
+    if (auto ok = check_chunks_behind(file, document->chunks, name); !ok)
+      return std::unexpected(ok.error());
   scene.format = "glb";
   scene.extensions = json.extensions_used;
   scene.warnings = document->warnings;
   if (instances.empty())
     scene.warnings.push_back(
         fmt::format("names {}, but no node of its scene has a primitive with it", kSplatExtension));
-  scene.start = json.start;
-  scene.attribute_bits = bits_of(instances, coming_from(instances, *total).sh_degree);
+  scene.attribute_bits =
+      bits_of(instances, coming_from(instances, *total).sh_degree, std::move(scene.attribute_bits));
   scene.bytes = size;
   return scene;
 }
 
 // Parsing takes memory that is not asked for as a value.
-Expected<SceneFile> read_within_memory(std::span<const std::byte> bytes, const NamedFiles& files,
+Expected<SceneFile> read_within_memory(const ByteSource& file, const NamedFiles& files,
                                        const std::string& name, SplatSink& sink) {
   try {
-    return read(bytes, files, name, sink);
+    return read(file, files, name, sink);
   } catch (const std::bad_alloc&) {
-    return fail(name, "memory", fmt::format("out of memory parsing {} bytes", bytes.size()));
+    return fail(name, "memory", fmt::format("out of memory parsing {} bytes", file.size()));
   }
 }
 
@@ -295,6 +364,13 @@ bool is_glb(std::span<const std::byte> bytes) {
          std::memcmp(bytes.data(), kGlbMagic, sizeof kGlbMagic) == 0;
 }
 
+std::optional<std::uint64_t> size_of_glb(std::span<const std::byte> begin) {
+  if (!is_glb(begin) || begin.size() < kGlbHeader) return std::nullopt;
+  std::uint32_t size = 0;
+  std::memcpy(&size, begin.data() + kGlbHeader - sizeof size, sizeof size);
+  return size;
+}
+
 bool is_gltf(std::span<const std::byte> bytes) {
   std::string_view text = as_text(bytes.first(std::min(bytes.size(), kMaxJsonText)));
   if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
@@ -303,19 +379,22 @@ bool is_gltf(std::span<const std::byte> bytes) {
          (text.contains("\"meshes\"") || text.contains("\"scenes\""));
 }
 
-Expected<SceneFile> read_glb(std::span<const std::byte> bytes, const std::string& name,
-                             SplatSink& sink) {
-  if (!is_glb(bytes)) return std::unexpected(parse_glb_container(bytes, name).error());
-  return read_within_memory(bytes, {}, name, sink);
+Expected<SceneFile> read_glb(const ByteSource& file, const std::string& name, SplatSink& sink) {
+  std::vector<std::byte> room;
+  const auto begin = file.read(0, std::min<std::uint64_t>(file.size(), sizeof kGlbMagic), room);
+  if (!begin) return std::unexpected(begin.error());
+  if (!is_glb(*begin)) return std::unexpected(parse_glb_container(file, name, room).error());
+  return read_within_memory(file, {}, name, sink);
 }
 
 Expected<SceneFile> read_glb(std::span<const std::byte> bytes, const std::string& name) {
-  return read_whole(name, [&](SplatSink& sink) { return read_glb(bytes, name, sink); });
+  return read_whole(name,
+                    [&](SplatSink& sink) { return read_glb(MemoryBytes(bytes), name, sink); });
 }
 
 Expected<SceneFile> read_gltf(std::span<const std::byte> bytes, const std::string& name,
                               SplatSink& sink) {
-  return read_within_memory(bytes, {}, name, sink);
+  return read_within_memory(MemoryBytes(bytes), {}, name, sink);
 }
 
 Expected<SceneFile> read_gltf(std::span<const std::byte> bytes, const std::string& name) {
@@ -329,8 +408,9 @@ Expected<SceneFile> read_gltf_folder(std::span<const std::byte> bytes,
     return folder.read(file, max_bytes);
   };
   const std::string name = path.string();
-  return read_whole(name,
-                    [&](SplatSink& sink) { return read_within_memory(bytes, files, name, sink); });
+  return read_whole(name, [&](SplatSink& sink) {
+    return read_within_memory(MemoryBytes(bytes), files, name, sink);
+  });
 }
 
 }  // namespace fluxgs

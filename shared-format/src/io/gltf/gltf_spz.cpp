@@ -16,7 +16,10 @@ Expected<GltfSplats> find_spz_splats(const GltfCompressedPlace& place, int view,
   auto splats = describe_compressed(place, view, extension.c_str());
   if (!splats) return splats;
   splats->compression = GltfCompression::spz;
-  const SpzSource source{splats->compressed, place.name, splats->compressed_field};
+  std::vector<std::byte> room;
+  const auto bytes = place.buffers.read(splats->compressed, room);
+  if (!bytes) return std::unexpected(bytes.error());
+  const SpzSource source{*bytes, place.name, splats->compressed_field};
   const auto header = read_spz_header(source);
   if (!header) return std::unexpected(header.error());
   if (header->count != splats->count) {

@@ -1,18 +1,11 @@
 #include "render/splat_budget.h"
-#include "fluxgs/math/logistic.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
-namespace fluxgs::render {
+#include "fluxgs/contribution.h"
 
-double contribution(const SplatCloud& cloud, std::size_t i) {
-  const glm::dvec3 s = glm::exp(glm::dvec3(cloud.log_scales[i]));
-  const double opacity = sigmoid(double{cloud.opacity_logits[i]});
-  const double value = opacity * (s.x * s.y + s.y * s.z + s.z * s.x) / 3;
-  return std::isnan(value) ? 0 : value;
-}
+namespace fluxgs::render {
 
 std::vector<std::uint32_t> max_contributing(const SplatCloud& cloud, std::size_t count) {
   std::vector<double> values(cloud.size());

@@ -8,13 +8,14 @@
 
 #include <fmt/format.h>
 
-#include "render/splat_budget.h"
+#include "fluxgs/contribution.h"
 
 namespace fluxgs::viewer {
 namespace {
 
 using render::RenderCloud;
 using Planned = std::function<void(const ComingSplats&, const ScenePlan&)>;
+using Coarse = std::function<void(LoadedScene&&)>;
 
 constexpr std::size_t kLeastPart = 20;  // of the splats, below which it is not the scene
 
@@ -57,8 +58,9 @@ class Ranking {
 /// keeps those that add most.
 class BudgetSink final : public SplatSink {
  public:
-  BudgetSink(std::uint64_t memory, const std::string& name, const Planned& planned)
-      : memory_(memory), name_(name), planned_(planned) {}
+  BudgetSink(std::uint64_t memory, const std::string& name, const Planned& planned,
+             const Coarse& coarse)
+      : memory_(memory), name_(name), planned_(planned), coarse_(coarse) {}
 
   Expected<int> begin(const ComingSplats& coming) override {
     if (ranked_ && coming.count != coming_) return changed();
@@ -79,12 +81,22 @@ class BudgetSink final : public SplatSink {
     if (keeps_ && ranked_ && cloud_.file_splats + part.size() > ranking_.size()) return changed();
     for (std::size_t i = 0; i < part.size(); ++i) {
       if (!keeps_)
-        ranking_.add(render::contribution(part, i));
+        ranking_.add(contribution(part, i));
       else if (!ranked_ || ranking_.is_chosen(cloud_.file_splats + i))
         append(part, i, cloud_);
     }
     if (keeps_) cloud_.file_splats += part.size();
     return {};
+  }
+
+  void chunk_came(const SceneFile& so_far) override {
+    const std::uint64_t all = plan_.count * render::render_cloud_bytes(plan_.sh_degree);
+    if (!coarse_ || !keeps_ || ranked_ || !so_far.start || 2 * all > memory_) return;
+    LoadedScene scene{cloud_, so_far.dropped, so_far.start, true};
+    scene.cloud.file_splats = coming_;
+    scene.cloud.base.filter = so_far.cloud.filter;
+    put_in_order(scene.cloud);
+    coarse_(std::move(scene));
   }
 
   bool needs_second_reading() const { return !keeps_; }
@@ -111,6 +123,7 @@ class BudgetSink final : public SplatSink {
   std::uint64_t memory_;
   const std::string& name_;
   const Planned& planned_;
+  const Coarse& coarse_;
   ScenePlan plan_;
   std::size_t coming_ = 0;
   bool keeps_ = false, ranked_ = false;
@@ -144,7 +157,7 @@ ScenePlan plan_scene(const ComingSplats& coming, std::uint64_t memory) {
 Expected<LoadedScene> read_within(std::uint64_t memory, const SceneFormat& format,
                                   const ByteSource& source, const std::string& name,
                                   const std::function<void(const SceneEstimate&)>& planned,
-                                  const std::function<void()>& second) {
+                                  const std::function<void()>& second, const Coarse& coarse) {
   const Planned tell = [&](const ComingSplats& coming, const ScenePlan& plan) {
     if (planned)
       planned({.format = std::string(format.name),
@@ -152,7 +165,7 @@ Expected<LoadedScene> read_within(std::uint64_t memory, const SceneFormat& forma
                .sh_degree = coming.sh_degree,
                .decoded = plan.count * render::render_cloud_bytes(plan.sh_degree)});
   };
-  BudgetSink sink(memory, name, tell);
+  BudgetSink sink(memory, name, tell, coarse);
   auto read = read_scene(format, source, name, sink);
   if (read && sink.needs_second_reading()) {
     if (second) second();

@@ -46,6 +46,12 @@ class Presenter {
     redraw_ = true;
   }
 
+  /// More of the scene that is shown: see Viewer::refine().
+  void refine(std::shared_ptr<const render::RenderCloud> cloud) {
+    viewer_.refine(std::move(cloud));
+    redraw_ = true;
+  }
+
   /// Draws with the next frame() whether anything moved or not.
   void redraw() { redraw_ = true; }
   /// Lets time pass, and draws where that, or anything else, changed the image. Returns whether the

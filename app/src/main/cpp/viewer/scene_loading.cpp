@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <chrono>
 #include <exception>
+#include <limits>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -16,6 +17,7 @@
 #include <fmt/format.h>
 
 #include "fluxgs/byte_source.h"
+#include "fluxgs/io/gltf.h"
 #include "fluxgs/io/scene.h"
 #include "viewer/decode_memory_guard.h"
 
@@ -51,7 +53,7 @@ struct SceneLoading::Job {
   std::atomic<bool> cancelled = false;
   mutable std::mutex mutex;
   LoadState state;
-  std::optional<Clock::time_point> last_came;  ///< bytes, or the wish for the first
+  std::optional<Clock::time_point> waits_since;  ///< for bytes; nothing: it does not
   std::optional<LoadedScene> scene;
 
   /// A file that says how far it has been read, and ends when the loading is cancelled.
@@ -62,16 +64,102 @@ struct SceneLoading::Job {
     std::uint64_t size() const override { return bytes_.size(); }
     Expected<std::span<const std::byte>> read(std::uint64_t at, std::size_t count,
                                               Bytes& room) const override {
-      if (job_.cancelled) return fail(job_.name, "read", "was cancelled");
-      auto part = bytes_.read(at, count, room);
-      job_.came();
-      if (part) job_.update([&](LoadState& s) { s.read = std::max(s.read, at + count); });
-      return part;
+      if (room.size() < count) room.resize(count);
+      for (std::size_t done = 0; done < count;) {
+        if (job_.cancelled) return job_.was_cancelled();
+        const Waiting waiting(job_);
+        const auto part = bytes_.read(at + done, std::min(kChunk, count - done), part_);
+        if (!part) return part;
+        std::ranges::copy(*part, room.begin() + static_cast<std::ptrdiff_t>(done));
+        done += part->size();
+        job_.came(at + done, size());
+      }
+      return std::span<const std::byte>(room).first(count);
     }
 
    private:
     Job& job_;
     FileBytes bytes_;
+    mutable Bytes part_;
+  };
+
+  /// A pipe, all bytes of which are kept, as they come once.
+  class WatchedPipe final : public ByteSource {
+   public:
+    explicit WatchedPipe(Job& job) : job_(job) {}
+
+    /// Reads until so many bytes are there, or it ends.
+    Expected<void> fill(std::size_t wanted) const {
+      while (bytes_.size() < wanted && !ended_) {
+        const Waiting waiting(job_);
+        const auto there = job_.wait_for_bytes();
+        if (!there) return std::unexpected(there.error());
+        if (!*there) return job_.was_cancelled();
+        const auto got = take_part();
+        if (!got) return std::unexpected(got.error());
+        if (bytes_.size() > job_.limits.memory) return job_.too_large(bytes_.size());
+        job_.came(bytes_.size(), size_);
+      }
+      return {};
+    }
+    std::span<const std::byte> so_far() const { return bytes_; }
+    void set_size(std::uint64_t size) { size_ = size; }
+    std::uint64_t size() const override { return size_; }
+
+    Expected<std::span<const std::byte>> read(std::uint64_t at, std::size_t count,
+                                              Bytes& room) const override {
+      const auto end = static_cast<std::size_t>(at) + count;
+      if (job_.cancelled) return job_.was_cancelled();
+      if (auto filled = fill(end); !filled) return std::unexpected(filled.error());
+      if (bytes_.size() < end) return job_.cut(bytes_.size(), size_);
+      const auto part = std::span<const std::byte>(bytes_).subspan(end - count, count);
+      if (bytes_.size() >= size_) return part;
+      room.assign(part.begin(), part.end());  // they still grow, and move
+      return std::span<const std::byte>(room);
+    }
+
+   private:
+    Expected<void> take_part() const {
+      const std::size_t before = bytes_.size();
+      make_room();
+      bytes_.resize(before + kChunk);
+      const auto got = ::read(job_.descriptor, bytes_.data() + before, kChunk);
+      bytes_.resize(before + static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+      ended_ = got == 0;
+      if (got >= 0 || errno == EINTR || errno == EAGAIN) return {};
+      return fail(job_.name, "read", std::generic_category().message(errno));
+    }
+
+    /// For another part. Growing takes what there is and the new block at once: together never more
+    /// than twice what the scene may take.
+    void make_room() const {
+      const std::size_t needed = bytes_.size() + kChunk;
+      if (needed <= bytes_.capacity()) return;
+      const std::uint64_t most = std::min(job_.limits.memory, size_ + kChunk);
+      bytes_.reserve(
+          std::max<std::size_t>(needed, std::min<std::uint64_t>(2 * bytes_.size(), most)));
+    }
+
+    Job& job_;
+    std::uint64_t size_ = kUnknownSize - kChunk;
+    mutable Bytes bytes_;
+    mutable bool ended_ = false;
+  };
+
+  /// The time during which bytes are waited for.
+  class Waiting {
+   public:
+    explicit Waiting(Job& job) : job_(job) { set(Clock::now()); }
+    Waiting(const Waiting&) = delete;
+    Waiting& operator=(const Waiting&) = delete;
+    ~Waiting() { set(std::nullopt); }
+
+   private:
+    void set(std::optional<Clock::time_point> since) {
+      const std::lock_guard lock(job_.mutex);
+      job_.waits_since = since;
+    }
+    Job& job_;
   };
 
   Job() = default;
@@ -91,17 +179,26 @@ struct SceneLoading::Job {
     return needs_memory(name, needed, limits.memory);
   }
 
-  void came() {
-    const std::lock_guard lock(mutex);
-    last_came = Clock::now();
+  std::unexpected<Error> was_cancelled() const { return fail(name, "read", "was cancelled"); }
+  std::unexpected<Error> cut(std::uint64_t bytes, std::uint64_t size) const {
+    return fail(name, "read",
+                fmt::format("ended after {} of {} bytes: it was cut, or is gone", bytes, size));
+  }
+
+  void came(std::uint64_t bytes, std::uint64_t all) {
+    update([&](LoadState& s) {
+      s.read = std::max(s.read, bytes);
+      if (s.phase == LoadPhase::reading && bytes >= all) s.phase = LoadPhase::decoding;
+    });
   }
 
   /// A file of which nothing has come for too long is given up, even where the thread hangs in a
   /// read(): what is said to be a regular file may be another app's, or lie across a network.
   void look_for_stalling() {
     const std::lock_guard lock(mutex);
-    if (state.phase != LoadPhase::reading || !last_came) return;
-    if (std::chrono::duration<double>(Clock::now() - *last_came).count() <= limits.patience) return;
+    if (state.phase != LoadPhase::reading || !waits_since) return;
+    if (std::chrono::duration<double>(Clock::now() - *waits_since).count() <= limits.patience)
+      return;
     cancelled = true;
     set_failed(state,
                fail(name, "read",
@@ -133,94 +230,75 @@ struct SceneLoading::Job {
 
   off_t position() const { return std::max<off_t>(::lseek(descriptor, 0, SEEK_CUR), 0); }
 
-  /// All bytes, of which there are so many where that is known.
-  Expected<Bytes> read_all(const std::optional<std::uint64_t>& size) {
-    if (size && *size > limits.memory) return too_large(*size);
-    Bytes bytes;
-    if (size) bytes.reserve(*size + kChunk);  // the last read asks for more than there is
-    came();
-    while (!cancelled) {
-      const auto there = wait_for_bytes();
-      if (!there) return std::unexpected(there.error());
-      if (!*there) break;
-      const std::size_t before = bytes.size();
-      make_room(bytes);
-      bytes.resize(before + kChunk);
-      const auto got = ::read(descriptor, bytes.data() + before, kChunk);
-      came();
-      bytes.resize(before + static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
-      if (got < 0 && (errno == EINTR || errno == EAGAIN)) continue;
-      if (got < 0) return fail(name, "read", std::generic_category().message(errno));
-      if (got == 0) break;
-      if (bytes.size() > limits.memory) return too_large(bytes.size());
-      if (before < kEnoughForHeaders && bytes.size() >= kEnoughForHeaders)
-        if (auto fits = look_ahead(bytes, size); !fits) return std::unexpected(fits.error());
-      update([&](LoadState& s) { s.read = bytes.size(); });
-    }
-    // A .splat has no header that would miss the rest
-    if (!cancelled && size && bytes.size() < *size)
-      return fail(
-          name, "read",
-          fmt::format("ended after {} of {} bytes: it was cut, or is gone", bytes.size(), *size));
-    return bytes;
-  }
-
-  /// For another chunk. Growing takes what there is and the new block at once: together never more
-  /// than twice what the scene may take.
-  void make_room(Bytes& bytes) const {
-    const std::size_t needed = bytes.size() + kChunk;
-    if (needed > bytes.capacity())
-      bytes.reserve(std::max(needed, std::min<std::size_t>(2 * bytes.size(), limits.memory)));
-  }
-
   /// Memory that it will take at least, for most formats known long before all of it is there: all
   /// splats of what does not lie in a file should fit. Fails if that is too much, and on what is no
   /// scene.
-  Expected<void> look_ahead(const Bytes& bytes, const std::optional<std::uint64_t>& size) {
-    if (auto known = recognise_beginning(bytes, name); !known)
-      return std::unexpected(known.error());
-    auto estimate = estimate_beginning(bytes, size.value_or(kUnknownSize), name);
+  Expected<void> look_ahead(std::span<const std::byte> begin, std::uint64_t size) {
+    auto estimate = estimate_beginning(begin, size, name);
     if (!estimate) return {};
     const int least_degree = std::min(estimate->sh_degree, 1);
     estimate->decoded = estimate->splats * render::render_cloud_bytes(least_degree);
-    const std::uint64_t needed = size.value_or(bytes.size()) + estimate->decoded;
+    const std::uint64_t needed = (size == kUnknownSize ? begin.size() : size) + estimate->decoded;
     if (needed > limits.memory) return too_large(needed);
     update([&](LoadState& s) { s.estimate = *estimate; });
     return {};
   }
 
-  /// A file of a format that is read in parts.
-  const SceneFormat* format_in_parts(const ByteSource& file) const {
-    Bytes room;
-    const auto most = std::min<std::uint64_t>(file.size(), kEnoughForHeaders);
-    const auto begin = file.read(0, static_cast<std::size_t>(most), room);
-    if (!begin) return nullptr;
-    const auto format = recognise_beginning(*begin, name);
-    return format && (*format)->reads_parts ? *format : nullptr;
+  /// Of all bytes, or the first of more.
+  Expected<const SceneFormat*> format_of(std::span<const std::byte> begin) const {
+    return begin.size() < kEnoughForHeaders ? recognise_scene(begin, name)
+                                            : recognise_beginning(begin, name);
   }
 
   /// Has a guard from when memory is taken for the scene.
   Expected<LoadedScene> load(std::optional<DecodeMemoryGuard>& guard) {
     const auto in_file = file_size();
     if (!in_file) return std::unexpected(in_file.error());
-    const auto size = *in_file ? *in_file : limits.announced;
-    update([&](LoadState& s) { s.bytes = size.value_or(0); });
-    if (*in_file) {
-      const auto begin = static_cast<std::uint64_t>(position());
-      if (const SceneFormat* format = format_in_parts(FileBytes(descriptor, begin, *size, name))) {
-        guard.emplace();
-        came();
-        return decode(*format, WatchedFile(*this, begin, *size), limits.memory);
-      }
-    }
-    const auto bytes = read_all(size);
-    if (!bytes) return std::unexpected(bytes.error());
-    if (cancelled) return LoadedScene{};
-    guard.emplace();
-    const auto format = recognise_scene(*bytes, name);
+    return *in_file ? load_file(**in_file, guard) : load_pipe(guard);
+  }
+
+  Expected<LoadedScene> load_file(std::uint64_t size, std::optional<DecodeMemoryGuard>& guard) {
+    update([&](LoadState& s) { s.bytes = size; });
+    const auto begin = static_cast<std::uint64_t>(position());
+    Bytes room;
+    const auto first =
+        FileBytes(descriptor, begin, size, name)
+            .read(0, static_cast<std::size_t>(std::min<std::uint64_t>(size, kEnoughForHeaders)),
+                  room);
+    if (!first) return std::unexpected(first.error());
+    const auto format = format_of(*first);
     if (!format) return std::unexpected(format.error());
-    start_decoding();
-    return decode(**format, MemoryBytes(*bytes), limits.memory - bytes->size());
+    if (!(*format)->reads_parts && size > limits.memory) return too_large(size);
+    guard.emplace();
+    return decode(**format, WatchedFile(*this, begin, size),
+                  (*format)->reads_parts ? limits.memory : limits.memory - size);
+  }
+
+  /// The size of a .glb is in its header, so that it need not be there as a whole.
+  Expected<LoadedScene> load_pipe(std::optional<DecodeMemoryGuard>& guard) {
+    update([&](LoadState& s) { s.bytes = limits.announced.value_or(0); });
+    if (limits.announced && *limits.announced > limits.memory) return too_large(*limits.announced);
+    WatchedPipe pipe(*this);
+    if (auto filled = pipe.fill(kEnoughForHeaders); !filled) return std::unexpected(filled.error());
+    const auto format = format_of(pipe.so_far());
+    if (!format) return std::unexpected(format.error());
+    const auto announced = size_of_glb(pipe.so_far());
+    if (announced) {
+      if (*announced > limits.memory) return too_large(*announced);
+      pipe.set_size(*announced);
+    } else {
+      const std::uint64_t size = limits.announced.value_or(kUnknownSize);
+      if (auto fits = look_ahead(pipe.so_far(), size); !fits) return std::unexpected(fits.error());
+      if (auto filled = pipe.fill(std::numeric_limits<std::size_t>::max()); !filled)
+        return std::unexpected(filled.error());
+      // A .splat has no header that would miss the rest
+      const std::size_t came = pipe.so_far().size();
+      if (limits.announced && came < *limits.announced) return cut(came, *limits.announced);
+      pipe.set_size(came);
+      start_decoding();
+    }
+    guard.emplace();
+    return decode(**format, pipe, limits.memory - pipe.size());
   }
 
   void start_decoding() {
@@ -232,11 +310,13 @@ struct SceneLoading::Job {
     return read_within(
         memory, format, source, name,
         [&](const SceneEstimate& planned) { update([&](LoadState& s) { s.estimate = planned; }); },
-        [&] { start_decoding(); });
+        [&] { start_decoding(); },
+        [&](LoadedScene&& coarse) { update([&](LoadState&) { scene = std::move(coarse); }); });
   }
 
   void finish(Expected<LoadedScene> loaded) {
     update([&](LoadState& s) {
+      scene.reset();
       if (s.phase == LoadPhase::failed) return;  // was given up
       if (cancelled) {
         s.phase = LoadPhase::cancelled;
@@ -304,7 +384,6 @@ bool SceneLoading::is_over() const {
 std::optional<LoadedScene> SceneLoading::take() {
   if (!job_) return std::nullopt;
   const std::lock_guard lock(job_->mutex);
-  if (job_->state.phase != LoadPhase::ready) return std::nullopt;
   return std::exchange(job_->scene, std::nullopt);
 }
 

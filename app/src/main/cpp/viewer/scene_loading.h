@@ -58,7 +58,8 @@ class SceneLoading {
   /// True if nothing changes any more: there was none, it failed, or the scene was taken.
   bool is_over() const;
 
-  /// The scene, once, when the phase is ready.
+  /// The scene, once, when the phase is ready; before that, what has come of it since it was asked
+  /// for last (LoadedScene::is_coarse).
   std::optional<LoadedScene> take();
 
  private:

@@ -255,7 +255,7 @@ std::shared_ptr<const render::RenderCloud> Session::scene() {
   std::shared_ptr<const render::RenderCloud> result;
   post_and_wait([&] {
     take_scene();
-    result = cloud_;
+    if (has_whole_scene()) result = cloud_;
   });
   return result;
 }
@@ -265,23 +265,30 @@ std::string Session::driver() const {
   return driver_;
 }
 
-/// A scene that has been loaded takes the place of the one before.
+/// A scene that has been loaded takes the place of the one before; what has come of it, where there
+/// was none.
 void Session::take_scene() {
   std::optional<LoadedScene> loaded;
   std::optional<SavedView> saved;
+  bool refines = false;
   {
     const std::lock_guard lock(mutex_);
     loaded = loading_.take();
-    if (!loaded) return;
+    if (!loaded || (loaded->is_coarse && has_whole_scene())) return;
+    refines = is_coarse_ && cloud_number_ == loadings_ && !presenter_->has_failed();
     cloud_number_ = loadings_;
-    saved = std::exchange(saved_wanted_, std::nullopt);
+    if (!refines) saved = std::exchange(saved_wanted_, std::nullopt);
     state_.dropped = loaded->dropped;
     state_.error.clear();
     state_.drawn = false;
   }
   cloud_ = std::make_shared<const render::RenderCloud>(std::move(loaded->cloud));
+  is_coarse_ = loaded->is_coarse;
   initial_ = loaded->start;
-  presenter_->show(cloud_, initial_, saved);
+  if (refines)
+    presenter_->refine(cloud_);
+  else
+    presenter_->show(cloud_, initial_, saved);
 }
 
 void Session::draw_frame(double seconds) {
@@ -292,10 +299,10 @@ void Session::draw_frame(double seconds) {
   const auto shown = presenter_->frame(passed);
   publish_driver();
   if (!shown) return give_up(shown.error());
-  if (!*shown || was_drawn) return;
+  if (!*shown) return;
   const std::lock_guard lock(mutex_);
-  state_.first_frame_ms = milliseconds_since(load_began_);
-  state_.shown = cloud_number_;
+  if (!was_drawn) state_.first_frame_ms = milliseconds_since(load_began_);
+  if (!is_coarse_) state_.shown = cloud_number_;
 }
 
 void Session::give_up(const Error& error) {
@@ -323,8 +330,9 @@ void Session::publish() {
   const std::lock_guard lock(mutex_);
   resting_ = rests && tasks_.empty() && !frame_wanted_ && loading_.is_over();
   state_.stats = stats;
-  state_.has_scene = cloud_ != nullptr && !presenter_->has_failed();
-  state_.drawn = presenter_->has_drawn();
+  state_.has_scene = has_whole_scene() && !presenter_->has_failed();
+  state_.drawn = presenter_->has_drawn() && has_whole_scene() && state_.shown == cloud_number_;
+  state_.coarse = presenter_->has_drawn() && is_coarse_;
   state_.flipped = viewer.is_flipped();
   state_.motion = viewer.motion();
   saved_ = saved;
@@ -337,7 +345,7 @@ void Session::start_benchmark(const bench::SceneBenchmarkPlan& plan) {
 Expected<bench::SceneBenchmark> Session::measure(const bench::SceneBenchmarkPlan& plan) {
   take_scene();
   const auto cloud = cloud_;  // progress runs tasks, one of which may take up another
-  if (!cloud) return fail("benchmark", "", "there is no scene to measure");
+  if (!has_whole_scene()) return fail("benchmark", "", "there is no scene to measure");
   if (!cloud->is_whole())
     return fail("benchmark", "memory",
                 "there is room for a part of the scene only; a smaller one can be measured");

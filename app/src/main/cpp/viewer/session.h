@@ -24,6 +24,7 @@ struct SessionState {
   LoadState loading;
   bool has_scene = false;   ///< there is one to look at
   bool drawn = false;       ///< and an image of it was shown
+  bool coarse = false;      ///< an image was shown of what has come of a scene that is loaded
   std::uint64_t shown = 0;  ///< which loading it is of, by the number that load() gave; 0: none
   bool flipped = false;
   Motion motion = Motion::none;
@@ -128,6 +129,7 @@ class Session {
   void run_tasks();
   std::optional<double> take_frame();
   void take_scene();
+  bool has_whole_scene() const { return cloud_ && !is_coarse_; }
   void draw_frame(double seconds);
   void give_up(const Error& error);
   Expected<bench::SceneBenchmark> measure(const bench::SceneBenchmarkPlan& plan);
@@ -142,6 +144,7 @@ class Session {
   std::optional<double> last_frame_;
   std::shared_ptr<const render::RenderCloud> cloud_;
   std::uint64_t cloud_number_ = 0;  // of its loading
+  bool is_coarse_ = false;          // the rest of it is still to come
   std::optional<InitialView> initial_;
 
   // Of both

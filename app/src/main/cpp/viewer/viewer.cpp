@@ -51,6 +51,22 @@ void Viewer::show(std::shared_ptr<const render::RenderCloud> cloud,
   navigated_ = true;
 }
 
+void Viewer::refine(std::shared_ptr<const render::RenderCloud> cloud) {
+  cloud_ = std::move(cloud);
+  remake_ = stale_ = true;
+  if (!navigated_) return;
+  const camera::Navigation whole =
+      camera::initial_navigation(cloud_->base, initial_, glm::dvec2(size_));
+  navigation_.units = whole.units;
+  if (!initial_ || is_flipped()) return;
+  // The same eye looks the same way, but at what is seen now
+  const bool is_home = same(navigation_.view, navigation_.home);
+  camera::ViewState& home = navigation_.home;
+  const double fov = std::exchange(home, whole.home).fov;
+  home.fov = fov;
+  if (is_home) navigation_.view = home;
+}
+
 // Needs to know how large the image is.
 void Viewer::begin_navigation() {
   if (navigated_ || !cloud_) return;

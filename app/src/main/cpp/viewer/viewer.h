@@ -74,6 +74,9 @@ class Viewer {
             const std::optional<InitialView>& initial, const std::optional<SavedView>& saved = {});
   /// The same, but from where `navigation` stands.
   void show(std::shared_ptr<const render::RenderCloud> cloud, const camera::Navigation& navigation);
+  /// More of the scene that is shown, which is looked at from where it was. Its start view should
+  /// be known: one that is guessed from a part of a scene is another than that of the whole.
+  void refine(std::shared_ptr<const render::RenderCloud> cloud);
   bool has_scene() const { return cloud_ != nullptr; }
 
   /// Has scenes drawn without the GPU from the next open() on.
