@@ -315,6 +315,12 @@ void add_glb(Seeds& seeds) {
   }
   glb["compact_of_several_degrees"] =
       test::joined_glb({glb["compact_degree0"], glb["compact_degree1"], glb["compact_degree3"]});
+  glb["compact_in_chunks"] =
+      test::edited(test::edited(glb["compact_of_several_degrees"],
+                                R"("FLUXGS_gaussian_splatting_compact":{"bufferView":1)",
+                                R"("FLUXGS_gaussian_splatting_compact":{"chunk":1,"bufferView":1)"),
+                   R"("FLUXGS_gaussian_splatting_compact":{"bufferView":2)",
+                   R"("FLUXGS_gaussian_splatting_compact":{"chunk":2,"bufferView":2)");
   glb["plain_compact_and_spz"] = test::joined_glb(
       {plain, glb["compact_degree2_and_plain"], glb["spz3_degree1"], glb["compact_degree0"]});
   glb["compact_with_networks"] = glb_with_networks(glb["compact_degree1"]);

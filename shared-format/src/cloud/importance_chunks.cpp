@@ -26,7 +26,7 @@ std::vector<SplatChunk> importance_chunks(const SplatCloud& cloud) {
   SplatChunk splats = one_chunk(cloud);
   std::vector<SplatChunk> chunks;
   auto begin = splats.begin();
-  for (const double share : {first, 3 * first, 8 * first, 1.0}) {
+  for (const double share : {first, 3 * first, 6 * first, 1.0}) {
     const auto wanted = static_cast<std::ptrdiff_t>(share * static_cast<double>(cloud.size()));
     const auto end = begin + std::min(wanted, splats.end() - begin);
     std::nth_element(begin, end, splats.end(), adds_more);

@@ -15,9 +15,9 @@ using SplatChunk = std::vector<std::uint32_t>;
 SplatChunk one_chunk(const SplatCloud& cloud);
 
 /// All splats of a finite cloud, in four chunks: first the 4% (2.5% of a cloud of degree 3) that
-/// add most (contribution.h), then three and eight times as many, then all others; ties go by
-/// index. Chunks of few splats may be empty. The first takes 6 to 10% of a compact file, as large
-/// splats are stored more exactly.
+/// add most (contribution.h), then three and six times as many, then all others; ties go by index.
+/// Chunks of few splats may be empty. As large splats are stored more exactly, the first takes 5 to
+/// 10% of a compact file, those before the last about a half.
 std::vector<SplatChunk> importance_chunks(const SplatCloud& cloud);
 
 }  // namespace fluxgs::io

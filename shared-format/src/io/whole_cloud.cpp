@@ -12,6 +12,7 @@ void copy_to(const std::vector<T>& from, std::vector<T>& to, std::size_t at) {
 void copy_sh(const SplatCloud& part, SplatCloud& cloud, std::size_t at) {
   const auto from = static_cast<std::size_t>(sh_rest_count(part.sh_degree));
   const auto to = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
+  if (from == to) return copy_to(part.sh_rest, cloud.sh_rest, at * to);
   for (std::size_t i = 0; i < part.size(); ++i)
     std::copy_n(part.sh_rest.data() + i * from, from, cloud.sh_rest.data() + (at + i) * to);
 }

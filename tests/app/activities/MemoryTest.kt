@@ -233,7 +233,7 @@ class MemoryTest : ViewerScreen() {
     @Test
     fun aSceneThatIsDrawnAnewSaysSo() {
         fun drawn(memory: Long) = SessionState(
-            Loading("ready", 0, 0, "", "", "", 0, 0), true, true, 1, false, "", "", 1, 0, 0.0,
+            Loading("ready", 0, 0, "", "", "", 0, 0), true, true, false, 1, false, "", "", 1, 0, 0.0,
             Stats(0.0, 60.0, 0.0, 0.0, 0, 0, 0, 0, 0, 0, 0, 1.0, memory, false, 1.0, 1.0),
         )
         val themed = ContextThemeWrapper(RuntimeEnvironment.getApplication(), R.style.App_Viewer)
@@ -253,7 +253,7 @@ class MemoryTest : ViewerScreen() {
     fun memoryIsSpokenOfWhereThereIsLittle() {
         val loading = Loading("reading", 3_000_000, 7_000_000, "", "", "ply", 1000, 30_000_000)
         val state = SessionState(
-            loading, false, false, 0, false, "", "", 1, 0, 0.0,
+            loading, false, false, false, 0, false, "", "", 1, 0, 0.0,
             Stats(0.0, 60.0, 0.0, 0.0, 0, 0, 0, 0, 0, 0, 0, 1.0, 0, false, 1.0, 1.0),
         )
         val themed = ContextThemeWrapper(RuntimeEnvironment.getApplication(), R.style.App_Viewer)

@@ -402,19 +402,20 @@ TEST(InitialView, UpIsWhatIsGivenOrWhatTheViewsSay) {
   Dataset data;
   data.train.emplace_back().camera = test::camera_at({3, 0, 0}, {0, 0, 0}, 64, 48);
   data.train.emplace_back().camera = test::camera_at({0, 0, 3}, {0, 0, 0}, 64, 48);
-  const auto start = cli::initial_navigation(scene, data, std::nullopt, std::nullopt, {640, 480});
+  const auto start = cli::initial_navigation(scene.cloud, scene.start, data, std::nullopt,
+                                             std::nullopt, {640, 480});
   EXPECT_LT(glm::distance(start.navigation.up, glm::dvec3(0, -1, 0)), 0.02);
   EXPECT_LT(glm::distance(camera::eye(start.navigation.view), glm::dvec3(3, 0, 0)), 1e-9);
   EXPECT_LT(glm::length(start.navigation.view.target), 0.01);
-  const auto given =
-      cli::initial_navigation(scene, data, std::nullopt, glm::dvec3(0, 0, 1), {640, 480});
+  const auto given = cli::initial_navigation(scene.cloud, scene.start, data, std::nullopt,
+                                             glm::dvec3(0, 0, 1), {640, 480});
   EXPECT_EQ(given.navigation.up, glm::dvec3(0, 0, 1));
   scene.start = {.position = {0, 0, -4}, .fov_y = 1, .up = {1, 0, 0}};
-  const auto views_first =
-      cli::initial_navigation(scene, data, std::nullopt, std::nullopt, {640, 480});
+  const auto views_first = cli::initial_navigation(scene.cloud, scene.start, data, std::nullopt,
+                                                   std::nullopt, {640, 480});
   EXPECT_EQ(views_first.navigation.view.target, start.navigation.view.target);
-  const auto own =
-      cli::initial_navigation(scene, std::nullopt, std::nullopt, std::nullopt, {640, 480});
+  const auto own = cli::initial_navigation(scene.cloud, scene.start, std::nullopt, std::nullopt,
+                                           std::nullopt, {640, 480});
   EXPECT_EQ(own.navigation.up, glm::dvec3(1, 0, 0));
   EXPECT_LT(glm::distance(camera::eye(own.navigation.view), glm::dvec3(0, 0, -4)), 1e-9);
   EXPECT_EQ(own.navigation.view.fov, 1);

@@ -37,15 +37,15 @@ struct NamedUp {
   std::string source;
 };
 
-NamedUp choose_up(const SceneFile& scene, const std::optional<Dataset>& data,
-                  const std::optional<glm::dvec3>& given) {
+NamedUp choose_up(const SplatCloud& cloud, const std::optional<InitialView>& start,
+                  const std::optional<Dataset>& data, const std::optional<glm::dvec3>& given) {
   if (given) return {*given, "as given"};
   if (data) {
     const camera::UpAxis up = camera::up_of_cameras(cameras_of(data->train));
     return {up.direction, fmt::format("from the images, confidence {:.2f}", up.confidence)};
   }
-  if (scene.start) return {scene.start->up, "from the scene"};
-  const camera::UpAxis up = camera::up_of_cloud(scene.cloud);
+  if (start) return {start->up, "from the scene"};
+  const camera::UpAxis up = camera::up_of_cloud(cloud);
   if (up.confidence > 0)
     return {up.direction, fmt::format("from the splats, confidence {:.2f}", up.confidence)};
   return {up.direction, "the default; the splats do not tell"};
@@ -87,18 +87,20 @@ Expected<std::optional<glm::dvec3>> parse_up(const std::string& text) {
   return up / length;
 }
 
-InitialNavigation initial_navigation(const SceneFile& scene, const std::optional<Dataset>& data,
+InitialNavigation initial_navigation(const SplatCloud& cloud,
+                                     const std::optional<InitialView>& start,
+                                     const std::optional<Dataset>& data,
                                      const std::optional<Camera>& camera,
                                      const std::optional<glm::dvec3>& up, const ImageSize& size) {
-  const camera::SceneBounds bounds = camera::robust_bounds(scene.cloud);
-  const NamedUp chosen = choose_up(scene, data, up);
+  const camera::SceneBounds bounds = camera::robust_bounds(cloud);
+  const NamedUp chosen = choose_up(cloud, start, data, up);
   camera::ViewState view;
   if (camera) {
     view = view_into(bounds, *camera);
   } else if (data) {
     view = camera::view_of(data->train[0].camera, focus_distances(data->train)[0]);
-  } else if (scene.start) {
-    view = camera::initial_navigation(scene.cloud, scene.start, {size.width, size.height}).view;
+  } else if (start) {
+    view = camera::initial_navigation(cloud, start, {size.width, size.height}).view;
   } else {
     view = camera::fitting_view(bounds, chosen.direction, camera::kDefaultFieldOfView);
   }

@@ -9,7 +9,7 @@
 
 #include "camera/navigation.h"
 #include "fluxgs/io/initial_view.h"
-#include "fluxgs/io/scene_file.h"
+#include "fluxgs/splat_cloud.h"
 #include "tools/fluxgs/cameras/cameras.h"
 #include "trainer/data/dataset.h"
 
@@ -32,7 +32,9 @@ struct InitialNavigation {
 /// Begins at a given camera; otherwise at the first training view; otherwise at the scene's own
 /// initial view; otherwise where all of the scene is seen. Up is what is given, what the views or
 /// the scene say, or a guess from the cloud.
-InitialNavigation initial_navigation(const SceneFile& scene, const std::optional<Dataset>& data,
+InitialNavigation initial_navigation(const SplatCloud& cloud,
+                                     const std::optional<InitialView>& start,
+                                     const std::optional<Dataset>& data,
                                      const std::optional<Camera>& camera,
                                      const std::optional<glm::dvec3>& up, const ImageSize& size);
 

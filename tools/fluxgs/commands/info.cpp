@@ -45,6 +45,13 @@ json initial_view_json(const std::optional<InitialView>& start) {
   return view;
 }
 
+json chunks_json(const SceneFile& scene) {
+  json chunks = json::array();
+  for (const SceneChunk& chunk : scene.chunks)
+    chunks.push_back({{"splats", chunk.splats}, {"end", chunk.end}});
+  return chunks;
+}
+
 json describe(const SceneFile& scene) {
   const double splats = static_cast<double>(std::max<std::size_t>(scene.cloud.size(), 1));
   return {{"format", scene.format},
@@ -61,7 +68,23 @@ json describe(const SceneFile& scene) {
           {"dilation", scene.cloud.filter.dilation},
           {"warnings", scene.warnings},
           {"start", initial_view_json(scene.start)},
+          {"chunks", chunks_json(scene)},
           {"extensions", scene.extensions}};
+}
+
+/// "4: 2% of the splats in 7% of the bytes, 12% in 30%, …"
+std::string in_chunks(const json& d) {
+  std::string text;
+  double splats = 0;
+  for (const json& chunk : d["chunks"]) {
+    splats += chunk["splats"].get<double>();
+    text +=
+        fmt::format("{}{:.0f}%{} in {:.0f}%{}", text.empty() ? "" : ", ",
+                    100 * splats / d["splats"].get<double>(), text.empty() ? " of the splats" : "",
+                    100 * chunk["end"].get<double>() / d["bytes"].get<double>(),
+                    text.empty() ? " of the bytes" : "");
+  }
+  return fmt::format("{}: {}", d["chunks"].size(), text);
 }
 
 /// Text with the splats of each degree, where they differ.
@@ -91,6 +114,7 @@ void print_info(const std::string& path, const json& d) {
              d["bits_per_splat"].get<double>());
   for (const auto& [name, bits] : d["attributes"].items())
     fmt::print("    {:<10}{:.4g} bits\n", name, bits.get<double>());
+  if (!d["chunks"].empty()) fmt::print("  chunks      {}\n", in_chunks(d));
   print_box("bounds", d["bounds"]);
   print_box("98% within", d["bounds_98"]);
   if (!d["start"].is_null())

@@ -68,7 +68,8 @@ Expected<std::vector<Shot>> shots_of_data(const RenderSettings& s, const Dataset
 /// The view that fluxgs view begins with, or an orbit from there.
 std::vector<Camera> default_cameras(const SceneFile& scene, int orbit, const ImageSize& size) {
   const camera::Navigation first =
-      initial_navigation(scene, std::nullopt, std::nullopt, std::nullopt, size).navigation;
+      initial_navigation(scene.cloud, scene.start, std::nullopt, std::nullopt, std::nullopt, size)
+          .navigation;
   if (orbit > 0) return orbit_through(first, orbit, size);
   return {camera::camera_of(first.view, size.width, size.height)};
 }

@@ -1,4 +1,5 @@
 // fluxgs view: a scene in a window.
+#include <fcntl.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -6,9 +7,11 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -16,6 +19,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "fluxgs/io/gltf.h"
 #include "platform/host/window_screen.h"
 #include "tools/fluxgs/cameras/cameras.h"
 #include "tools/fluxgs/cameras/initial_view.h"
@@ -28,6 +32,7 @@
 #include "tools/fluxgs/terminal/json_file.h"
 #include "trainer/data/image_io.h"
 #include "viewer/presenter.h"
+#include "viewer/scene_loading.h"
 
 namespace fluxgs::cli {
 namespace {
@@ -38,6 +43,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kIdleWait = 5, kFollowWait = 0.5, kFrame = 1.0 / 60;  // seconds
 constexpr double kTitleEvery = 0.25;
+constexpr auto kLoadWait = std::chrono::milliseconds(2);
 
 /// For --help and the start.
 const std::string kKeys = std::string(viewer::kMouseAndKeysHelp) +
@@ -71,6 +77,7 @@ struct Desktop {
   int steps = 0, drawn = 0, contexts = 0;
   bool quit = false;
   Clock::time_point titled = {};
+  viewer::SceneLoading* loading = nullptr;  // of what is shown
 };
 
 /// Notices when a file is replaced by another, or written again.
@@ -215,11 +222,51 @@ std::shared_ptr<const render::RenderCloud> cloud_of(SplatCloud&& cloud) {
   return std::make_shared<const render::RenderCloud>(render::cloud_to_draw(std::move(cloud)));
 }
 
+/// A file whose scene is shown as it comes; not where every run shall draw the same frames.
+std::optional<int> open_chunks(const ViewSettings& s) {
+  std::error_code ignored;
+  if (s.frames > 0 || !s.input.empty() || !std::filesystem::is_regular_file(s.scene, ignored))
+    return std::nullopt;
+  const int descriptor = ::open(s.scene.c_str(), O_RDONLY | O_CLOEXEC);
+  struct stat status{};
+  if (descriptor < 0 || ::fstat(descriptor, &status) != 0) return std::nullopt;
+  const FileBytes file(descriptor, 0, static_cast<std::uint64_t>(status.st_size), s.scene);
+  if (const auto chunks = find_chunks(file, s.scene); chunks && !chunks->empty()) return descriptor;
+  ::close(descriptor);
+  return std::nullopt;
+}
+
+/// Begins to load the scene, and waits for as much of it as can be shown.
+Expected<viewer::LoadedScene> first_part(int descriptor, const std::string& path,
+                                         viewer::SceneLoading& loading) {
+  loading.begin(descriptor, path,
+                {.memory = std::numeric_limits<std::uint64_t>::max() / 4,
+                 .patience = std::numeric_limits<double>::infinity()});
+  for (;;) {
+    if (auto scene = loading.take()) return std::move(*scene);
+    const viewer::LoadState state = loading.state();
+    if (state.phase == viewer::LoadPhase::failed) return fail("", "", state.error);
+    std::this_thread::sleep_for(kLoadWait);
+  }
+}
+
+/// Shows what has come since.
+void refine(Desktop& d) {
+  if (d.loading->is_over()) return;
+  if (auto scene = d.loading->take()) {
+    d.told.splats = scene->cloud.size();
+    d.presenter.refine(std::make_shared<const render::RenderCloud>(std::move(scene->cloud)));
+  }
+  const viewer::LoadState state = d.loading->state();
+  if (state.phase == viewer::LoadPhase::failed) spdlog::warn("warning: {}", state.error);
+}
+
 /// --follow: shows the file's new content from where the old one was looked at.
 void follow(Desktop& d, FollowedFile& file) {
   if (!file.changed()) return;
   auto scene = read_scene_or_checkpoint(file.path());
   if (!scene) return spdlog::warn("warning: {}", scene.error().message());
+  d.loading->cancel();
   const camera::Navigation navigation = d.presenter.viewer().navigation();
   d.presenter.show(cloud_of(std::move(scene->cloud)), navigation);
 }
@@ -233,10 +280,11 @@ Expected<void> run(Desktop& d, const ViewSettings& s, FollowedFile& file) {
     // Time goes by steps, not by the clock, where what is drawn shall be the same every time
     const bool stepping = s.frames > 0 || d.next_event < d.script.size();
     const bool idle = d.presenter.at_rest();
-    const double longest = s.follow ? kFollowWait : kIdleWait;
+    const double longest = !d.loading->is_over() ? kFrame : s.follow ? kFollowWait : kIdleWait;
     const double wait = stepping || drew ? 0 : idle ? longest : kFrame;
     take_events(d, d.steps == 0 ? 0 : wait, start);
     if (s.follow) follow(d, file);
+    refine(d);
     const double now = seconds_since(start);
     const double passed = stepping ? kScriptStep : idle ? 0 : now - before;
     before = now;
@@ -254,8 +302,18 @@ Expected<void> run(Desktop& d, const ViewSettings& s, FollowedFile& file) {
   return {};
 }
 
-Expected<Scene> load(const ViewSettings& s) {
+/// What there is of the scene; more may follow from `loading`.
+Expected<viewer::LoadedScene> load_what_is_there(const ViewSettings& s,
+                                                 viewer::SceneLoading& loading) {
+  if (const auto chunks = open_chunks(s)) return first_part(*chunks, s.scene, loading);
   auto scene = load_scene(s.scene);
+  if (!scene) return std::unexpected(scene.error());
+  return viewer::LoadedScene{.cloud = render::cloud_to_draw(std::move(scene->cloud)),
+                             .start = scene->start};
+}
+
+Expected<Scene> load(const ViewSettings& s, viewer::SceneLoading& loading) {
+  auto scene = load_what_is_there(s, loading);
   if (!scene) return std::unexpected(scene.error());
   const auto data = load_if_given(s.data);
   if (!data) return std::unexpected(data.error());
@@ -267,11 +325,13 @@ Expected<Scene> load(const ViewSettings& s) {
   }
   const auto up = parse_up(s.up);
   if (!up) return std::unexpected(up.error());
-  const InitialNavigation initial = initial_navigation(*scene, *data, camera, *up, s.size);
+  const InitialNavigation initial =
+      initial_navigation(scene->cloud.base, scene->start, *data, camera, *up, s.size);
   const glm::dvec3& axis = initial.navigation.up;
   spdlog::info("up: {:.2f},{:.2f},{:.2f} ({}; F flips it)", axis.x, axis.y, axis.z,
                initial.up_source);
-  return Scene{cloud_of(std::move(scene->cloud)), initial.navigation};
+  return Scene{std::make_shared<const render::RenderCloud>(std::move(scene->cloud)),
+               initial.navigation};
 }
 
 viewer::ViewerSettings viewer_settings(const ViewSettings& s) {
@@ -300,7 +360,8 @@ Expected<void> view(const ViewSettings& s) {
     if (!read) return std::unexpected(read.error());
     path = std::make_shared<const camera::CameraPath>(*read);
   }
-  const auto scene = load(s);
+  viewer::SceneLoading loading;
+  const auto scene = load(s, loading);
   if (!scene) return std::unexpected(scene.error());
   const std::string name = std::filesystem::path(s.scene).filename().string();
   auto screen = host::open_window(
@@ -312,7 +373,8 @@ Expected<void> view(const ViewSettings& s) {
             .window = window,
             .name = name,
             .script = std::move(script),
-            .told = {.splats = scene->cloud->size()}};
+            .told = {.splats = scene->cloud->size()},
+            .loading = &loading};
   d.presenter.viewer().set(viewer_settings(s));
   const Threads threads(s.data.threads);
   const bool on_cpu = s.renderer == "cpu" || (s.renderer == kAnyRenderer && s.memory == 0 &&

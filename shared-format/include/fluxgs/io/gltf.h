@@ -19,6 +19,10 @@ namespace fluxgs {
 /// True if the bytes begin like a .glb.
 bool is_glb(std::span<const std::byte> bytes);
 
+/// The chunks of a .glb, of which only the JSON is read: those whose `end` has come can be shown.
+/// None where all splats come at once, and of other files.
+Expected<std::vector<SceneChunk>> find_chunks(const ByteSource& file, const std::string& name);
+
 /// The size that a .glb, of which these are the first bytes, says it has; nothing of other bytes.
 std::optional<std::uint64_t> size_of_glb(std::span<const std::byte> begin);
 

@@ -186,7 +186,7 @@ class BinWriter {
   std::byte* at_;
 };
 
-constexpr std::size_t kFewestInChunks = 20'000, kFewestOfAShare = 6'000;
+constexpr std::size_t kFewestOfAShare = 6'000;
 
 /// Splats that have a stream of their own.
 struct Share {
@@ -213,7 +213,7 @@ std::vector<Share> shares_of(const SplatCloud& cloud, const std::vector<io::Spla
 /// little.
 std::vector<Share> shares_of(const SplatCloud& cloud, const CompactOptions& options) {
   const bool has_networks = options.networks.has_value();
-  if (options.in_chunks && cloud.size() >= kFewestInChunks) {
+  if (options.in_chunks) {
     auto shares = shares_of(cloud, io::importance_chunks(cloud), has_networks);
     if (cloud.size() / shares.size() >= kFewestOfAShare) return shares;
   }

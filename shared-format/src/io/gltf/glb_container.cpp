@@ -74,6 +74,14 @@ std::unexpected<Error> misplaced(const std::string& name, const std::string& fie
 
 }  // namespace
 
+Expected<bool> begins_as_glb(const ByteSource& file) {
+  std::vector<std::byte> room;
+  if (file.size() < sizeof kGlbMagic) return false;
+  const auto begin = file.read(0, sizeof kGlbMagic, room);
+  if (!begin) return std::unexpected(begin.error());
+  return std::memcmp(begin->data(), kGlbMagic, sizeof kGlbMagic) == 0;
+}
+
 Expected<GlbChunks> parse_glb_container(const ByteSource& file, const std::string& name,
                                         std::vector<std::byte>& room) {
   if (auto ok = check_header(file, name); !ok) return std::unexpected(ok.error());

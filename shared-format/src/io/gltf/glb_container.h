@@ -19,6 +19,9 @@ struct GlbChunks {
   std::uint64_t behind = 0;                 ///< where others would begin
 };
 
+/// True if it has the magic of a .glb.
+Expected<bool> begins_as_glb(const ByteSource& file);
+
 /// Magic, version, length and the lengths and types of the first two chunks. Of the file no more is
 /// read than the first chunk, which lies in `room` or in the source, and the next header.
 Expected<GlbChunks> parse_glb_container(const ByteSource& file, const std::string& name,

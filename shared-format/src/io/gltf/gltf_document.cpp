@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <exception>
 #include <utility>
 
@@ -238,25 +237,28 @@ bool has_splat_attributes(const tinygltf::Primitive& primitive) {
 class ChunkOrder {
  public:
   Expected<void> add(const GltfSplats& splats, const std::string& name, const std::string& field) {
+    const std::size_t chunk = splats.chunk;
     const GltfView& view = splats.compressed;
-    if (splats.chunk != chunk_ && splats.chunk != chunk_ + 1)
+    if (chunk != last_ && chunk != next_)
       return fail(name, field,
-                  fmt::format("is of chunk {} behind one of chunk {}; expected {} or {}",
-                              splats.chunk, chunk_, chunk_, chunk_ + 1));
-    if (splats.chunk == chunk_ + 1) behind_ = end_;
-    chunk_ = splats.chunk;
-    if (chunk_ > 0 && (view.buffer != 0 || view.offset < behind_))
+                  fmt::format("is of chunk {}; expected {}", chunk,
+                              last_ ? fmt::format("{} or {}", *last_, next_) : "0, as the first"));
+    if (chunk == next_) behind_ = end_;
+    last_ = chunk;
+    next_ = chunk + 1;
+    if (chunk > 0 && (view.buffer != 0 || view.offset < behind_))
       return fail(
           name, field,
           fmt::format("of chunk {} lies at {} of buffer {}; expected in buffer 0 behind the "
                       "chunk before, which ends at {}",
-                      chunk_, view.offset, view.buffer, behind_));
+                      chunk, view.offset, view.buffer, behind_));
     end_ = std::max(end_, view.end());
     return {};
   }
 
  private:
-  std::size_t chunk_ = 0, behind_ = 0, end_ = 0;
+  std::optional<std::size_t> last_;
+  std::size_t next_ = 0, behind_ = 0, end_ = 0;
 };
 
 // Walks the nodes, parents first, and collects what their meshes hold.
@@ -374,14 +376,6 @@ std::vector<std::string> warnings_of(const std::vector<GltfInstance>& instances)
   return warnings;
 }
 
-Expected<bool> has_glb_magic(const ByteSource& file) {
-  std::vector<std::byte> room;
-  if (file.size() < sizeof kGlbMagic) return false;
-  const auto begin = file.read(0, sizeof kGlbMagic, room);
-  if (!begin) return std::unexpected(begin.error());
-  return std::memcmp(begin->data(), kGlbMagic, sizeof kGlbMagic) == 0;
-}
-
 /// The text of a .gltf.
 Expected<GlbChunks> whole_text(const ByteSource& file, std::vector<std::byte>& room) {
   const auto text = file.read(0, static_cast<std::size_t>(file.size()), room);
@@ -398,7 +392,7 @@ Expected<GltfDocument> open_gltf(const ByteSource& file, NamedFiles files,
                     .files = std::move(files),
                     .document = static_cast<std::size_t>(file.size())};
   std::vector<std::byte> room;
-  const auto glb = has_glb_magic(file);
+  const auto glb = begins_as_glb(file);
   if (!glb) return std::unexpected(glb.error());
   const auto chunks = *glb ? parse_glb_container(file, name, room) : whole_text(file, room);
   if (!chunks) return std::unexpected(chunks.error());

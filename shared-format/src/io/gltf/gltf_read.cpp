@@ -271,7 +271,7 @@ ComingSplats coming_from(const std::vector<GltfInstance>& instances, std::size_t
 }
 
 // The chunks of a scene by importance. Where a mesh is shown twice, there is one.
-std::vector<SceneChunk> chunks_of(const GltfDocument& document, std::size_t bytes) {
+std::vector<SceneChunk> chunks_of(const GltfDocument& document) {
   const std::vector<GltfInstance>& instances = document.instances;
   const auto number = [](const GltfInstance& instance) { return instance.splats.chunk; };
   const bool in_order = std::ranges::is_sorted(instances, {}, number);
@@ -282,8 +282,7 @@ std::vector<SceneChunk> chunks_of(const GltfDocument& document, std::size_t byte
     chunks.back().splats += splats.count;
     chunks.back().end = static_cast<std::size_t>(document.chunks.bin_at) + splats.compressed.end();
   }
-  if (chunks.size() <= 1) return {};
-  chunks.back().end = bytes;
+  if (chunks.size() <= 1) chunks.clear();
   return chunks;
 }
 
@@ -327,7 +326,7 @@ Expected<SceneFile> read(const ByteSource& file, const NamedFiles& files, const 
   SceneFile scene;
   if (json.filter) scene.cloud.filter = *json.filter;
   scene.start = json.start;
-  scene.chunks = chunks_of(*document, size);
+  scene.chunks = chunks_of(*document);
   if (auto done = read_instances(*document, *total, name, sink, scene); !done)
     return std::unexpected(done.error());
   if (document->chunks.behind > 0)
@@ -364,6 +363,15 @@ bool is_glb(std::span<const std::byte> bytes) {
          std::memcmp(bytes.data(), kGlbMagic, sizeof kGlbMagic) == 0;
 }
 
+Expected<std::vector<SceneChunk>> find_chunks(const ByteSource& file, const std::string& name) {
+  const auto is_one = begins_as_glb(file);
+  if (!is_one) return std::unexpected(is_one.error());
+  if (!*is_one) return std::vector<SceneChunk>();
+  const auto document = open_gltf(file, {}, name);
+  if (!document) return std::unexpected(document.error());
+  return chunks_of(*document);
+}
+
 std::optional<std::uint64_t> size_of_glb(std::span<const std::byte> begin) {
   if (!is_glb(begin) || begin.size() < kGlbHeader) return std::nullopt;
   std::uint32_t size = 0;
@@ -380,10 +388,10 @@ bool is_gltf(std::span<const std::byte> bytes) {
 }
 
 Expected<SceneFile> read_glb(const ByteSource& file, const std::string& name, SplatSink& sink) {
+  const auto is_one = begins_as_glb(file);
   std::vector<std::byte> room;
-  const auto begin = file.read(0, std::min<std::uint64_t>(file.size(), sizeof kGlbMagic), room);
-  if (!begin) return std::unexpected(begin.error());
-  if (!is_glb(*begin)) return std::unexpected(parse_glb_container(file, name, room).error());
+  if (!is_one) return std::unexpected(is_one.error());
+  if (!*is_one) return std::unexpected(parse_glb_container(file, name, room).error());
   return read_within_memory(file, {}, name, sink);
 }
 

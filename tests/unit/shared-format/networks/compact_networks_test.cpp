@@ -85,6 +85,33 @@ TEST(CompactNetworks, AreBakedWhenTheFileIsRead) {
   }
 }
 
+TEST(CompactNetworks, ServeAllChunks) {
+  FLUXGS_NEEDS_ONNXRUNTIME();
+  const SplatCloud cloud = canonical_cloud(25'000);
+  const CompactNetworks networks = networks_of(cloud, true, true);
+  const auto file = encode_compact_glb(cloud, fine_options(networks), "net.glb");
+  ASSERT_TRUE(file) << file.error().message();
+  const auto scene = read_glb(*file, "net.glb");
+  ASSERT_TRUE(scene) << scene.error().message();
+  EXPECT_EQ(scene->chunks.size(), 4u);
+  EXPECT_NEAR(scene->attribute_bits.at("networks") * 25'000 / 8,
+              static_cast<double>(networks.models.psi.size() + networks.models.phi.size()), 1);
+  const SplatCloud expected = baked_directly(cloud, networks);
+  double squares = 0;
+  for (std::size_t k = 0; k < cloud.size(); ++k) {
+    ASSERT_LT(glm::distance(scene->cloud.positions[k], expected.positions[k]), 1e-4f);
+    const glm::vec3 d = scene->cloud.sh_dc[k] - expected.sh_dc[k];
+    squares += double{glm::dot(d, d)};
+  }
+  EXPECT_LT(std::sqrt(squares / 25'000), 5e-3);
+  // Others for one of them
+  const auto other =
+      read_glb(edited(*file, R"("psi":{"bufferView":0})", R"("psi":{"bufferView":1})"), "net.glb");
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error().message(),
+            "net.glb: nodes: show 4 primitives, expected one where networks make the colours");
+}
+
 TEST(CompactNetworks, CanonicalRotationsKeepTheCovarianceAndStay) {
   SplatCloud cloud = random_cloud(kSplats, 1);
   const SplatCloud before = cloud;

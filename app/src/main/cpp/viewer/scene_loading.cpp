@@ -29,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kChunk = std::size_t{1} << 20;
 constexpr int kLookEveryMs = 100;  // whether it was cancelled
-constexpr std::size_t kEnoughForHeaders = std::size_t{1} << 16;
+constexpr std::size_t kEnoughForHeaders = std::size_t{1} << 16, kEnoughForGlb = 12;
 
 /// Of LoadState.
 std::string problem_of(const Error& error) {
@@ -279,10 +279,12 @@ struct SceneLoading::Job {
     update([&](LoadState& s) { s.bytes = limits.announced.value_or(0); });
     if (limits.announced && *limits.announced > limits.memory) return too_large(*limits.announced);
     WatchedPipe pipe(*this);
-    if (auto filled = pipe.fill(kEnoughForHeaders); !filled) return std::unexpected(filled.error());
+    if (auto filled = pipe.fill(kEnoughForGlb); !filled) return std::unexpected(filled.error());
+    const auto announced = size_of_glb(pipe.so_far());
+    if (auto filled = pipe.fill(announced ? kEnoughForGlb : kEnoughForHeaders); !filled)
+      return std::unexpected(filled.error());
     const auto format = format_of(pipe.so_far());
     if (!format) return std::unexpected(format.error());
-    const auto announced = size_of_glb(pipe.so_far());
     if (announced) {
       if (*announced > limits.memory) return too_large(*announced);
       pipe.set_size(*announced);

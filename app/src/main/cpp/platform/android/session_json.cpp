@@ -70,6 +70,7 @@ std::string to_json(const viewer::SessionState& s) {
   return text_of({{"loading", json_of(s.loading)},
                   {"hasScene", s.has_scene},
                   {"drawn", s.drawn},
+                  {"coarse", s.coarse},
                   {"shown", s.shown},
                   {"flipped", s.flipped},
                   {"motion", name_of(s.motion)},

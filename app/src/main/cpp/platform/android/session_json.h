@@ -9,9 +9,9 @@ namespace fluxgs::android {
 
 /// {"loading": {"phase": "idle" | "reading" | "decoding" | "ready" | "failed" | "cancelled",
 /// "read", "bytes", "error", "problem", "format", "splats", "shDegree", "memory"}, "hasScene",
-/// "drawn", "shown", "flipped", "motion": "" | "drift" | "path" | "walk", "error", "contexts",
-/// "dropped", "firstFrameMs", "stats": {"fps", "frameMs", "sortMs", "drawn", "shown", "splats",
-/// "width", "height", "scale"}}. format to memory are 0 or "" until the file is read.
+/// "drawn", "coarse", "shown", "flipped", "motion": "" | "drift" | "path" | "walk", "error",
+/// "contexts", "dropped", "firstFrameMs", "stats": {"fps", "frameMs", "sortMs", "drawn", "shown",
+/// "splats", "width", "height", "scale"}}. format to memory are 0 or "" until the file is read.
 std::string to_json(const viewer::SessionState& state);
 
 /// {"running", "done", "all", "rows": […], "stopped", "error"}; only a benchmark has rows.

@@ -83,6 +83,7 @@ internal class LoadingView(private val root: View, actions: Actions) {
      */
     fun show(state: SessionState, name: String, memory: () -> Long) {
         val loading = state.loading
+        if (state.coarse) preview.setImageDrawable(null)
         looksAnew = if (state.drawn && state.stats.memory == 0L) looksAnew + 1 else 0
         when {
             problem != null -> tell(problem!!)

@@ -47,6 +47,7 @@ data class SessionState(
     val loading: Loading,
     val hasScene: Boolean,
     val drawn: Boolean,
+    val coarse: Boolean, // what has come so far of a scene that is being opened
     val shown: Long, // the number of the loading whose scene it is, 0 for none
     val flipped: Boolean,
     val motion: String, // what moves the view by itself: "drift", "path", "walk", or nothing
@@ -67,7 +68,8 @@ data class SessionState(
                     loading.getString("error"), loading.getString("problem"), loading.getString("format"),
                     loading.getLong("splats"), loading.getLong("memory"),
                 ),
-                json.getBoolean("hasScene"), json.getBoolean("drawn"), json.getLong("shown"),
+                json.getBoolean("hasScene"), json.getBoolean("drawn"), json.getBoolean("coarse"),
+                json.getLong("shown"),
                 json.getBoolean("flipped"), json.getString("motion"),
                 json.getString("error"), json.getInt("contexts"), json.getLong("dropped"),
                 json.getDouble("firstFrameMs"),
