@@ -31,6 +31,17 @@ Expected<SplatCloud> allocate_cloud(std::size_t count, int sh_degree, const std:
   return cloud;
 }
 
+Expected<void> reserve_cloud(std::size_t count, const std::string& name, SplatCloud& cloud) {
+  return try_allocate(splat_memory_bytes(count, cloud.sh_degree), name, [&] {
+    cloud.positions.reserve(count);
+    cloud.log_scales.reserve(count);
+    cloud.rotations.reserve(count);
+    cloud.opacity_logits.reserve(count);
+    cloud.sh_dc.reserve(count);
+    cloud.sh_rest.reserve(count * static_cast<std::size_t>(sh_rest_count(cloud.sh_degree)));
+  });
+}
+
 Expected<std::vector<std::byte>> allocate_bytes(std::size_t size, const std::string& name) {
   Expected<std::vector<std::byte>> bytes;
   const auto done = try_allocate(size, name, [&] { bytes->resize(size); });

@@ -13,6 +13,9 @@ namespace fluxgs::io {
 /// Make room for `count` splats; out of memory is an error that says how many bytes were wanted.
 Expected<SplatCloud> allocate_cloud(std::size_t count, int sh_degree, const std::string& name);
 
+/// The same for splats that are appended to `cloud`, of its degree.
+Expected<void> reserve_cloud(std::size_t count, const std::string& name, SplatCloud& cloud);
+
 /// A zeroed buffer; out of memory is an error that says how many bytes were wanted.
 Expected<std::vector<std::byte>> allocate_bytes(std::size_t size, const std::string& name);
 

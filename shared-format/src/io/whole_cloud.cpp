@@ -4,17 +4,19 @@ namespace fluxgs::io {
 namespace {
 
 template <class T>
-void copy_to(const std::vector<T>& from, std::vector<T>& to, std::size_t at) {
-  std::ranges::copy(from, to.begin() + static_cast<std::ptrdiff_t>(at));
+void append(const std::vector<T>& from, std::vector<T>& to) {
+  to.insert(to.end(), from.begin(), from.end());
 }
 
-/// Bands that the part does not have stay zeros.
-void copy_sh(const SplatCloud& part, SplatCloud& cloud, std::size_t at) {
+/// Bands that the part does not have are zeros.
+void append_sh(const SplatCloud& part, SplatCloud& cloud) {
+  if (part.sh_degree == cloud.sh_degree) return append(part.sh_rest, cloud.sh_rest);
   const auto from = static_cast<std::size_t>(sh_rest_count(part.sh_degree));
   const auto to = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
-  if (from == to) return copy_to(part.sh_rest, cloud.sh_rest, at * to);
+  const std::size_t begin = cloud.sh_rest.size();
+  cloud.sh_rest.resize(begin + part.size() * to);
   for (std::size_t i = 0; i < part.size(); ++i)
-    std::copy_n(part.sh_rest.data() + i * from, from, cloud.sh_rest.data() + (at + i) * to);
+    std::copy_n(part.sh_rest.data() + i * from, from, cloud.sh_rest.data() + begin + i * to);
 }
 
 }  // namespace
@@ -26,29 +28,23 @@ Expected<int> WholeCloud::begin(const ComingSplats& coming) {
 }
 
 Expected<void> WholeCloud::take(SplatCloud& part) {
-  if (taken_ == 0 && part.size() == count_ && part.sh_degree == cloud_.sh_degree) {
+  if (cloud_.size() == 0 && part.size() == count_ && part.sh_degree == cloud_.sh_degree) {
     cloud_ = std::move(part);
-    taken_ = count_;
     return {};
   }
-  if (cloud_.size() != count_) {
-    auto cloud = allocate_cloud(count_, cloud_.sh_degree, name_);
-    if (!cloud) return std::unexpected(cloud.error());
-    cloud_ = std::move(*cloud);
-  }
-  copy_to(part.positions, cloud_.positions, taken_);
-  copy_to(part.log_scales, cloud_.log_scales, taken_);
-  copy_to(part.rotations, cloud_.rotations, taken_);
-  copy_to(part.opacity_logits, cloud_.opacity_logits, taken_);
-  copy_to(part.sh_dc, cloud_.sh_dc, taken_);
-  copy_sh(part, cloud_, taken_);
-  taken_ += part.size();
+  if (cloud_.size() == 0)
+    if (auto reserved = reserve_cloud(count_, name_, cloud_); !reserved) return reserved;
+  append(part.positions, cloud_.positions);
+  append(part.log_scales, cloud_.log_scales);
+  append(part.rotations, cloud_.rotations);
+  append(part.opacity_logits, cloud_.opacity_logits);
+  append(part.sh_dc, cloud_.sh_dc);
+  append_sh(part, cloud_);
   return {};
 }
 
 SplatCloud WholeCloud::finish(const ScreenFilter& filter) {
   cloud_.filter = filter;
-  cloud_.resize(taken_);
   return std::move(cloud_);
 }
 

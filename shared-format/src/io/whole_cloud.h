@@ -25,7 +25,7 @@ class WholeCloud final : public SplatSink {
  private:
   const std::string& name_;
   SplatCloud cloud_;
-  std::size_t count_ = 0, taken_ = 0;
+  std::size_t count_ = 0;
 };
 
 /// Calls `read`, which gives its splats to a sink, and puts them into its result.
