@@ -5,6 +5,7 @@ import android.content.Intent
 import android.content.pm.ConfigurationInfo
 import android.net.Uri
 import android.view.View
+import android.view.ViewGroup
 import android.widget.GridView
 import android.widget.ImageView
 import android.widget.TextView
@@ -262,5 +263,82 @@ class ScenesTest {
         close()
         open()
         assertEquals(listOf("C", "b", "a"), names())
+    }
+
+    private fun inAWindowOf(size: String) {
+        RuntimeEnvironment.setQualifiers("+$size")
+        remember("corner.glb", "shown_corner.png")
+        remember("marbles.ply", "shown_marbles.png")
+        open()
+    }
+
+    @Test
+    fun aTabletShowsTheSelectedSceneBesideTheList() {
+        inAWindowOf("sw800dp-w1280dp-h800dp-land-mdpi")
+        assertEquals("the newest at first", "marbles", activity.text(R.id.pane_name))
+        assertTrue(activity.text(R.id.pane_facts).startsWith("123,456 splats\n1.5 MB\n"))
+        listRead()
+        keep(screenOf(activity, null), "scenes-tablet")
+        tap(2)
+        listRead()
+        assertEquals("corner", activity.text(R.id.pane_name))
+        assertNull("it is not opened yet", shadowOf(activity).nextStartedActivity)
+        assertTrue(grid.isItemChecked(2))
+        activity.view(R.id.pane_open).performClick()
+        assertEquals(Documents.uri("corner.glb"), shadowOf(activity).nextStartedActivity.data)
+        tap(2)
+        assertEquals("a second tap opens it", Documents.uri("corner.glb"), shadowOf(activity).nextStartedActivity.data)
+        activity.view(R.id.pane_image).performClick()
+        assertEquals("so does one on the picture", Documents.uri("corner.glb"), shadowOf(activity).nextStartedActivity.data)
+    }
+
+    private fun choices() = (activity.view(R.id.pane_choices) as ViewGroup).let { all ->
+        (0 until all.childCount).map { all.getChildAt(it) as TextView }.filter { it.isShown }
+    }
+
+    @Test
+    fun itsButtonsAreThoseOfItsMenu() {
+        inAWindowOf("sw800dp-w1280dp-h800dp-land-mdpi")
+        assertEquals(
+            listOf(R.string.show_scene, R.string.keep_copy, R.string.rename, R.string.share, R.string.forget)
+                .map { context.getString(it) },
+            choices().map { it.text.toString() },
+        )
+        choices().last().performClick()
+        ShadowAlertDialog.getLatestAlertDialog().getButton(android.app.AlertDialog.BUTTON_POSITIVE).performClick()
+        repeat(3) { listRead() }
+        assertEquals("another is selected", "corner", activity.text(R.id.pane_name))
+        tap(0)
+        assertEquals(listOf(R.string.show_scene, R.string.share).map { context.getString(it) }, choices().map { it.text.toString() })
+    }
+
+    @Test
+    fun whatIsSelectedStaysSoWhenTheDeviceIsTurned() {
+        inAWindowOf("w731dp-h411dp-land-hdpi")
+        tap(2)
+        listRead()
+        keep(screenOf(activity, null), "scenes-landscape")
+        controller!!.recreate()
+        listRead()
+        assertEquals("corner", activity.text(R.id.pane_name))
+        RuntimeEnvironment.setQualifiers("+w411dp-h731dp-port")
+        controller!!.recreate()
+        listRead()
+        tap(1)
+        assertEquals("a phone upright opens it at once", Documents.uri("marbles.ply"), shadowOf(activity).nextStartedActivity.data)
+    }
+
+    /** In a narrow pane and in any language. */
+    @Test
+    fun theButtonsOfTheSelectedSceneHaveRoom() {
+        RuntimeEnvironment.setQualifiers("+de")
+        inAWindowOf("w600dp-h400dp-land-mdpi")
+        val pane = activity.view(R.id.pane_choices)
+        assertTrue("in several lines", choices().map { it.top }.distinct().size > 1)
+        for (choice in choices()) {
+            assertTrue(choice.text.toString(), choice.left >= 0 && choice.right <= pane.width && choice.bottom <= pane.height)
+            assertTrue("one line of text", choice.lineCount == 1)
+        }
+        assertTrue(activity.view(R.id.pane_image).height >= 160)
     }
 }

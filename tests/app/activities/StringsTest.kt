@@ -13,6 +13,7 @@ import org.w3c.dom.Element
 @RunWith(JUnit4::class)
 class StringsTest {
     private val sources = File("app/src/main")
+    private val all = listOf(sources, File("app/src/net"))
 
     private class Said(val kind: String, val forms: Map<String, String>)
 
@@ -22,7 +23,7 @@ class StringsTest {
     }
 
     /** By names: texts have one form, plurals and lists several. */
-    private fun texts(folder: String): Map<String, Said> {
+    private fun texts(sources: File, folder: String): Map<String, Said> {
         val file = File(sources, "res/$folder/strings.xml")
         return listOf("string", "plurals", "string-array").flatMap { kind ->
             elements(file, kind).filter { it.getAttribute("translatable") != "false" }.map { element ->
@@ -46,10 +47,10 @@ class StringsTest {
     }
 
     @Test
-    fun everyLanguageHasEveryTextWithTheSameArguments() {
-        val english = texts("values")
+    fun everyLanguageHasEveryTextWithTheSameArguments() = all.forEach { sources ->
+        val english = texts(sources, "values")
         for (language in languages) {
-            val here = texts(language)
+            val here = texts(sources, language)
             assertEquals(language, english.keys.sorted(), here.keys.sorted())
             for ((name, said) in here) {
                 val original = english.getValue(name)
@@ -74,7 +75,7 @@ class StringsTest {
                 assertTrue("${file.name}: $said", said.isEmpty() || said.startsWith("@string/"))
             }
         }
-        for (file in File(sources, "java/org/fluxgs/app").listFiles()!!) for (line in file.readLines()) {
+        for (file in all.flatMap { File(it, "java/org/fluxgs/app").listFiles()!!.asList() }) for (line in file.readLines()) {
             if (isForMachines(line)) continue
             for (text in Regex(""""((?:[^"\\]|\\.)*)"""").findAll(line).map { it.groupValues[1] })
                 assertTrue("${file.name} says '$text'", !Regex("""[A-Za-z]{2,} [a-z]{2,}""").containsMatchIn(text))
@@ -88,9 +89,9 @@ class StringsTest {
 
     @Test
     fun noTextIsThereForNobody() {
-        val uses = sources.walk().filter { it.extension in setOf("kt", "xml") && it.name != "strings.xml" }
+        val uses = all.asSequence().flatMap { it.walk() }.filter { it.extension in setOf("kt", "xml") && it.name != "strings.xml" }
             .joinToString("\n") { it.readText() }
-        for (name in texts("values").keys)
+        for (name in all.flatMap { texts(it, "values").keys })
             assertTrue("nobody says $name", Regex("""(R\.(string|plurals|array)\.|@string/)$name\b""").containsMatchIn(uses))
     }
 }

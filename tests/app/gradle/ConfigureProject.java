@@ -114,12 +114,14 @@ public class ConfigureProject {
     facts.put("minify", release.isMinifyEnabled());
     facts.put("signing", release.getSigningConfig() == null ? "none" : release.getSigningConfig().getName());
     facts.put("dependencies", dependencies(project));
-    for (String set : List.of("main", "debug", "release"))
+    for (String set : List.of("main", "debug", "release", "offline", "net"))
       facts.put("manifest-" + set, android.getSourceSets().getByName(set).getManifest().getSrcFile());
+    android.getProductFlavors().forEach(
+        it -> facts.put("flavour-" + it.getName(), it.isDefault() + " " + it.getVersionNameSuffix()));
     Set<String> tasks = new TreeSet<>();
     project.getTasks().forEach(task -> tasks.add(task.getName()));
     facts.put("tasks", tasks.size());
-    for (String task : List.of("assembleRelease", "minifyReleaseWithR8", "compileReleaseKotlin"))
+    for (String task : List.of("assembleRelease", "minifyOfflineReleaseWithR8", "compileNetReleaseKotlin"))
       facts.put("has-" + task, tasks.contains(task));
     StringBuilder lines = new StringBuilder();
     facts.forEach((name, value) -> lines.append(name + " " + value + "\n"));

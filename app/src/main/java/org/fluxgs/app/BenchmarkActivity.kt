@@ -125,7 +125,7 @@ class BenchmarkActivity : Activity() {
         selfTest = null
         findViewById<View>(R.id.results).visibility = View.GONE
         findViewById<View>(R.id.retry).visibility = View.GONE
-        findViewById<View>(R.id.stop).visibility = View.VISIBLE
+        findViewById<View>(R.id.running).visibility = View.VISIBLE
         bar.visibility = View.VISIBLE
         bar.isIndeterminate = true
         bar.keepScreenOn = true
@@ -214,9 +214,9 @@ class BenchmarkActivity : Activity() {
         if (all == 0) return
         bar.max = all
         bar.progress = done
-        val elapsed = (System.nanoTime() - began) / 1e9
-        val left = if (done > 0) elapsed * (all - done) / done else 0.0
-        status.text = getString(R.string.benchmark_progress, name, done, all, left)
+        val left = VideoExport.secondsLeft((System.nanoTime() - began) / 1_000_000, done, all)
+        val frames = getString(R.string.benchmark_progress, name, done, all)
+        status.text = listOfNotNull(frames, left?.let { Texts.left(this, it) }).joinToString(" · ")
     }
 
     private fun finishWith(outcome: JSONObject, state: SessionState): Boolean {
@@ -266,7 +266,7 @@ class BenchmarkActivity : Activity() {
         Log.e(TAG, "failed ${cause.ifEmpty { message }}")
         bar.visibility = View.GONE
         bar.keepScreenOn = false
-        findViewById<View>(R.id.stop).visibility = View.GONE
+        findViewById<View>(R.id.running).visibility = View.GONE
         findViewById<View>(R.id.retry).visibility = View.VISIBLE
         say(listOf(getString(R.string.benchmark_failed, message), cause).filter { it.isNotEmpty() }.joinToString("\n"))
         return false
@@ -274,7 +274,7 @@ class BenchmarkActivity : Activity() {
 
     private fun show(found: BenchmarkResult, earlier: BenchmarkResult?) {
         bar.visibility = View.GONE
-        findViewById<View>(R.id.stop).visibility = View.GONE
+        findViewById<View>(R.id.running).visibility = View.GONE
         findViewById<View>(R.id.results).visibility = View.VISIBLE
         say(headline(found))
         findViewById<BenchmarkChart>(R.id.chart).show(found.rows, earlier?.rows ?: emptyList())

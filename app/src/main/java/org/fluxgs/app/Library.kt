@@ -31,10 +31,12 @@ internal class Library(context: Context) {
         copies.mkdirs()
         val ending = Texts.endingOf(name).ifEmpty { ".glb" } // of what is known by what is in it
         val title = Texts.plain(Texts.titleOf(name))
-        return generateSequence(1) { it + 1 }
-            .map { File(copies, if (it == 1) "$title$ending" else "$title ($it)$ending") }
-            .first { !it.exists() && it !in taken }
-            .also { taken += it }
+        synchronized(taken) {
+            return generateSequence(1) { it + 1 }
+                .map { File(copies, if (it == 1) "$title$ending" else "$title ($it)$ending") }
+                .first { !it.exists() && it !in taken }
+                .also { taken += it }
+        }
     }
 
     /** What copies that were not finished have left, in an earlier process. */
@@ -44,6 +46,6 @@ internal class Library(context: Context) {
 
     companion object {
         const val PART = ".part"
-        private val taken = java.util.Collections.synchronizedSet(mutableSetOf<File>()) // in this process
+        private val taken = mutableSetOf<File>() // in this process
     }
 }

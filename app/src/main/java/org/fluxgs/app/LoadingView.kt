@@ -10,10 +10,11 @@ import android.widget.TextView
 
 /**
  * Why a scene cannot be shown: in words for people, and as the machine has it. [name]: of the scene, if there is
- * one; [again]: whether another try could help.
+ * one; [again]: whether another try could help; [title]: where it is not that a scene cannot be opened.
  */
 internal data class Problem(
     val message: String, val cause: String = "", val name: String = "", val again: Boolean = true,
+    val title: String = "",
 )
 
 /** Over a scene that is being opened, or cannot be. */
@@ -134,7 +135,8 @@ internal class LoadingView(private val root: View, actions: Actions) {
         )
     }
 
-    private fun progress(text: String, more: String, thousandths: Int) {
+    /** [thousandths]: less than 0 where nobody knows how much there is. */
+    fun progress(text: String, more: String, thousandths: Int) {
         root.visibility = View.VISIBLE
         set(title, text)
         set(detail, more)
@@ -155,7 +157,8 @@ internal class LoadingView(private val root: View, actions: Actions) {
         root.visibility = View.VISIBLE
         set(
             title,
-            if (problem.name.isNotEmpty()) context.getString(R.string.cannot_open_named, problem.name)
+            if (problem.title.isNotEmpty()) problem.title
+            else if (problem.name.isNotEmpty()) context.getString(R.string.cannot_open_named, problem.name)
             else context.getString(R.string.cannot_open),
         )
         detail.accessibilityLiveRegion = View.ACCESSIBILITY_LIVE_REGION_POLITE

@@ -122,7 +122,18 @@ internal class Recents(private val context: Context) {
         save(kept)
     }
 
-    fun image(recent: Recent): Bitmap? = BitmapFactory.decodeFile(thumbnail(recent.id).path)
+    /** For a list. */
+    fun image(recent: Recent): Bitmap? {
+        val file = thumbnail(recent.id).path
+        val options = BitmapFactory.Options().apply { inJustDecodeBounds = true }
+        BitmapFactory.decodeFile(file, options)
+        options.inSampleSize = maxOf(options.outWidth, options.outHeight) / SMALL
+        options.inJustDecodeBounds = false
+        return BitmapFactory.decodeFile(file, options)
+    }
+
+    /** As it is kept, up to [PICTURE] pixels. */
+    fun picture(recent: Recent): Bitmap? = BitmapFactory.decodeFile(thumbnail(recent.id).path)
 
     private fun thumbnail(id: Long) = File(folder, "$id.jpg")
 
@@ -145,7 +156,7 @@ internal class Recents(private val context: Context) {
     }
 
     private fun small(image: Bitmap): Bitmap {
-        val factor = THUMBNAIL.toFloat() / maxOf(image.width, image.height, THUMBNAIL)
+        val factor = PICTURE.toFloat() / maxOf(image.width, image.height, PICTURE)
         return Bitmap.createScaledBitmap(
             image,
             (image.width * factor).toInt().coerceAtLeast(1),
@@ -181,6 +192,7 @@ internal class Recents(private val context: Context) {
 
     companion object {
         const val MOST = 24
-        const val THUMBNAIL = 320
+        const val PICTURE = 960
+        private const val SMALL = 320
     }
 }

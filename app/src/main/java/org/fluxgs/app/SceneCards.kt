@@ -2,6 +2,7 @@ package org.fluxgs.app
 
 import android.content.Context
 import android.graphics.Bitmap
+import android.net.Uri
 import android.view.LayoutInflater
 import android.view.View
 import android.view.ViewGroup
@@ -30,11 +31,15 @@ internal class SceneCards(
 
     fun recentAt(position: Int): Recent = entryAt(position).recent
 
+    /** -1 for none. */
+    fun positionOf(uri: Uri) = (0 until count).firstOrNull { recentAt(it).uri == uri } ?: -1
+
     override fun getCount() = others.size + 1
 
     override fun getItem(position: Int): Any = recentAt(position).uri
 
-    override fun getItemId(position: Int) = if (position == 0) 0L else recentAt(position).id
+    /** The grid also asks for what was selected before the device was turned, while the list is not read yet. */
+    override fun getItemId(position: Int) = others.getOrNull(position - 1)?.recent?.id ?: 0L
 
     override fun hasStableIds() = true
 
@@ -55,7 +60,7 @@ internal class SceneCards(
         return view
     }
 
-    private fun entryAt(position: Int) = if (position == 0) sample else others[position - 1]
+    fun entryAt(position: Int) = if (position == 0) sample else others[position - 1]
 
     private fun detailOf(recent: Recent): String {
         SceneCopy.of(recent.uri)?.let { return progressOf(context, it) }
@@ -75,13 +80,15 @@ internal class SceneCards(
             if (Scene.isSample(recent.uri)) context.getString(R.string.sample_scene)
             else Texts.titleOf(recent.name)
 
-        fun progressOf(context: Context, copy: SceneCopy): String = context.getString(
-            R.string.copying,
+        fun progressOf(context: Context, copy: SceneCopy): String =
+            context.getString(R.string.copying, sizeOf(context, copy))
+
+        /** "1.0 MB of 7.2 MB" */
+        fun sizeOf(context: Context, copy: SceneCopy): String =
             if (copy.bytes < 0) Texts.size(context, copy.copied)
             else context.getString(
                 R.string.read_of, Texts.size(context, copy.copied), Texts.size(context, copy.bytes),
-            ),
-        )
+            )
 
         private fun sorted(entries: List<SceneEntry>, order: SceneOrder) = when (order) {
             SceneOrder.OPENED -> entries.sortedByDescending { it.recent.opened }

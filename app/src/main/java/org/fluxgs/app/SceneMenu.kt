@@ -7,6 +7,7 @@ import android.content.Intent
 import android.net.Uri
 import android.text.InputType
 import android.view.Menu
+import android.view.MenuItem
 import android.view.View
 import android.widget.EditText
 import android.widget.FrameLayout
@@ -23,14 +24,21 @@ internal class SceneMenu(private val activity: Activity, private val onChange: (
     private val library = Library(activity)
 
     fun show(recent: Recent, button: View) {
-        val popup = PopupMenu(activity, button)
-        popup.inflate(R.menu.scene)
-        offer(popup.menu, recent)
+        val popup = popupOf(recent, button)
         popup.setOnMenuItemClickListener {
             choose(it.itemId, recent)
             true
         }
         popup.show()
+    }
+
+    private fun popupOf(recent: Recent, beside: View) = PopupMenu(activity, beside).apply {
+        inflate(R.menu.scene)
+        offer(menu, recent)
+    }
+
+    fun choices(recent: Recent, beside: View): List<MenuItem> = popupOf(recent, beside).menu.let { menu ->
+        (0 until menu.size()).map { menu.getItem(it) }.filter { it.isVisible }
     }
 
     private fun offer(menu: Menu, recent: Recent) {
@@ -44,7 +52,7 @@ internal class SceneMenu(private val activity: Activity, private val onChange: (
         )) menu.findItem(id).isVisible = there
     }
 
-    private fun choose(id: Int, recent: Recent) {
+    fun choose(id: Int, recent: Recent) {
         when (id) {
             R.id.keep_copy -> keepCopy(recent)
             R.id.stop_copy -> SceneCopy.of(recent.uri)?.cancel()
@@ -122,19 +130,21 @@ internal class SceneMenu(private val activity: Activity, private val onChange: (
         return SharedFiles.uriOf(activity, file)
     }
 
+    /** A line each. */
+    fun factsOf(recent: Recent): String = listOfNotNull(
+        recent.splats.takeIf { it > 0 }?.let { Texts.splats(activity, it) },
+        recent.bytes.takeIf { it > 0 }?.let { Texts.size(activity, it) },
+        recent.opened.takeIf { it > 0 }?.let {
+            activity.getString(R.string.opened_at, DateFormat.getDateTimeInstance().format(Date(it)))
+        },
+        placeOf(recent.uri),
+        recent.source?.let { activity.getString(R.string.copied_from, it.authority ?: it.toString()) },
+    ).joinToString("\n")
+
     private fun showDetails(recent: Recent) {
-        val lines = listOfNotNull(
-            recent.splats.takeIf { it > 0 }?.let { Texts.splats(activity, it) },
-            recent.bytes.takeIf { it > 0 }?.let { Texts.size(activity, it) },
-            recent.opened.takeIf { it > 0 }?.let {
-                activity.getString(R.string.opened_at, DateFormat.getDateTimeInstance().format(Date(it)))
-            },
-            placeOf(recent.uri),
-            recent.source?.let { activity.getString(R.string.copied_from, it.authority ?: it.toString()) },
-        )
         AlertDialog.Builder(activity)
             .setTitle(SceneCards.nameOf(activity, recent))
-            .setMessage(lines.joinToString("\n"))
+            .setMessage(factsOf(recent))
             .setPositiveButton(android.R.string.ok, null)
             .show()
     }

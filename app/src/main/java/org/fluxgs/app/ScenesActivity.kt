@@ -10,6 +10,7 @@ import android.os.Build
 import android.os.Bundle
 import android.os.Handler
 import android.os.Looper
+import android.view.Menu
 import android.view.View
 import android.widget.GridView
 import android.widget.PopupMenu
@@ -21,6 +22,9 @@ class ScenesActivity : Activity() {
     private lateinit var recents: Recents
     private lateinit var library: Library
     private lateinit var cards: SceneCards
+    private lateinit var grid: GridView
+    private var pane: ScenePane? = null // where there is room
+    private var selected: Uri? = null
     private val main = Handler(Looper.getMainLooper())
     private val look = Runnable { load() } // while something is copied
 
@@ -32,9 +36,11 @@ class ScenesActivity : Activity() {
         library = Library(this)
         val menu = SceneMenu(this, ::load)
         cards = SceneCards(this, menu::show)
-        findViewById<GridView>(R.id.grid).apply {
+        pane = findViewById<View>(R.id.pane)?.let { view -> ScenePane(this, view, menu) { open(it.uri) } }
+        selected = state?.getString(SELECTED)?.let { Uri.parse(it) }
+        grid = findViewById<GridView>(R.id.grid).apply {
             adapter = cards
-            setOnItemClickListener { _, _, position, _ -> open(cards.recentAt(position).uri) }
+            setOnItemClickListener { _, _, position, _ -> tapped(position) }
             setOnItemLongClickListener { _, card, position, _ ->
                 menu.show(cards.recentAt(position), card.findViewById(R.id.menu))
                 true
@@ -49,19 +55,47 @@ class ScenesActivity : Activity() {
         if (hasOpenGl()) checkDriver() else tellProblem(getString(R.string.no_opengl))
     }
 
+    /** Where there is a pane, the first tap shows the scene there. */
+    private fun tapped(position: Int) {
+        val uri = cards.recentAt(position).uri
+        if (pane == null || uri == selected) return open(uri)
+        select(position)
+    }
+
+    private fun select(position: Int) {
+        selected = cards.recentAt(position).uri
+        grid.setItemChecked(position, true)
+        pane?.show(cards.entryAt(position))
+    }
+
+    override fun onSaveInstanceState(state: Bundle) {
+        super.onSaveInstanceState(state)
+        state.putString(SELECTED, selected?.toString())
+    }
+
     private fun showMore(button: View) {
         val popup = PopupMenu(this, button)
         popup.inflate(R.menu.scenes)
+        offerOtherWays(popup.menu)
         popup.menu.findItem(ORDERS.getValue(order())).isChecked = true
         popup.setOnMenuItemClickListener {
             when (it.itemId) {
                 R.id.benchmark -> benchmark()
                 R.id.about -> showAbout()
+                Menu.NONE -> startActivity(it.intent!!)
                 else -> ORDERS.entries.find { (_, id) -> id == it.itemId }?.let { (order) -> sortBy(order) }
             }
             true
         }
         popup.show()
+    }
+
+    /** To scenes, that this build of the app has. */
+    private fun offerOtherWays(menu: Menu) {
+        for (way in packageManager.queryIntentActivities(Intent(ADD_SCENES).setPackage(packageName), 0)) {
+            val intent = Intent(ADD_SCENES).setClassName(packageName, way.activityInfo.name)
+            menu.add(way.loadLabel(packageManager)).intent = intent
+        }
     }
 
     private val preferences get() = getSharedPreferences("scenes", MODE_PRIVATE)
@@ -131,6 +165,8 @@ class ScenesActivity : Activity() {
     private fun show(entries: List<SceneEntry>, order: SceneOrder) {
         if (isDestroyed) return
         cards.show(entries, order)
+        val known = selected?.let { cards.positionOf(it) } ?: -1
+        if (pane != null) select(if (known >= 0) known else (cards.count - 1).coerceAtMost(1)) // after the sample
         main.removeCallbacks(look)
         if (SceneCopy.isAny) main.postDelayed(look, LOOK_EVERY_MS)
     }
@@ -155,6 +191,8 @@ class ScenesActivity : Activity() {
     }
 
     private companion object {
+        const val ADD_SCENES = "org.fluxgs.app.ADD_SCENES"
+        const val SELECTED = "selected"
         const val LOOK_EVERY_MS = 500L
         val ORDERS = mapOf(
             SceneOrder.OPENED to R.id.by_opened, SceneOrder.NAME to R.id.by_name, SceneOrder.SIZE to R.id.by_size,

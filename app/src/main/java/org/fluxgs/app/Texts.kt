@@ -36,6 +36,11 @@ internal object Texts {
         time, System.currentTimeMillis(), DateUtils.DAY_IN_MILLIS,
     ).toString().replaceFirstChar { it.lowercase() }
 
+    /** "about 30 s left" */
+    fun left(context: Context, seconds: Long): String =
+        if (seconds < 90) context.getString(R.string.seconds_left, seconds)
+        else context.getString(R.string.minutes_left, (seconds + 30) / 60)
+
     /** The name of a scene without its ending. */
     fun titleOf(name: String): String = name.removeSuffix(endingOf(name)).ifEmpty { name }
 

@@ -73,8 +73,7 @@ internal class VideoDialog(private val activity: Activity, private val session: 
     private fun progress(done: Int, all: Int, left: Long?): String {
         val frames = activity.getString(R.string.video_progress, done, all)
         if (left == null) return frames
-        return frames + " · " + if (left < 90) activity.getString(R.string.video_seconds_left, left)
-        else activity.getString(R.string.video_minutes_left, (left + 30) / 60)
+        return frames + " · " + Texts.left(activity, left)
     }
 
     private fun tell(video: Uri) {

@@ -288,7 +288,7 @@ class ViewerActivity : Activity() {
         val state = session.state() ?: return
         if (!state.drawn || state.shown != scene.number) return
         Background.start {
-            val image = session.image(Recents.THUMBNAIL, scene.number)
+            val image = session.image(Recents.PICTURE, scene.number)
             recents.remember(scene.uri, scene.name, scene.bytes, state.stats.splats, place, image)
         }
     }
