@@ -118,11 +118,10 @@ class BenchmarkTest {
 
     @Test
     fun aShellSaysWhatTheSceneIsCalled() {
-        File(material, "scene.glb").copyTo(File(own, "scene-garden.glb"), true)
-        start(short("scene" to "scene-garden.glb", "name" to "garden, \"mine\".glb"))
+        start(short("name" to "garden, \"mine\".glb"))
         assertEquals("garden, \"mine\".glb", finished().sceneName)
         val line = activity.result!!.csv().lines()[1]
-        assertTrue(line, line.startsWith("\"garden, \"\"mine\"\".glb\",28842,"))
+        assertTrue(line, line.startsWith("\"garden, \"\"mine\"\".glb\",1000,"))
     }
 
     @Test
@@ -245,7 +244,7 @@ class BenchmarkTest {
 
     @Test
     fun leavingWhileItOpensMeasuresNothing() {
-        start(short("scene" to "sample"))
+        start(short())
         controller!!.pause().stop()
         pump(500)
         assertTrue(activity.text(R.id.status).contains(context.getString(R.string.stopped_by_leaving)))

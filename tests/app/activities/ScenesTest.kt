@@ -276,7 +276,7 @@ class ScenesTest {
     fun aTabletShowsTheSelectedSceneBesideTheList() {
         inAWindowOf("sw800dp-w1280dp-h800dp-land-mdpi")
         assertEquals("the newest at first", "marbles", activity.text(R.id.pane_name))
-        assertTrue(activity.text(R.id.pane_facts).startsWith("123,456 splats\n1.5 MB\n"))
+        assertTrue(activity.text(R.id.pane_facts).startsWith("123,456 splats · 1.5 MB\n"))
         listRead()
         keep(screenOf(activity, null), "scenes-tablet")
         tap(2)
@@ -318,6 +318,9 @@ class ScenesTest {
         tap(2)
         listRead()
         keep(screenOf(activity, null), "scenes-landscape")
+        val open = android.graphics.Rect()
+        assertTrue(activity.view(R.id.pane_open).getGlobalVisibleRect(open))
+        assertEquals("to be seen at once", activity.view(R.id.pane_open).height, open.height())
         controller!!.recreate()
         listRead()
         assertEquals("corner", activity.text(R.id.pane_name))
@@ -339,6 +342,6 @@ class ScenesTest {
             assertTrue(choice.text.toString(), choice.left >= 0 && choice.right <= pane.width && choice.bottom <= pane.height)
             assertTrue("one line of text", choice.lineCount == 1)
         }
-        assertTrue(activity.view(R.id.pane_image).height >= 160)
+        assertTrue(activity.view(R.id.pane_image).height >= 80)
     }
 }

@@ -132,8 +132,10 @@ internal class SceneMenu(private val activity: Activity, private val onChange: (
 
     /** A line each. */
     fun factsOf(recent: Recent): String = listOfNotNull(
-        recent.splats.takeIf { it > 0 }?.let { Texts.splats(activity, it) },
-        recent.bytes.takeIf { it > 0 }?.let { Texts.size(activity, it) },
+        listOfNotNull(
+            recent.splats.takeIf { it > 0 }?.let { Texts.splats(activity, it) },
+            recent.bytes.takeIf { it > 0 }?.let { Texts.size(activity, it) },
+        ).joinToString(" · ").ifEmpty { null },
         recent.opened.takeIf { it > 0 }?.let {
             activity.getString(R.string.opened_at, DateFormat.getDateTimeInstance().format(Date(it)))
         },

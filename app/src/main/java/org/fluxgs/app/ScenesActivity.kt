@@ -25,6 +25,7 @@ class ScenesActivity : Activity() {
     private lateinit var grid: GridView
     private var pane: ScenePane? = null // where there is room
     private var selected: Uri? = null
+    private var shown = false // the list
     private val main = Handler(Looper.getMainLooper())
     private val look = Runnable { load() } // while something is copied
 
@@ -66,6 +67,14 @@ class ScenesActivity : Activity() {
         selected = cards.recentAt(position).uri
         grid.setItemChecked(position, true)
         pane?.show(cards.entryAt(position))
+    }
+
+    /** Or the first after the sample. */
+    private fun selectAgain() {
+        val known = selected?.let { cards.positionOf(it) } ?: -1
+        select(if (known >= 0) known else (cards.count - 1).coerceAtMost(1))
+        if (!shown) grid.setSelection(grid.checkedItemPosition) // perhaps far down
+        shown = true
     }
 
     override fun onSaveInstanceState(state: Bundle) {
@@ -165,8 +174,7 @@ class ScenesActivity : Activity() {
     private fun show(entries: List<SceneEntry>, order: SceneOrder) {
         if (isDestroyed) return
         cards.show(entries, order)
-        val known = selected?.let { cards.positionOf(it) } ?: -1
-        if (pane != null) select(if (known >= 0) known else (cards.count - 1).coerceAtMost(1)) // after the sample
+        if (pane != null) selectAgain()
         main.removeCallbacks(look)
         if (SceneCopy.isAny) main.postDelayed(look, LOOK_EVERY_MS)
     }
