@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "fluxgs/contribution.h"
 #include "gl_faults.h"
 #include "gl_fixture.h"
 #include "render/memory_estimate.h"
