@@ -54,6 +54,36 @@ class MotionTest : ViewerScreen() {
 
     private fun moves(how: String) = until("it is '$how'") { session.state()!!.motion == how }
 
+    /** What a system is told of a drawing thread. */
+    private class ToldHints(val thread: Int, var target: Long) : HintSession {
+        val reports = mutableListOf<Long>()
+        var closed = false
+        override fun report(nanoseconds: Long) { reports += nanoseconds }
+        override fun target(nanoseconds: Long) { target = nanoseconds }
+        override fun close() { closed = true }
+    }
+
+    @Test
+    fun theSystemIsToldHowLongFramesTakeWhileSomethingMoves() {
+        val told = mutableListOf<ToldHints>()
+        val before = PerformanceHints.opener
+        try {
+            PerformanceHints.opener = { _, thread, target -> ToldHints(thread, target).also { told += it } }
+            openAndDraw()
+            choose(R.string.auto_orbit)
+            until("frames are reported") { told.isNotEmpty() && told.last().reports.size > 3 }
+            val hints = told.last()
+            assertEquals(session.drawingThread(), hints.thread)
+            assertTrue("a thread of this process", File("/proc/self/task/${hints.thread}").exists())
+            assertTrue("${hints.target}", hints.target in 1_000_000..100_000_000)
+            assertTrue("${hints.reports}", hints.reports.all { it in 1..10_000_000_000 })
+            choose(R.string.auto_orbit)
+            until("nothing is told at rest") { told.all { it.closed } }
+        } finally {
+            PerformanceHints.opener = before
+        }
+    }
+
     // Auto-orbit
 
     @Test

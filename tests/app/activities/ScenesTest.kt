@@ -94,6 +94,8 @@ class ScenesTest {
         open()
         assertEquals(1, grid.adapter.count)
         assertEquals(context.getString(R.string.sample_scene), name(0))
+        val picture = grid.getChildAt(0).findViewById<ImageView>(R.id.image).drawable
+        assertEquals("its picture, before it was opened", 256, picture.intrinsicWidth)
         tap(0)
         val next = shadowOf(activity).nextStartedActivity
         assertEquals(ViewerActivity::class.java.name, next.component!!.className)

@@ -1,6 +1,8 @@
 // Scenes, settings and images of a viewer on its own thread.
 #include "unit/renderer/viewer/session_fixture.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <thread>
@@ -43,6 +45,9 @@ TEST_P(SessionTest, ShowsASceneFromItsStart) {
   EXPECT_TRUE(state.has_scene);
   EXPECT_EQ(state.contexts, 1);
   EXPECT_GT(state.first_frame_ms, 0);
+  EXPECT_GT(session_->frame_work(), 0ns);
+  EXPECT_GT(session_->drawing_thread(), 0);
+  EXPECT_NE(session_->drawing_thread(), ::gettid());
   EXPECT_EQ(state.stats.splats, 400U);
   EXPECT_EQ(state.stats.width, kWidth);
   EXPECT_TRUE(nlohmann::json::parse(session_->driver()).contains("renderer"));

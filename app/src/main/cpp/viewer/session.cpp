@@ -1,6 +1,9 @@
 #include "viewer/session.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <ctime>
 #include <exception>
 #include <utility>
 
@@ -11,6 +14,13 @@ using Clock = std::chrono::steady_clock;
 
 double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// Of the calling thread.
+std::chrono::nanoseconds processor_time() {
+  timespec time{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
 }
 
 }  // namespace
@@ -78,6 +88,7 @@ std::optional<double> Session::take_frame() {
 }
 
 void Session::run() {
+  drawing_thread_ = ::gettid();
   for (;;) {
     {
       std::unique_lock lock(mutex_);
@@ -86,7 +97,11 @@ void Session::run() {
     }
     try {
       run_tasks();
-      if (const auto frame = take_frame()) draw_frame(*frame);
+      if (const auto frame = take_frame()) {
+        const std::chrono::nanoseconds before = processor_time();
+        draw_frame(*frame);
+        frame_work_ = (processor_time() - before).count();
+      }
     } catch (const std::exception& problem) {  // of memory
       give_up({"viewer", "memory", problem.what()});
     }

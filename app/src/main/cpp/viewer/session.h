@@ -1,6 +1,7 @@
 // Runs a viewer on a thread of its own, for an app whose main thread must never wait for the GPU.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -94,6 +95,11 @@ class Session {
   /// Gives back what is drawn with; the next frame makes it again.
   void free_graphics();
 
+  /// The drawing thread, by the system's number; 0 before it runs.
+  int drawing_thread() const { return drawing_thread_; }
+  /// Time of the processor that the drawing thread took for the last frame; waiting does not count.
+  std::chrono::nanoseconds frame_work() const { return std::chrono::nanoseconds(frame_work_); }
+
   SessionState state() const;
   std::optional<SavedView> saved_view() const;
   /// The image of the present view, RGBA, as large as the window and as sharp as it is at rest.
@@ -163,6 +169,8 @@ class Session {
   std::optional<SavedView> saved_;
   std::shared_ptr<const camera::CameraPath> path_;
   WatchedRun benchmark_, video_;
+  std::atomic<int> drawing_thread_ = 0;
+  std::atomic<std::chrono::nanoseconds::rep> frame_work_ = 0;
 
   std::thread thread_;
 };

@@ -269,6 +269,15 @@ FLUXGS_JNI(jboolean, frame)(JNIEnv* env, jclass, jlong session, jlong nanosecond
   });
 }
 
+FLUXGS_JNI(jint, drawingThread)(JNIEnv* env, jclass, jlong session) {
+  return guarded(env, [&] { return jint{sessions().find(session)->drawing_thread()}; });
+}
+
+FLUXGS_JNI(jlong, frameWork)(JNIEnv* env, jclass, jlong session) {
+  return guarded(
+      env, [&] { return static_cast<jlong>(sessions().find(session)->frame_work().count()); });
+}
+
 FLUXGS_JNI(void, drawNow)(JNIEnv* env, jclass, jlong session) {
   guarded(env, [&] { sessions().find(session)->draw_now(); });
 }

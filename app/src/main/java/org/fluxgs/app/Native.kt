@@ -45,6 +45,12 @@ internal object Native {
     /** True if more frames are wanted: false once all is at rest, until something else is called. */
     @JvmStatic external fun frame(session: Long, nanoseconds: Long): Boolean
 
+    /** The system's number of the thread that draws; 0 before it runs. */
+    @JvmStatic external fun drawingThread(session: Long): Int
+
+    /** Nanoseconds of a processor that it took for the last frame. */
+    @JvmStatic external fun frameWork(session: Long): Long
+
     /** Draws a frame of the scene that is shown, if one is, and waits until it is on its way. From any thread. */
     @JvmStatic external fun drawNow(session: Long)
 

@@ -2,6 +2,7 @@ package org.fluxgs.app
 
 import android.content.Context
 import android.graphics.Bitmap
+import android.graphics.BitmapFactory
 import android.net.Uri
 import android.view.LayoutInflater
 import android.view.View
@@ -19,12 +20,13 @@ internal class SceneCards(
     private val context: Context,
     private val onMenu: (recent: Recent, button: View) -> Unit,
 ) : BaseAdapter() {
-    private var sample = SceneEntry(sampleOf(context), null)
+    private val fresh by lazy { SceneEntry(sampleOf(context), pictureOfSample(context)) }
+    private var sample = fresh
     private var others = emptyList<SceneEntry>()
 
     fun show(entries: List<SceneEntry>, order: SceneOrder) {
         val (samples, rest) = entries.partition { Scene.isSample(it.recent.uri) }
-        sample = samples.firstOrNull() ?: SceneEntry(sampleOf(context), null)
+        sample = samples.firstOrNull()?.let { SceneEntry(it.recent, it.image ?: fresh.image) } ?: fresh
         others = sorted(rest, order)
         notifyDataSetChanged()
     }
@@ -75,6 +77,10 @@ internal class SceneCards(
     companion object {
         private fun sampleOf(context: Context) =
             Recent(Scene.SAMPLE, context.getString(R.string.sample_scene), 0, 0, null, 0)
+
+        /** While it was not opened: what the driver's check compares with. */
+        private fun pictureOfSample(context: Context): Bitmap? =
+            context.assets.open("sample.webp").use(BitmapFactory::decodeStream)
 
         fun nameOf(context: Context, recent: Recent) =
             if (Scene.isSample(recent.uri)) context.getString(R.string.sample_scene)

@@ -48,6 +48,7 @@ class SceneSurface(context: Context, attributes: AttributeSet?) :
             if (value) return wake()
             Choreographer.getInstance().removeFrameCallback(this)
             isAwake = false
+            hints.rest()
         }
 
     /** True if a frame of the display is waited for. */
@@ -124,13 +125,16 @@ class SceneSurface(context: Context, attributes: AttributeSet?) :
         surface.setFrameRate(goal, Surface.FRAME_RATE_COMPATIBILITY_DEFAULT)
 
     private var lastFrame = 0L
+    private val hints = PerformanceHints(context)
 
     override fun doFrame(nanoseconds: Long) {
         isAwake = false
         // The display may go on faster than it was asked to
         if (goal > 0 && nanoseconds - lastFrame < EARLY * 1e9 / goal) return wake()
         lastFrame = nanoseconds
-        if (session?.frame(nanoseconds) == true) wake()
+        val drawing = session?.takeIf { it.frame(nanoseconds) } ?: return hints.rest()
+        hints.frame(drawing, goal) // of the frame before
+        wake()
     }
 
     /** A finger that begins at the edge orbits; without this the system goes back. */

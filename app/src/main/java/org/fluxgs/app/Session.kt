@@ -153,6 +153,11 @@ class Session : AutoCloseable {
 
     fun cancelLoading() = call { Native.cancelLoading(it) }
 
+    /** See [PerformanceHints]; 0 where nothing draws. */
+    fun drawingThread() = if (handle != 0L) Native.drawingThread(handle) else 0
+
+    fun frameWork() = if (handle != 0L) Native.frameWork(handle) else 0L
+
     /** True if more frames are wanted. */
     fun frame(nanoseconds: Long) = handle != 0L && Native.frame(handle, nanoseconds)
 
