@@ -113,8 +113,13 @@ TEST(CompactChunks, TakeNoMoreBytesThanOneStream) {
 }
 
 TEST(CompactChunks, SmallScenesAndThoseOfManyDegreesAreOne) {
-  const SplatCloud small = random_cloud(20'000, 0);
-  EXPECT_TRUE(read(*encode_compact_glb(small, options_of(small), "x"))->chunks.empty());
+  for (const std::size_t count : {0, 1, 20'000}) {
+    const SplatCloud small = random_cloud(count, 0);
+    const auto scene = read(*encode_compact_glb(small, options_of(small), "x"));
+    ASSERT_TRUE(scene) << scene.error().message();
+    EXPECT_TRUE(scene->chunks.empty());
+    EXPECT_EQ(scene->cloud.size(), count);
+  }
   SplatCloud mixed = random_cloud(kSplats, 1);
   for (std::size_t i = 0; i < kSplats; i += 2)
     for (std::size_t k = 3 * i; k < 3 * (i + 1); ++k) mixed.sh_rest[k] = glm::vec3(0);

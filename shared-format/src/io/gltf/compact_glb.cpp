@@ -213,9 +213,9 @@ std::vector<Share> shares_of(const SplatCloud& cloud, const std::vector<io::Spla
 /// little.
 std::vector<Share> shares_of(const SplatCloud& cloud, const CompactOptions& options) {
   const bool has_networks = options.networks.has_value();
-  if (options.in_chunks) {
+  if (options.in_chunks && cloud.size() >= kFewestOfAShare) {
     auto shares = shares_of(cloud, io::importance_chunks(cloud), has_networks);
-    if (cloud.size() / shares.size() >= kFewestOfAShare) return shares;
+    if (cloud.size() >= kFewestOfAShare * shares.size()) return shares;
   }
   return shares_of(cloud, {io::one_chunk(cloud)}, has_networks);
 }
