@@ -543,10 +543,11 @@ TEST(Command, InterruptedTrainingResumesToTheSameBytes) {
   write_text(
       folder / "interrupt.sh",
       fmt::format(
-          "set -m\n'{}' {} --checkpoint-every 20 2>{} &\npid=$!\n"
+          "cd {}\nset -m\n'{}' {} --checkpoint-every 20 2>{} &\npid=$!\n"
           "while [ ! -e {} ] && kill -0 $pid; do sleep 0.02; done\nkill -INT $pid\nwait $pid\n",
-          FLUXGS_BINARY, train(folder / "stopped.ply", length + " --json stopped.json"),
-          quoted(folder / "err"), quoted(folder / "stopped.ply.ckpt")));
+          quoted(folder.path()), FLUXGS_BINARY,
+          train(folder / "stopped.ply", length + " --json stopped.json"), quoted(folder / "err"),
+          quoted(folder / "stopped.ply.ckpt")));
   const int status = std::system(fmt::format("bash {}", quoted(folder / "interrupt.sh")).c_str());
   const std::string said = text_of(folder / "err");
   ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 1) << said;

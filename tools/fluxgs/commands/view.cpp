@@ -228,9 +228,8 @@ std::optional<int> open_chunks(const ViewSettings& s) {
   if (s.frames > 0 || !s.input.empty() || !std::filesystem::is_regular_file(s.scene, ignored))
     return std::nullopt;
   const int descriptor = ::open(s.scene.c_str(), O_RDONLY | O_CLOEXEC);
-  struct stat status{};
-  if (descriptor < 0 || ::fstat(descriptor, &status) != 0) return std::nullopt;
-  const FileBytes file(descriptor, 0, static_cast<std::uint64_t>(status.st_size), s.scene);
+  if (descriptor < 0) return std::nullopt;
+  const FileBytes file(descriptor, 0, std::filesystem::file_size(s.scene, ignored), s.scene);
   if (const auto chunks = find_chunks(file, s.scene); chunks && !chunks->empty()) return descriptor;
   ::close(descriptor);
   return std::nullopt;

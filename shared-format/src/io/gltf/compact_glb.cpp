@@ -209,8 +209,8 @@ std::vector<Share> shares_of(const SplatCloud& cloud, const std::vector<io::Spla
   return shares;
 }
 
-/// What describes a share (JSON, tables) takes about two kilobytes: in chunks only where that is
-/// little.
+/// The shares of a scene, in chunks where those are large: JSON and tables of a share take about
+/// two kilobytes.
 std::vector<Share> shares_of(const SplatCloud& cloud, const CompactOptions& options) {
   const bool has_networks = options.networks.has_value();
   if (options.in_chunks && cloud.size() >= kFewestOfAShare) {
@@ -281,7 +281,7 @@ io::GltfPrimitive describe(const Part& part, const json& networks, const ScreenF
           io::screen_filter_extras(filter)};
 }
 
-/// What all chunks need lies first, then chunk by chunk.
+/// The file of all parts: the networks that all chunks need lie first, then the chunks.
 Expected<std::vector<std::byte>> make_file(const std::vector<Part>& parts,
                                            const CompactOptions& options,
                                            const ScreenFilter& filter, const std::string& name) {

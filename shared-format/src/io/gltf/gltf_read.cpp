@@ -176,7 +176,7 @@ bool may_run_networks(const std::vector<GltfInstance>& instances) {
   return instances.size() <= kMostRuns;
 }
 
-// How many splats there are in all, within the bounds on repeated meshes.
+// The number of splats in all, within the bounds on repeated meshes.
 Expected<std::size_t> count_splats(const std::vector<GltfInstance>& instances, std::size_t file,
                                    const std::string& name) {
   const std::size_t max_plain = file / kFileBytesPerSplat;

@@ -103,7 +103,7 @@ TEST_P(SessionChunksTest, TheSceneBeforeStaysUntilAllHasCome) {
   EXPECT_GT(session_->scene()->size(), 20'000U);
 }
 
-// What had come stays; the error tells the rest.
+// The chunks that had come stay shown, beside the error.
 TEST_P(SessionChunksTest, AFileThatIsCutShowsWhatCame) {
   const auto chunks = *find_chunks(MemoryBytes(chunked_file()), "x");
   {

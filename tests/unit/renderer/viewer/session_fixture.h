@@ -42,7 +42,7 @@ class SessionTest : public testing::TestWithParam<host::HostGl> {
   bool load(const std::vector<std::byte>& bytes, const std::optional<SavedView>& saved = {});
   /// The image once everything has come to rest.
   Image<std::uint8_t> image();
-  /// How many frames of the display are wanted after something.
+  /// The number of the display's frames that are wanted after something.
   int comes_to_rest_after(const std::function<void()>& something);
 
   std::unique_ptr<Session> session_;

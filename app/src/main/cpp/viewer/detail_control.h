@@ -8,7 +8,7 @@
 
 namespace fluxgs::viewer {
 
-/// What a frame shows of a scene.
+/// Amount of pixels and splats of a frame.
 struct Detail {
   double scale = 1;       ///< of the image that is blended
   double min_weight = 0;  ///< of the splats, see render::ApproximationSettings

@@ -244,7 +244,7 @@ struct SceneLoading::Job {
     return {};
   }
 
-  /// Of all bytes, or the first of more.
+  /// The format of a file, from all of its bytes or from the first of more.
   Expected<const SceneFormat*> format_of(std::span<const std::byte> begin) const {
     return begin.size() < kEnoughForHeaders ? recognise_scene(begin, name)
                                             : recognise_beginning(begin, name);
