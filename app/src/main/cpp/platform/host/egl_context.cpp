@@ -1,4 +1,6 @@
-// OpenGL ES 3.1 through EGL, without a surface: Mesa's, and ANGLE's from a folder of one's own.
+// OpenGL ES 3.1 through EGL, without a surface: the driver's, and ANGLE's from a folder of one's
+// own.
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -44,6 +46,9 @@ struct Egl {
   decltype(&::eglMakeCurrent) MakeCurrent = nullptr;
   decltype(&::eglGetError) GetError = nullptr;
   PFNEGLGETPLATFORMDISPLAYEXTPROC GetPlatformDisplay = nullptr;
+  // EGL_EXT_device_enumeration and EGL_EXT_device_query; null where the library lacks them
+  PFNEGLQUERYDEVICESEXTPROC QueryDevices = nullptr;
+  PFNEGLQUERYDEVICESTRINGEXTPROC QueryDeviceString = nullptr;
 
   void* proc(const char* name) const {
     if (void* address = reinterpret_cast<void*>(GetProcAddress(name))) return address;
@@ -73,14 +78,39 @@ bool load_functions(Egl& egl) {
   }
   egl.GetPlatformDisplay = reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(
       egl.GetProcAddress("eglGetPlatformDisplayEXT"));
+  egl.QueryDevices =
+      reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(egl.GetProcAddress("eglQueryDevicesEXT"));
+  egl.QueryDeviceString = reinterpret_cast<PFNEGLQUERYDEVICESTRINGEXTPROC>(
+      egl.GetProcAddress("eglQueryDeviceStringEXT"));
   return egl.GetPlatformDisplay != nullptr;
+}
+
+bool initialize(Egl& egl, EGLenum platform, void* native, const EGLint* attributes) {
+  egl.display = egl.GetPlatformDisplay(platform, native, attributes);
+  return egl.display != EGL_NO_DISPLAY && egl.Initialize(egl.display, nullptr, nullptr);
+}
+
+// The first graphics card that can be opened. Drivers that have no displays without a surface have
+// those of a card, and where several drivers are installed the one of the processor must not win.
+bool initialize_card(Egl& egl) {
+  if (!egl.QueryDevices || !egl.QueryDeviceString) return false;
+  std::array<EGLDeviceEXT, 16> devices{};
+  EGLint count = 0;
+  if (!egl.QueryDevices(static_cast<EGLint>(devices.size()), devices.data(), &count)) return false;
+  for (EGLint i = 0; i < count; ++i) {
+    const char* extensions = egl.QueryDeviceString(devices[i], EGL_EXTENSIONS);
+    const bool software = !extensions || std::strstr(extensions, "EGL_MESA_device_software");
+    if (!software && initialize(egl, EGL_PLATFORM_DEVICE_EXT, devices[i], nullptr)) return true;
+  }
+  return false;
 }
 
 Expected<void> open_display(Egl& egl, const char* where, EGLenum platform,
                             const EGLint* attributes) {
   if (!load_functions(egl)) return fail(where, "", "lacks functions of EGL 1.5");
-  egl.display = egl.GetPlatformDisplay(platform, nullptr, attributes);
-  if (egl.display == EGL_NO_DISPLAY || !egl.Initialize(egl.display, nullptr, nullptr)) {
+  const bool opened =
+      (!egl.is_angle && initialize_card(egl)) || initialize(egl, platform, nullptr, attributes);
+  if (!opened) {
     return fail(where, "display",
                 "cannot be opened without a window system (EGL error " +
                     hexadecimal(egl.GetError()) + "); install the package libegl-mesa0");
@@ -95,7 +125,7 @@ Expected<void> open_display(Egl& egl, const char* where, EGLenum platform,
   return {};
 }
 
-Expected<Egl> open_mesa() {
+Expected<Egl> open_driver() {
   Egl egl;
   auto library =
       DynamicLibrary::open({"libEGL.so.1"}, "install the packages libegl1 and libegl-mesa0");
@@ -203,7 +233,7 @@ std::string angle_folder() {
 }
 
 Expected<std::unique_ptr<HostContext>> create_egl_context() {
-  static const Expected<Egl> egl = open_mesa();
+  static const Expected<Egl> egl = open_driver();
   return EglContext::create(egl);
 }
 

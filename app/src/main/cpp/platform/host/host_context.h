@@ -11,7 +11,7 @@
 namespace fluxgs::host {
 
 enum class HostGl {
-  egl,     ///< Mesa's EGL without a surface: OpenGL ES 3.1 on a GPU or on the CPU
+  egl,  ///< EGL without a surface: OpenGL ES 3.1 on the first graphics card, or on the CPU by Mesa
   osmesa,  ///< Mesa's off-screen library: desktop GL 4.5 on the CPU
   angle,   ///< ANGLE over SwiftShader, from angle_folder(): OpenGL ES 3.1 on the CPU
 };
