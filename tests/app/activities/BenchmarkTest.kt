@@ -313,6 +313,13 @@ class BenchmarkTest {
     }
 
     @Test
+    fun frontToBackInSlices() {
+        start(short("slices" to "8"))
+        val slices = finished().json.getJSONArray("rows").getJSONObject(0).getInt("slices")
+        assertTrue("$slices", slices == 8 || slices == 1)  // not every driver can
+    }
+
+    @Test
     fun nonsenseOfAShellIsSaidToBe() {
         val bad = listOf(
             intent("frames" to "many") to "frames 'many'",
@@ -320,6 +327,7 @@ class BenchmarkTest {
             intent("sizes" to "12") to "size '12'",
             intent("sizes" to "99999x1") to "size '99999x1'",
             intent("sorter" to "both-of-them") to "sorter",
+            intent("slices" to "65") to "slices '65'",
             intent("scene" to "nothing.glb") to "nothing.glb",
             intent("scene" to "../../../../etc/passwd") to "not inside",
             intent("json" to "../../escaped.json") to "not inside",

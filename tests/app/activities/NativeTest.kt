@@ -51,9 +51,10 @@ class NativeTest {
         assertWrong { Native.touch(session, 0, 0, intArrayOf(0), floatArrayOf(1f), 0) }
         assertWrong { Native.touch(session, 4, 0, intArrayOf(0), floatArrayOf(1f, 1f), 0) }
         assertWrong { Native.load(session, -1, "a", -1, 1L shl 30, doubleArrayOf(1.0)) }
-        assertWrong { Native.startBenchmark(session, intArrayOf(1), 0, 1, true, true) }
-        assertWrong { Native.startBenchmark(session, intArrayOf(0, 5), 0, 1, true, true) }
-        assertWrong { Native.startBenchmark(session, intArrayOf(5, 5), 0, 0, true, true) }
+        assertWrong { Native.startBenchmark(session, intArrayOf(1), 0, 1, true, true, 1) }
+        assertWrong { Native.startBenchmark(session, intArrayOf(0, 5), 0, 1, true, true, 1) }
+        assertWrong { Native.startBenchmark(session, intArrayOf(5, 5), 0, 0, true, true, 1) }
+        assertWrong { Native.startBenchmark(session, intArrayOf(5, 5), 0, 1, true, true, 65) }
     }
 
     @Test

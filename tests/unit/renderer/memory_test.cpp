@@ -28,7 +28,7 @@ class MemoryTest : public GlTest {
     const GlFaults between(api());
     const auto made = must(render::Renderer::create(api(), settings));
     const auto target = must(RenderTarget::create(api(), plan.width, plan.height, plan.format,
-                                                  plan.accumulation, plan.scale));
+                                                  plan.accumulation, plan.scale, plan.marks));
     must(made->upload(cloud));
     const auto estimate = render::estimate_memory(count_degrees(cloud), made->settings(), plan);
     EXPECT_EQ(faults.used, estimate.total()) << label;
@@ -51,6 +51,7 @@ TEST_P(MemoryTest, IsAsEstimated) {
   expect_as_estimated("half", 3000, 1, {.splat_precision = render::SplatPrecision::half}, plain);
   expect_as_estimated("textures", 3000, 1, {.texture_fetch = true}, plain);
   expect_as_estimated("4 bits, batches of 7", 3000, 1, {.batch = 7, .sort_digit_bits = 4}, plain);
+  expect_as_estimated("marks", 3000, 1, {.slices = 8}, {.width = 65, .height = 33, .marks = true});
   if (!api().capabilities.half_float_targets) return;
   expect_as_estimated("halves", 10, 0, {},
                       {.width = 65, .height = 33, .accumulation = Accumulation::half_float});

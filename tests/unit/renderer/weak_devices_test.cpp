@@ -243,8 +243,8 @@ TEST_P(WeakDevicesTest, SmallLimitsAreNamed) {
   EXPECT_THAT(refused.error().message(), HasSubstr("GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS"));
 }
 
-// The GPUs of phones blend in half floats, and every other way where those are missing.
-TEST_P(WeakDevicesTest, TilersBlendInHalfFloats) {
+// The GPUs of phones sort by fewer bits.
+TEST_P(WeakDevicesTest, TilersTakeShortKeys) {
   gl::Capabilities phone = api().capabilities;
   for (const char* name : {"Adreno (TM) 750", "Mali-G715-Immortalis MC11", "PowerVR Rogue GE8320",
                            "ANGLE (Samsung Xclipse 940) on Vulkan 1.3.279"}) {
@@ -254,14 +254,19 @@ TEST_P(WeakDevicesTest, TilersBlendInHalfFloats) {
   EXPECT_FALSE(api().quirks.tiles) << api().capabilities.renderer;
   EXPECT_EQ(render::default_approximation(gl::find_quirks(phone)).key_bits, 16);
   EXPECT_EQ(render::default_approximation(api().quirks), render::ApproximationSettings());
-  EXPECT_EQ(render::default_accumulation(api()), render::accurate_accumulation(api().capabilities));
-  if (!api().capabilities.float_targets) return;
-  api().quirks.tiles = true;
+}
+
+// GPUs blend in half floats, and every other way where those are missing.
+TEST_P(WeakDevicesTest, CardsBlendInHalfFloats) {
+  if (!api().capabilities.float_targets) GTEST_SKIP() << "the driver has no float targets";
+  const bool on_cpu = std::exchange(api().quirks.runs_on_cpu, true);
+  EXPECT_EQ(render::default_accumulation(api()), render::Accumulation::single_float);
+  api().quirks.runs_on_cpu = false;
   EXPECT_EQ(render::default_accumulation(api()), render::Accumulation::half_float);
   const bool half = std::exchange(api().capabilities.half_float_targets, false);
   EXPECT_EQ(render::default_accumulation(api()), render::Accumulation::single_float);
   api().capabilities.half_float_targets = half;
-  api().quirks.tiles = false;
+  api().quirks.runs_on_cpu = on_cpu;
 }
 
 FLUXGS_GL_TEST_SUITE(WeakDevicesTest);

@@ -62,6 +62,7 @@ template <class Change>
 SettingRow row(std::string group, std::string name, const Change& change) {
   SettingRow made{.group = std::move(group), .name = std::move(name), .tuning = {}, .times = {}};
   made.tuning.format = "rgba16f";
+  made.tuning.blend = "accurate";
   change(made.tuning);
   return made;
 }
@@ -69,9 +70,9 @@ SettingRow row(std::string group, std::string name, const Change& change) {
 constexpr double kSamePsnr = 0.1;  // dB: less is no difference
 
 constexpr const char* kDefaults = "defaults";
-constexpr std::array kGroups = {kDefaults,   "phone",           "target",  "key-bits",
-                                "sh-degree", "splat-precision", "cut-off", "extent",
-                                "weight",    "scale",           "sorter",  "re-sort"};
+constexpr std::array kGroups = {kDefaults,         "phone",   "target", "key-bits", "sh-degree",
+                                "splat-precision", "cut-off", "extent", "weight",   "scale",
+                                "slices",          "sorter",  "re-sort"};
 
 std::vector<SettingRow> all_rows(int sh_degree) {
   using T = TuningOptions;
@@ -103,6 +104,11 @@ std::vector<SettingRow> all_rows(int sh_degree) {
     add("weight", fmt::format("weight {} or more", weight), [&](T& t) { t.min_weight = weight; });
   for (const double scale : {0.9, 0.75, 0.5})
     add("scale", fmt::format("scale {}", scale), [&](T& t) { t.scale = scale; });
+  for (const int slices : {4, 8, 16}) {
+    add("slices", fmt::format("front to back, {} slices", slices),
+        [&](T& t) { t.slices = slices; });
+  }
+  add("slices", "8 slices, blended in half", [](T& t) { t.slices = 8, t.blend = "half"; });
   add("sorter", "CPU, waited for", [](T& t) { t.sorter = "cpu"; });
   add("sorter", "order in float64", [](T& t) { t.sorter = "exact"; });
   for (const double degrees : {0.5, 2.0, 8.0}) {
@@ -171,7 +177,8 @@ class Gallery {
       : cloud_(cloud), options_(options) {}
 
   Expected<void> choose(const TuningOptions& tuning) {
-    auto& slot = renderers_[{tuning.sorter, tuning.splat_precision, tuning.digit_bits}];
+    auto& slot =
+        renderers_[{tuning.sorter, tuning.splat_precision, tuning.digit_bits, tuning.slices}];
     if (!slot) {
       auto made =
           gl::assign_or_error(render::Renderer::create(context_->api(), settings_of(tuning)), slot);
@@ -184,7 +191,8 @@ class Gallery {
   }
 
   Expected<void> fit(const TuningOptions& tuning, const Camera& view) {
-    const auto now = std::tuple(tuning.format, tuning.blend, tuning.scale, view.width, view.height);
+    const auto now = std::tuple(tuning.format, tuning.blend, tuning.scale, tuning.slices > 1,
+                                view.width, view.height);
     if (fitted_ == now) return {};
     fitted_ = now;
     return gl::assign_or_error(target_of(context_->api(), view.width, view.height, tuning),
@@ -209,10 +217,11 @@ class Gallery {
   const SplatCloud& cloud_;
   RenderOptions options_;
   std::unique_ptr<host::HostContext> context_;
-  std::map<std::tuple<std::string, std::string, int>, std::unique_ptr<render::Renderer>> renderers_;
+  std::map<std::tuple<std::string, std::string, int, int>, std::unique_ptr<render::Renderer>>
+      renderers_;
   render::Renderer* renderer_ = nullptr;
   render::RenderTarget target_;
-  std::tuple<std::string, std::string, double, int, int> fitted_;
+  std::tuple<std::string, std::string, double, bool, int, int> fitted_;
 };
 
 Expected<void> measure_errors(std::vector<SettingRow>& rows, Gallery& gallery,

@@ -1,6 +1,8 @@
 #include "tools/fluxgs/options/tuning_options.h"
 
+#include <map>
 #include <numbers>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -39,8 +41,9 @@ void add_tuning_options(CLI::App& command, TuningOptions& t) {
   shown(command
             .add_option(
                 "--blend", t.blend,
-                "accumulation buffer format: accurate (best available), float, half or direct")
-            ->check(CLI::IsMember({"accurate", "float", "half", "direct"})));
+                "accumulation buffer format: default (that of view: half on a graphics card), "
+                "accurate (best available), float, half or direct")
+            ->check(CLI::IsMember({"default", "accurate", "float", "half", "direct"})));
   shown(command.add_option("--scale", t.scale, "render at this fraction of the size, then enlarge")
             ->check(in_range(0.1, 1.0)));
   shown(command.add_option("--alpha-min", t.alpha_min, "alpha cut-off of a splat")
@@ -58,6 +61,10 @@ void add_tuning_options(CLI::App& command, TuningOptions& t) {
                 "--resort", t.resort_degrees,
                 "sort again after the camera has turned by this angle, degrees, or moved likewise")
             ->check(in_range(0.0, 180.0)));
+  shown(command
+            .add_option("--slices", t.slices,
+                        "blend front to back in so many parts, skipping finished pixels (1: off)")
+            ->check(whole_in(1, render::kMostSlices)));
   command
       .add_flag("--texture-fetch", t.texture_fetch,
                 "read splats from textures, for devices without vertex storage buffers")
@@ -74,6 +81,7 @@ render::RendererSettings settings_of(const TuningOptions& t) {
       .sort_digit_bits = t.digit_bits,
       .timestamps = true,
       .texture_fetch = t.texture_fetch,
+      .slices = t.slices,
       .approximation = {.key_bits = t.key_bits,
                         .min_weight = t.min_weight,
                         .max_deviations = t.max_deviations,
@@ -89,12 +97,14 @@ RenderOptions tuned(RenderOptions options, const TuningOptions& t) {
 Expected<render::RenderTarget> target_of(gl::Api& api, int width, int height,
                                          const TuningOptions& t) {
   const TargetFormat format = t.format == "rgba16f" ? TargetFormat::rgba16f : TargetFormat::rgba8;
-  const Accumulation accumulation = t.blend == "float"  ? Accumulation::single_float
-                                    : t.blend == "half" ? Accumulation::half_float
-                                    : t.blend == "direct"
-                                        ? Accumulation::direct
-                                        : render::accurate_accumulation(api.capabilities);
-  return render::RenderTarget::create(api, width, height, format, accumulation, t.scale);
+  const std::map<std::string_view, Accumulation> accumulations = {
+      {"default", render::default_accumulation(api)},
+      {"accurate", render::accurate_accumulation(api.capabilities)},
+      {"float", Accumulation::single_float},
+      {"half", Accumulation::half_float},
+      {"direct", Accumulation::direct}};
+  return render::RenderTarget::create(api, width, height, format, accumulations.at(t.blend),
+                                      t.scale, t.slices > 1);
 }
 
 std::string name_of(const render::RenderTarget& target) {
@@ -109,7 +119,8 @@ render::TargetPlan plan_of(const render::RenderTarget& target) {
           .height = target.height(),
           .format = target.format(),
           .accumulation = target.accumulation(),
-          .scale = static_cast<double>(target.blend_width()) / target.width()};
+          .scale = static_cast<double>(target.blend_width()) / target.width(),
+          .marks = target.has_marks()};
 }
 
 }  // namespace fluxgs::cli

@@ -15,10 +15,10 @@ namespace fluxgs::cli {
 
 /// The options as they are typed; the defaults are the renderer's.
 struct TuningOptions {
-  std::string sorter = "gpu", splat_precision = "full", format = "rgba8", blend = "accurate";
+  std::string sorter = "gpu", splat_precision = "full", format = "rgba8", blend = "default";
   int key_bits = render::ApproximationSettings().key_bits,
       digit_bits = render::RendererSettings().sort_digit_bits;
-  int batch = render::RendererSettings().batch, sh_degree = 3;
+  int batch = render::RendererSettings().batch, slices = 1, sh_degree = 3;
   double min_weight = 0, max_deviations = 0, resort_degrees = 0, scale = 1, alpha_min = 1.0 / 255;
   bool texture_fetch = false;
 };

@@ -42,6 +42,7 @@ Expected<Stage> set_up(gl::Api& api, const render::RenderCloud& cloud,
   const render::RendererSettings settings{
       .sorter = row.sorter,
       .timestamps = true,
+      .slices = plan.slices,
       .approximation = render::default_approximation(api.quirks)};
   auto done = gl::chain(
       [&] { return gl::assign_or_error(render::Renderer::create(api, settings), stage.renderer); },
@@ -49,7 +50,8 @@ Expected<Stage> set_up(gl::Api& api, const render::RenderCloud& cloud,
       [&] {
         return gl::assign_or_error(
             render::RenderTarget::create(api, row.size.width, row.size.height,
-                                         render::TargetFormat::rgba8, accumulation),
+                                         render::TargetFormat::rgba8, accumulation, 1,
+                                         plan.slices > 1),
             stage.target);
       });
   if (!done) return std::unexpected(done.error());
@@ -60,7 +62,8 @@ render::TargetPlan plan_of(const render::RenderTarget& target) {
   return {.width = target.width(),
           .height = target.height(),
           .format = target.format(),
-          .accumulation = target.accumulation()};
+          .accumulation = target.accumulation(),
+          .marks = target.has_marks()};
 }
 
 std::vector<SceneBenchmarkRow> rows_of(const SceneBenchmarkPlan& plan, const gl::Quirks& quirks) {
@@ -103,6 +106,7 @@ Expected<void> measure(gl::Api& api, const render::RenderCloud& cloud,
   row.counts = *counts;
   const render::RendererSettings& settings = stage->renderer->settings();
   row.blended_in = render::blend_name(stage->target.format(), stage->target.accumulation());
+  row.slices = settings.slices;
   row.traffic = model_traffic(row.counts, settings, plan_of(stage->target));
   row.memory =
       render::estimate_memory(count_degrees(cloud), settings, plan_of(stage->target)).total();
@@ -134,6 +138,7 @@ json json_of(const SceneBenchmarkRow& row) {
           {"splats_drawn", row.counts.drawn},
           {"fragments", row.counts.fragments},
           {"blended_in", row.blended_in},
+          {"slices", row.slices},
           {"bytes_per_frame", row.traffic.tiled()},
           {"gpu_memory_bytes", row.memory}};
 }

@@ -22,6 +22,7 @@ struct SceneBenchmarkPlan {
   bool still_views = true, path = true;
   /// Format that the layers are blended in; not given: render::default_accumulation().
   std::optional<render::Accumulation> accumulation = {};
+  int slices = 1;  ///< render::RendererSettings::slices
 };
 
 /// One way of drawing the scene.
@@ -33,6 +34,7 @@ struct SceneBenchmarkRow {
   FrameCounts counts;  ///< of the initial view
   FrameTraffic traffic;
   std::string blended_in;  ///< render::blend_name()
+  int slices = 1;          ///< that the driver could do
   std::size_t memory = 0;  ///< bytes of the GPU, an estimate
 };
 
@@ -60,7 +62,7 @@ Expected<SceneBenchmark> benchmark_scene(gl::Api& api, const render::RenderCloud
 /// The rows as a JSON list; times in milliseconds. Each row: width, height, sorter ("gpu", "cpu"),
 /// views ("still", "path"), in_flight_ms, draw_ms and sort_to_display_ms (median, p95, mean,
 /// least), pipelined_ms, stages (project, sort, draw, resolve; null where the driver has no clock),
-/// splats_drawn, fragments, blended_in, bytes_per_frame (of a GPU with tiles),
+/// splats_drawn, fragments, blended_in, slices, bytes_per_frame (of a GPU with tiles),
 /// gpu_memory_bytes.
 std::string rows_json(const SceneBenchmark& benchmark);
 

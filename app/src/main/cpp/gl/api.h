@@ -21,17 +21,17 @@
 #define FLUXGS_GL_FUNCTIONS(X) \
   X(ActiveTexture) X(AttachShader) X(BeginQuery) X(BindBuffer) X(BindBufferBase) \
   X(BindFramebuffer) X(BindImageTexture) X(BindTexture) X(BindVertexArray) X(BlendFuncSeparate) X(BlitFramebuffer) \
-  X(BufferData) X(BufferSubData) X(CheckFramebufferStatus) X(ClearBufferfv) X(ClientWaitSync) \
+  X(BufferData) X(BufferSubData) X(CheckFramebufferStatus) X(ClearBufferfv) X(ClientWaitSync) X(ColorMask) \
   X(CompileShader) X(CopyBufferSubData) X(CreateProgram) X(CreateShader) X(DeleteBuffers) \
   X(DeleteFramebuffers) X(DeleteProgram) X(DeleteQueries) X(DeleteShader) X(DeleteSync) \
-  X(DeleteTextures) X(DeleteVertexArrays) X(Disable) X(DispatchCompute) \
+  X(DeleteTextures) X(DeleteVertexArrays) X(DepthFunc) X(DepthMask) X(Disable) X(DispatchCompute) \
   X(DispatchComputeIndirect) X(DrawArrays) X(DrawElementsIndirect) X(Enable) X(EndQuery) \
   X(FenceSync) X(Finish) X(FramebufferTexture2D) X(GenBuffers) X(GenFramebuffers) X(GenQueries) \
   X(GenTextures) X(GenVertexArrays) X(GetError) X(GetInteger64v) X(GetIntegeri_v) X(GetIntegerv) \
   X(GetProgramInfoLog) X(GetProgramiv) X(GetShaderInfoLog) X(GetShaderiv) X(GetString) \
   X(GetStringi) X(InvalidateFramebuffer) X(LinkProgram) X(MapBufferRange) X(MemoryBarrier) \
   X(PixelStorei) X(ReadPixels) X(Scissor) X(ShaderSource) X(TexParameteri) X(TexStorage2D) X(TexSubImage2D) \
-  X(Uniform1ui) X(Uniform2f) X(UnmapBuffer) X(UseProgram) X(Viewport)
+  X(Uniform1ui) X(Uniform2f) X(Uniform3f) X(UnmapBuffer) X(UseProgram) X(Viewport)
 // clang-format on
 
 namespace fluxgs::gl {

@@ -64,6 +64,7 @@ void ask_extensions(Api& api, Capabilities& c) {
   const bool float_buffers = has.contains("GL_EXT_color_buffer_float");
   c.half_float_targets = float_buffers || has.contains("GL_EXT_color_buffer_half_float");
   c.float_targets = float_buffers && has.contains("GL_EXT_float_blend");
+  c.framebuffer_fetch = has.contains("GL_EXT_shader_framebuffer_fetch");
   c.timestamps = has.contains("GL_EXT_disjoint_timer_query");
   c.debug = has.contains("GL_KHR_debug");
   c.reset_notification = (has.contains("GL_KHR_robustness") || has.contains("GL_EXT_robustness")) &&

@@ -18,6 +18,7 @@ struct Capabilities {
   int major = 0, minor = 0;         ///< of the context's version
   bool half_float_targets = false;  ///< RGBA16F can be rendered to and blended
   bool float_targets = false;       ///< RGBA32F can be rendered to and blended (EXT_float_blend)
+  bool framebuffer_fetch = false;   ///< shaders read the pixel (EXT_shader_framebuffer_fetch)
   bool timestamps = false;          ///< glQueryCounter (EXT_disjoint_timer_query), with a clock
   bool debug = false;               ///< KHR_debug
   bool reset_notification = false;  ///< the context was made to say when the GPU was reset

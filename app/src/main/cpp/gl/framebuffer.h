@@ -1,4 +1,4 @@
-// A framebuffer object with one colour texture.
+// A framebuffer object with one colour texture, and one of depths if need be.
 #pragma once
 
 #include "gl/handle.h"
@@ -10,8 +10,10 @@ class Framebuffer {
  public:
   Framebuffer() = default;
 
-  /// The texture must outlive the framebuffer. Fails when the driver cannot render to its format.
-  static Expected<Framebuffer> create(Api& api, const Texture& color);
+  /// The textures must outlive the framebuffer. Fails when the driver cannot render to their
+  /// formats.
+  static Expected<Framebuffer> create(Api& api, const Texture& color,
+                                      const Texture* depth = nullptr);
 
   /// `use`: GL_FRAMEBUFFER, or only one of GL_READ_FRAMEBUFFER and GL_DRAW_FRAMEBUFFER.
   void bind(GLenum use = GL_FRAMEBUFFER) const {

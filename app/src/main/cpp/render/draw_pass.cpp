@@ -10,9 +10,9 @@
 namespace fluxgs::render {
 namespace {
 
-constexpr int kMaxPerBatch = 128;  // the work group of shaders/draw_arguments.comp
-// shaders/draw_arguments.comp: DrawElementsIndirectCommand, DispatchIndirectCommand
-constexpr std::size_t kDispatchOffset = 20;
+constexpr int kMaxPerBatch = 128;           // the work group of shaders/draw_arguments.comp
+constexpr std::size_t kDispatchOffset = 0;  // shaders/draw_arguments.comp
+constexpr GLint kSlice = 0, kSlices = 1;    // shaders/splat.vert
 
 // Two triangles per quad of corners 4q … 4q + 3 (bit 0: right, bit 1: bottom).
 std::vector<std::uint16_t> quad_indices(int quads) {
@@ -25,47 +25,64 @@ std::vector<std::uint16_t> quad_indices(int quads) {
 
 }  // namespace
 
-Expected<DrawPass> DrawPass::create(gl::Api& api, int batch, SplatPrecision precision,
-                                    bool texture_fetch) {
-  if (batch < 1 || batch > kMaxPerBatch) {
-    return fail("renderer", "batch", std::to_string(batch) + " quads; 1…128 were expected");
+Expected<DrawPass> DrawPass::create(gl::Api& api, const RendererSettings& settings) {
+  if (settings.batch < 1 || settings.batch > kMaxPerBatch) {
+    return fail("renderer", "batch",
+                std::to_string(settings.batch) + " quads; 1…128 were expected");
+  }
+  if (settings.slices < 1 || settings.slices > kMostSlices) {
+    return fail("renderer", "slices", std::to_string(settings.slices) + "; 1 to 64 were expected");
   }
   DrawPass pass;
-  pass.batch_ = batch;
-  pass.texture_fetch_ = texture_fetch;
-  const std::string batch_define = "BATCH " + std::to_string(batch);
-  std::vector<std::string> defines = {batch_define};
-  if (precision == SplatPrecision::half) defines.emplace_back("PROJECTED_SPLAT_HALF");
-  if (texture_fetch) defines.emplace_back("TEXTURE_FETCH");
-  const gl::ShaderSource arguments{GL_COMPUTE_SHADER, "draw_arguments.comp",
-                                   shaders::draw_arguments_comp};
-  const std::array<gl::ShaderSource, 2> splat = {
-      {{GL_VERTEX_SHADER, "splat.vert", shaders::splat_vert},
-       {GL_FRAGMENT_SHADER, "splat.frag", shaders::splat_frag}}};
-  const std::vector<std::uint16_t> corners = quad_indices(batch);
+  pass.batch_ = settings.batch;
+  pass.slices_ = settings.slices;
+  pass.texture_fetch_ = settings.texture_fetch;
+  const std::vector<std::uint16_t> corners = quad_indices(settings.batch);
   const std::size_t corner_bytes = corners.size() * sizeof(corners[0]);
   auto made = gl::chain(
-      [&] {
-        return gl::assign_or_error(gl::Program::create(api, {&arguments, 1}, {&batch_define, 1}),
-                                   pass.arguments_program_);
-      },
-      [&] {
-        return gl::assign_or_error(gl::Program::create(api, splat, defines), pass.splat_program_);
+      [&] { return pass.create_programs(api, settings); },
+      [&]() -> Expected<void> {
+        if (!settings.texture_fetch) return {};
+        return gl::assign_or_error(
+            OrderedSplats::create(api, settings.batch, settings.splat_precision), pass.ordered_);
       },
       [&]() -> Expected<void> {
-        if (!texture_fetch) return {};
-        return gl::assign_or_error(OrderedSplats::create(api, batch, precision), pass.ordered_);
+        if (settings.slices == 1) return {};
+        return gl::assign_or_error(SaturationMarks::create(api), pass.marks_);
       },
       [&] {
         return gl::assign_or_error(
             gl::Buffer::create(api, corner_bytes, corners.data(), GL_STATIC_DRAW), pass.indices_);
       },
       [&] {
-        return gl::assign_or_error(gl::Buffer::create(api, kDrawArgumentsBytes), pass.arguments_);
+        return gl::assign_or_error(gl::Buffer::create(api, draw_arguments_bytes(settings.slices)),
+                                   pass.arguments_);
       });
   if (!made) return std::unexpected(made.error());
   pass.vertex_array_ = gl::VertexArray(api);
   return pass;
+}
+
+Expected<void> DrawPass::create_programs(gl::Api& api, const RendererSettings& settings) {
+  const std::string batch_define = "BATCH " + std::to_string(settings.batch);
+  std::vector<std::string> defines = {batch_define};
+  if (settings.splat_precision == SplatPrecision::half)
+    defines.emplace_back("PROJECTED_SPLAT_HALF");
+  if (settings.texture_fetch) defines.emplace_back("TEXTURE_FETCH");
+  if (settings.slices > 1) defines.emplace_back("FRONT_TO_BACK");
+  const gl::ShaderSource arguments{GL_COMPUTE_SHADER, "draw_arguments.comp",
+                                   shaders::draw_arguments_comp};
+  const std::array<gl::ShaderSource, 2> splat = {
+      {{GL_VERTEX_SHADER, "splat.vert", shaders::splat_vert},
+       {GL_FRAGMENT_SHADER, "splat.frag", shaders::splat_frag}}};
+  return gl::chain(
+      [&] {
+        return gl::assign_or_error(gl::Program::create(api, {&arguments, 1}, {&batch_define, 1}),
+                                   arguments_program_);
+      },
+      [&] {
+        return gl::assign_or_error(gl::Program::create(api, splat, defines), splat_program_);
+      });
 }
 
 void DrawPass::write_arguments(gl::Api& api, const sort::Sorter& sorter) const {
@@ -94,25 +111,44 @@ void clear(gl::Api& api, const glm::dvec3& background, const RenderTarget& targe
   api.ClearBufferfv(GL_COLOR, 0, color.data());
 }
 
+void DrawPass::draw(gl::Api& api, int slice) const {
+  splat_program_.use();
+  if (slices_ > 1) {
+    api.Uniform1ui(kSlice, static_cast<GLuint>(slice));
+    api.Uniform1ui(kSlices, static_cast<GLuint>(slices_));
+  }
+  vertex_array_.bind();
+  indices_.bind(GL_ELEMENT_ARRAY_BUFFER);  // drivers of Mali forget that it belongs to the array
+  api.DrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT,
+                           reinterpret_cast<const void*>(draw_arguments_bytes(slice)));
+  api.BindVertexArray(0);
+}
+
 void DrawPass::run(gl::Api& api, const gl::Buffer& projected_splats, const sort::Sorter& sorter,
                    const glm::dvec3& background, const RenderTarget& target) const {
   write_arguments(api, sorter);
   clear(api, background, target);
   api.Viewport(0, 0, target.blend_width(), target.blend_height());
-  api.Enable(GL_BLEND);
-  api.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   if (texture_fetch_) {
     ordered_.update(api, projected_splats, sorter, arguments_, kDispatchOffset);
   } else {
     projected_splats.bind_base(GL_SHADER_STORAGE_BUFFER, 0);
     sorter.order().bind_base(GL_SHADER_STORAGE_BUFFER, 1);
+    if (slices_ > 1) sorter.count().bind_base(GL_SHADER_STORAGE_BUFFER, 2);
   }
   arguments_.bind(GL_DRAW_INDIRECT_BUFFER);
-  splat_program_.use();
-  vertex_array_.bind();
-  indices_.bind(GL_ELEMENT_ARRAY_BUFFER);  // drivers of Mali forget that it belongs to the array
-  api.DrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT, nullptr);
-  api.BindVertexArray(0);
+  api.Enable(GL_BLEND);
+  if (slices_ == 1) {
+    api.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    draw(api, 0);
+  } else {
+    marks_.begin(api);
+    for (int slice = 0; slice < slices_; ++slice) {
+      if (slice > 0) marks_.mark(api);
+      draw(api, slice);
+    }
+    marks_.end(api, background);
+  }
   api.Disable(GL_BLEND);
 }
 

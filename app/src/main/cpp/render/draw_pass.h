@@ -1,4 +1,5 @@
-// The last pass over the splats: batches of quads, blended back to front.
+// The last pass over the splats: batches of quads, blended back to front, or front to back in
+// slices.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -7,18 +8,22 @@
 #include "gl/vertex_array.h"
 #include "render/ordered_splats.h"
 #include "render/render_target.h"
+#include "render/saturation_marks.h"
 #include "render/settings.h"
 #include "sort/sorter.h"
 
 namespace fluxgs::render {
 
-inline constexpr std::size_t kDrawArgumentsBytes = 32;  // shaders/draw_arguments.comp
+/// Of shaders/draw_arguments.comp.
+constexpr std::size_t draw_arguments_bytes(int slices) {
+  return 16 + 20 * static_cast<std::size_t>(slices);
+}
 
 class DrawPass {
  public:
-  /// `batch`: quads per instance, 1…128. Instances of one quad are slow on every driver tried.
-  static Expected<DrawPass> create(gl::Api& api, int batch, SplatPrecision precision,
-                                   bool texture_fetch);
+  /// With the batch, the precision, the texture_fetch and the slices of the settings. Instances of
+  /// one quad are slow on every driver tried.
+  static Expected<DrawPass> create(gl::Api& api, const RendererSettings& settings);
 
   /// Makes room for an order of that many entries, if splats come through a texture.
   Expected<void> reserve(gl::Api& api, std::uint64_t entries);
@@ -31,11 +36,14 @@ class DrawPass {
   int batch() const { return batch_; }
 
  private:
+  Expected<void> create_programs(gl::Api& api, const RendererSettings& settings);
   void write_arguments(gl::Api& api, const sort::Sorter& sorter) const;
+  void draw(gl::Api& api, int slice) const;
 
-  int batch_ = 0;
+  int batch_ = 0, slices_ = 1;
   bool texture_fetch_ = false;
   OrderedSplats ordered_;
+  SaturationMarks marks_;
   gl::Program arguments_program_, splat_program_;
   gl::Buffer arguments_, indices_;
   gl::VertexArray vertex_array_;

@@ -49,14 +49,16 @@ std::size_t frame_bytes(std::uint64_t count, const RendererSettings& s) {
   }
   if (s.texture_fetch) bytes += ordered_splat_bytes(entries, s.splat_precision);
   constexpr std::size_t kIndexBytesOfAQuad = 12;
-  return bytes + kDrawArgumentsBytes + kIndexBytesOfAQuad * static_cast<std::size_t>(s.batch) +
-         sizeof(FrameUniforms) + FrameMeter::kBytes;
+  return bytes + draw_arguments_bytes(s.slices) +
+         kIndexBytesOfAQuad * static_cast<std::size_t>(s.batch) + sizeof(FrameUniforms) +
+         FrameMeter::kBytes;
 }
 
 std::size_t target_bytes(const TargetPlan& t) {
   if (t.width == 0 || t.height == 0) return 0;
   const std::size_t pixels = static_cast<std::size_t>(t.width) * static_cast<std::size_t>(t.height);
-  if (t.for_window) return pixels * blend_pixel_bytes(t);
+  const std::size_t mark = t.marks ? 2 : 0;
+  if (t.for_window) return pixels * (blend_pixel_bytes(t) + mark);
   const auto scaled = [&](int size) {
     return static_cast<std::size_t>(std::max(1L, std::lround(size * t.scale)));
   };
@@ -65,7 +67,8 @@ std::size_t target_bytes(const TargetPlan& t) {
       blended == pixels &&
       (t.accumulation == Accumulation::direct ||
        (t.accumulation == Accumulation::half_float && t.format == TargetFormat::rgba16f));
-  return pixels * pixel_bytes(t.format) + (same ? 0 : blended * blend_pixel_bytes(t));
+  return pixels * pixel_bytes(t.format) + (same ? 0 : blended * blend_pixel_bytes(t)) +
+         blended * mark;
 }
 
 /// Renderer::read_shown(): strips of the image, or a half of it in each direction and what it is

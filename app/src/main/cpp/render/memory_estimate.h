@@ -25,6 +25,7 @@ struct TargetPlan {
   TargetFormat format = TargetFormat::rgba8;
   Accumulation accumulation = Accumulation::direct;
   double scale = 1;
+  bool marks = false;       ///< with depths for SaturationMarks
   bool for_window = false;  ///< of RenderTarget::create_for_window(), for any scale
 };
 

@@ -58,11 +58,17 @@ GLenum blend_format(TargetFormat format, Accumulation accumulation) {
   return internal_format(format);
 }
 
+/// `depths`, if not null: takes a texture of depths that is attached as well.
 Expected<void> attach(gl::Api& api, GLenum format, int width, int height, gl::Texture& texture,
-                      gl::Framebuffer& framebuffer) {
+                      gl::Framebuffer& framebuffer, gl::Texture* depths = nullptr) {
   auto made = gl::Texture::create(api, format, width, height);
   if (!made) return std::unexpected(made.error());
-  auto attached = gl::Framebuffer::create(api, *made);
+  if (depths) {
+    auto marks = gl::Texture::create(api, GL_DEPTH_COMPONENT16, width, height);
+    if (!marks) return std::unexpected(marks.error());
+    *depths = std::move(*marks);
+  }
+  auto attached = gl::Framebuffer::create(api, *made, depths);
   if (!attached) return std::unexpected(attached.error());
   texture = std::move(*made);
   framebuffer = std::move(*attached);
@@ -89,7 +95,7 @@ Accumulation accurate_accumulation(const gl::Capabilities& driver) {
 
 Accumulation default_accumulation(const gl::Api& api) {
   const Accumulation accurate = accurate_accumulation(api.capabilities);
-  const bool half = api.quirks.tiles && api.capabilities.half_float_targets;
+  const bool half = !api.quirks.runs_on_cpu && api.capabilities.half_float_targets;
   return half && accurate == Accumulation::single_float ? Accumulation::half_float : accurate;
 }
 
@@ -100,7 +106,7 @@ Expected<RenderTarget> RenderTarget::create(gl::Api& api, int width, int height,
 
 Expected<RenderTarget> RenderTarget::create(gl::Api& api, int width, int height,
                                             TargetFormat format, Accumulation accumulation,
-                                            double scale) {
+                                            double scale, bool marks) {
   const gl::Capabilities& driver = api.capabilities;
   auto possible = gl::chain([&] { return check_size(driver, width, height); },
                             [&] { return check_scale(scale); },
@@ -117,18 +123,21 @@ Expected<RenderTarget> RenderTarget::create(gl::Api& api, int width, int height,
   target.blend_height_ = scaled_size(height, scale);
   target.format_ = format;
   target.accumulation_ = accumulation;
-  auto made =
-      attach(api, internal_format(format), width, height, target.color_, target.framebuffer_);
-  if (made && target.needs_resolve()) {
+  target.has_marks_ = marks;
+  gl::Texture* const depths = marks ? &target.marks_ : nullptr;
+  const bool resolves = target.needs_resolve();
+  auto made = attach(api, internal_format(format), width, height, target.color_,
+                     target.framebuffer_, resolves ? nullptr : depths);
+  if (made && resolves) {
     made = attach(api, blend_format(format, accumulation), target.blend_width_,
-                  target.blend_height_, target.blend_color_, target.blend_framebuffer_);
+                  target.blend_height_, target.blend_color_, target.blend_framebuffer_, depths);
   }
   if (!made) return std::unexpected(made.error());
   return target;
 }
 
 Expected<RenderTarget> RenderTarget::create_for_window(gl::Api& api, int width, int height,
-                                                       Accumulation accumulation) {
+                                                       Accumulation accumulation, bool marks) {
   constexpr TargetFormat kFormat = TargetFormat::rgba8;
   auto possible = gl::chain([&] { return check_size(api.capabilities, width, height); },
                             [&] { return check_formats(api.capabilities, kFormat, accumulation); });
@@ -138,9 +147,10 @@ Expected<RenderTarget> RenderTarget::create_for_window(gl::Api& api, int width, 
   target.height_ = target.blend_height_ = height;
   target.format_ = kFormat;
   target.accumulation_ = accumulation;
+  target.has_marks_ = marks;
   target.for_window_ = true;
   auto made = attach(api, blend_format(kFormat, accumulation), width, height, target.blend_color_,
-                     target.blend_framebuffer_);
+                     target.blend_framebuffer_, marks ? &target.marks_ : nullptr);
   if (!made) return std::unexpected(made.error());
   return target;
 }

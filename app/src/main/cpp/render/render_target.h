@@ -22,8 +22,8 @@ enum class Accumulation {
 /// the driver has.
 Accumulation accurate_accumulation(const gl::Capabilities& capabilities);
 
-/// The one to look at a scene with: half floats where the GPU blends in a memory of its own (gl::
-/// Quirks::tiles), which pixels of 128 bits fill too soon; otherwise accurate_accumulation().
+/// The one to look at a scene with: half floats on a GPU, which blends pixels of 128 bits several
+/// times slower; accurate_accumulation() where the processor plays the GPU and gains nothing.
 Accumulation default_accumulation(const gl::Api& api);
 
 /// Name of the format that layers are blended in: "RGBA8", "RGBA16F", "RGBA32F".
@@ -35,15 +35,16 @@ class RenderTarget {
  public:
   /// `scale`, in (0, 1]: the layers are blended in so much smaller an image, which is then
   /// enlarged. Fails on sizes below 1×1 or above the driver's limit and on formats it cannot render
-  /// to.
+  /// to. `marks`: with depths beside what is blended, in which SaturationMarks marks pixels.
   static Expected<RenderTarget> create(gl::Api& api, int width, int height, TargetFormat format,
-                                       Accumulation accumulation, double scale = 1);
+                                       Accumulation accumulation, double scale = 1,
+                                       bool marks = false);
   /// With accurate_accumulation().
   static Expected<RenderTarget> create(gl::Api& api, int width, int height, TargetFormat format);
   /// For images of a window, which the resolve pass draws there: without an image of its own, and
   /// with room for every scale. Of scale 1 at first.
   static Expected<RenderTarget> create_for_window(gl::Api& api, int width, int height,
-                                                  Accumulation accumulation);
+                                                  Accumulation accumulation, bool marks = false);
 
   /// Takes an image of what the splats are blended into, RGBA. Precondition: its size is that, and
   /// the format is rgba8 without another accumulation.
@@ -59,6 +60,7 @@ class RenderTarget {
   int height() const { return height_; }
   TargetFormat format() const { return format_; }
   Accumulation accumulation() const { return accumulation_; }
+  bool has_marks() const { return has_marks_; }
 
   /// The size of what the splats are blended into.
   int blend_width() const { return blend_width_; }
@@ -84,9 +86,9 @@ class RenderTarget {
   int blend_width_ = 0, blend_height_ = 0;
   TargetFormat format_ = TargetFormat::rgba8;
   Accumulation accumulation_ = Accumulation::direct;
-  bool for_window_ = false;
+  bool for_window_ = false, has_marks_ = false;
   // The framebuffers come last: they must go before their textures.
-  gl::Texture color_, blend_color_;
+  gl::Texture color_, blend_color_, marks_;
   gl::Framebuffer framebuffer_, blend_framebuffer_;
 };
 

@@ -26,6 +26,9 @@ Expected<void> Renderer::create_passes() {
   settings_.timestamps = settings_.timestamps && api_.capabilities.timestamps;
   settings_.texture_fetch =
       settings_.texture_fetch || api_.capabilities.max_vertex_storage_blocks < 2;
+  const bool can_mark = api_.capabilities.framebuffer_fetch && !settings_.texture_fetch &&
+                        api_.capabilities.max_vertex_storage_blocks >= 3;
+  if (!can_mark) settings_.slices = std::min(settings_.slices, 1);
   constexpr std::size_t kUniformBytes = sizeof(FrameUniforms);
   return gl::chain(
       [&] { return check_approximation(settings_.approximation); },
@@ -35,12 +38,7 @@ Expected<void> Renderer::create_passes() {
                                    projection_);
       },
       [&] { return create_sorter(); },
-      [&] {
-        return gl::assign_or_error(
-            DrawPass::create(api_, settings_.batch, settings_.splat_precision,
-                             settings_.texture_fetch),
-            draw_);
-      },
+      [&] { return gl::assign_or_error(DrawPass::create(api_, settings_), draw_); },
       [&] { return gl::assign_or_error(ResolvePass::create(api_), resolve_); },
       [&] {
         return gl::assign_or_error(

@@ -43,6 +43,8 @@ struct ApproximationSettings {
   bool operator==(const ApproximationSettings&) const = default;
 };
 
+constexpr int kMostSlices = 64;
+
 /// Settings that the programs and buffers are made for.
 struct RendererSettings {
   SorterKind sorter = SorterKind::gpu_radix;
@@ -52,6 +54,10 @@ struct RendererSettings {
   bool timestamps = false;  ///< record stage times where the driver can
   /// Read projected_splats through textures even where the vertex stage has storage buffers.
   bool texture_fetch = false;
+  /// Blend front to back in so many parts and mark finished pixels between them, which later parts
+  /// skip (SaturationMarks); 1…kMostSlices, 1: back to front, without marks. 1 is taken where the
+  /// driver lacks framebuffer fetch or storage buffers in the vertex stage.
+  int slices = 1;
   ApproximationSettings approximation = {};
 };
 

@@ -1,5 +1,6 @@
 #version 310 es
-// One splat at one pixel; the blend (SRC_ALPHA, ONE_MINUS_SRC_ALPHA) multiplies the colour.
+// One splat at one pixel; the blend (SRC_ALPHA, ONE_MINUS_SRC_ALPHA) multiplies the colour. Front to
+// back it multiplies by the transmittance, and the colour comes multiplied.
 // α is computed from the exact pixel centre and not from interpolated coordinates: those err with
 // the rounding of corners to the sub-pixel grid, visibly so on needles.
 precision highp float;
@@ -20,5 +21,8 @@ void main() {
   float level = v_shape.w - u * u - v * v;
   // First: a driver of Xclipse loses fragments whose discard comes before
   out_color = vec4(v_color, min(exp2(level), frame.alpha_max));
+#ifdef FRONT_TO_BACK
+  out_color.rgb *= out_color.a;
+#endif
   if (level < frame.level_min) discard;
 }

@@ -20,6 +20,22 @@ uint splat_at(uint place) { return order[place]; }
 uvec4 part_of_splat(uint i) { return projected_splats[i]; }
 #endif
 
+#ifdef FRONT_TO_BACK
+layout(std430, binding = 2) restrict readonly buffer State { uint drawn; };
+layout(location = 0) uniform uint slice;  // of how many in a frame
+layout(location = 1) uniform uint slices;
+
+// The order is back to front, with spare entries behind its end.
+uint place_of(uint quad) {
+  uint batch = uint(BATCH);
+  uint instances = (drawn + batch - 1u) / batch;
+  uint place = slice * ((instances + slices - 1u) / slices) * batch + quad;
+  return place < drawn ? drawn - 1u - place : place;
+}
+#else
+uint place_of(uint quad) { return quad; }
+#endif
+
 // u = shape.x·x + shape.y·y + offset.x, v = shape.z·y + offset.y at the pixel (x, y)
 flat out highp vec2 v_offset;
 flat out highp vec4 v_shape;  // xx, xy, yy, level
@@ -35,7 +51,7 @@ ProjectedSplat read_projected_splat(uint splat) {
 }
 
 void main() {
-  ProjectedSplat r = read_projected_splat(splat_at(uint(gl_InstanceID) * uint(BATCH) + uint(gl_VertexID >> 2)));
+  ProjectedSplat r = read_projected_splat(splat_at(place_of(uint(gl_InstanceID) * uint(BATCH) + uint(gl_VertexID >> 2))));
   v_offset = -vec2(r.factor.x * r.centre.x + r.factor.y * r.centre.y, r.factor.z * r.centre.y);
   v_shape = vec4(r.factor, r.level);
   v_color = r.color;

@@ -513,11 +513,12 @@ FLUXGS_JNI(jstring, driver)(JNIEnv* env, jclass, jlong session) {
 
 FLUXGS_JNI(void, startBenchmark)
 (JNIEnv* env, jclass, jlong session, jintArray sizes, jint warmup, jint frames, jboolean gpu_sort,
- jboolean cpu_sort) {
+ jboolean cpu_sort, jint slices) {
   guarded(env, [&] {
     const std::vector<jint> sides = numbers(env, sizes);
     expect(!sides.empty() && sides.size() % 2 == 0, "sizes are pairs of width and height");
     expect(warmup >= 0 && frames >= 1 && frames <= 100'000, "frames are 1 to 100000");
+    expect(slices >= 1 && slices <= render::kMostSlices, "slices are 1 to 64");
     bench::SceneBenchmarkPlan plan;
     plan.sizes.clear();
     for (std::size_t i = 0; i < sides.size(); i += 2) {
@@ -527,6 +528,7 @@ FLUXGS_JNI(void, startBenchmark)
     plan.protocol = {.warmup = warmup, .frames = frames};
     plan.gpu_sort = gpu_sort == JNI_TRUE;
     plan.cpu_sort = cpu_sort == JNI_TRUE;
+    plan.slices = slices;
     sessions().find(session)->start_benchmark(plan);
   });
 }

@@ -10,16 +10,19 @@ data class BenchmarkPlan(
     val frames: Int = 100,
     val gpuSort: Boolean = true,
     val cpuSort: Boolean = true,
+    /** More than 1: blended front to back in so many parts, skipping finished pixels. */
+    val slices: Int = 1,
 ) {
     override fun equals(other: Any?) = other is BenchmarkPlan && sizes.contentEquals(other.sizes) &&
         warmup == other.warmup && frames == other.frames && gpuSort == other.gpuSort &&
-        cpuSort == other.cpuSort
+        cpuSort == other.cpuSort && slices == other.slices
 
     override fun hashCode() = sizes.contentHashCode() * 31 + frames
 
     companion object {
         private const val MAX_FRAMES = 10_000
         private const val LARGEST = 8192
+        private const val MOST_SLICES = 64
 
         /** Throws an IllegalArgumentException for a value that is no number or out of its range. */
         fun of(intent: Intent): BenchmarkPlan {
@@ -32,16 +35,17 @@ data class BenchmarkPlan(
                 number(intent, "frames", defaults.frames, 1),
                 sorter != "cpu",
                 sorter != "gpu",
+                number(intent, "slices", defaults.slices, 1, MOST_SLICES),
             )
         }
 
-        private fun number(intent: Intent, name: String, default: Int, min: Int): Int {
+        private fun number(intent: Intent, name: String, default: Int, min: Int, max: Int = MAX_FRAMES): Int {
             // am start gives texts (-e) or integers (--ei)
             val text = intent.getStringExtra(name)
                 ?: if (intent.hasExtra(name)) intent.getIntExtra(name, default).toString() else return default
             val value = text.toIntOrNull()
-            require(value != null && value in min..MAX_FRAMES) {
-                "$name '$text' is no number from $min to $MAX_FRAMES"
+            require(value != null && value in min..max) {
+                "$name '$text' is no number from $min to $max"
             }
             return value
         }

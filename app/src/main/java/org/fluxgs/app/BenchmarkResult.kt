@@ -125,7 +125,7 @@ internal class BenchmarkResult(val json: JSONObject) {
             "width", "height", "views", "sorter", "in_flight_ms.median", "in_flight_ms.p95",
             "draw_ms.median", "draw_ms.p95",
             "sort_to_display_ms.median", "sort_to_display_ms.p95", "pipelined_ms", "splats_drawn",
-            "fragments", "blended_in", "bytes_per_frame", "gpu_memory_bytes",
+            "fragments", "blended_in", "slices", "bytes_per_frame", "gpu_memory_bytes",
         )
 
         fun of(text: String): BenchmarkResult? = try {

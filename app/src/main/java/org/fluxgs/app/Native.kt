@@ -146,7 +146,7 @@ internal object Native {
 
     @JvmStatic external fun startBenchmark(
         session: Long, sizes: IntArray, warmup: Int, frames: Int, gpuSort: Boolean,
-        cpuSort: Boolean,
+        cpuSort: Boolean, slices: Int,
     )
 
     @JvmStatic external fun stopBenchmark(session: Long, why: String)

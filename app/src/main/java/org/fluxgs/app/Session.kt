@@ -261,7 +261,7 @@ class Session : AutoCloseable {
     fun startBenchmark(plan: BenchmarkPlan) = call {
         obeyDriverCheck(it)
         Native.startBenchmark(
-            it, plan.sizes, plan.warmup, plan.frames, plan.gpuSort, plan.cpuSort,
+            it, plan.sizes, plan.warmup, plan.frames, plan.gpuSort, plan.cpuSort, plan.slices,
         )
     }
 
