@@ -90,6 +90,8 @@ inline std::size_t texel_bytes(GLenum format) {
       return 16;
     case GL_RGBA16F:
       return 8;
+    case GL_DEPTH_COMPONENT16:
+      return 2;
     default:
       return 4;
   }
