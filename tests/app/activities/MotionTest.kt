@@ -71,6 +71,7 @@ class MotionTest : ViewerScreen() {
             PerformanceHints.opener = { _, thread, target -> ToldHints(thread, target).also { told += it } }
             openAndDraw()
             choose(R.string.auto_orbit)
+            moves("drift")
             until("frames are reported") { told.isNotEmpty() && told.last().reports.size > 3 }
             val hints = told.last()
             assertEquals(session.drawingThread(), hints.thread)
@@ -78,6 +79,7 @@ class MotionTest : ViewerScreen() {
             assertTrue("${hints.target}", hints.target in 1_000_000..100_000_000)
             assertTrue("${hints.reports}", hints.reports.all { it in 1..10_000_000_000 })
             choose(R.string.auto_orbit)
+            moves("")
             until("nothing is told at rest") { told.all { it.closed } }
         } finally {
             PerformanceHints.opener = before
