@@ -1,6 +1,7 @@
 // Trainable parameters of a scene, laid out for SIMD: one row for each scalar parameter.
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -41,8 +42,10 @@ class PlanarFloats {
   std::size_t stride() const { return stride_; }  ///< floats from row to row
   float* data() { return data_.get(); }
   const float* data() const { return data_.get(); }
-  float* row(int r) { return data_.get() + static_cast<std::size_t>(r) * stride_; }
-  const float* row(int r) const { return data_.get() + static_cast<std::size_t>(r) * stride_; }
+  float* row(std::integral auto r) { return data_.get() + static_cast<std::size_t>(r) * stride_; }
+  const float* row(std::integral auto r) const {
+    return data_.get() + static_cast<std::size_t>(r) * stride_;
+  }
 
   /// A copy holding column order[i] at i; entries of `order` that are kNew give zeros.
   static constexpr std::uint32_t kNew = 0xffffffffu;

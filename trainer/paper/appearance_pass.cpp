@@ -17,11 +17,6 @@ constexpr int kPsiEnergy = 0, kPhiSh = networks::kPhiColumns - networks::kShColu
 // threads, enough that the sums of a group (60 KB) are cheap to add.
 constexpr std::size_t kGroup = 10 * kMlpPiece;
 
-float* row_of(PlanarFloats& matrix, std::size_t r) { return matrix.data() + r * matrix.stride(); }
-const float* row_of(const PlanarFloats& matrix, std::size_t r) {
-  return matrix.data() + r * matrix.stride();
-}
-
 /// Matrices of a piece's rows that the calling thread keeps; in glTF's frame.
 struct PieceRows {
   static PlanarFloats matrix() { return {static_cast<int>(kMlpPiece), kSh}; }
@@ -34,7 +29,7 @@ PieceRows& piece_rows() {
 
 ShRow sh_row(const PlanarFloats& matrix, std::size_t r) {
   ShRow sh;
-  std::copy_n(row_of(matrix, r), kSh, sh.begin());
+  std::copy_n(matrix.row(r), kSh, sh.begin());
   return sh;
 }
 
@@ -46,22 +41,21 @@ void shade_piece(const AppearanceModel& model, const PlanarFloats& parameters,
   const std::size_t count = splats.size();
   if (model.psi) {
     for (std::size_t r = 0; r < count; ++r)
-      put_psi_row(model.normalisation, parameters, latents, splats[r],
-                  row_of(psi.values[0], at + r));
+      put_psi_row(model.normalisation, parameters, latents, splats[r], psi.values[0].row(at + r));
     forward(*model.psi, psi, at, at + count, base, kernels);
   } else {
     for (std::size_t r = 0; r < count; ++r)
-      std::ranges::copy(turned_sh(latents, 0, splats[r]), row_of(base, r));
+      std::ranges::copy(turned_sh(latents, 0, splats[r]), base.row(r));
   }
   if (model.phi) {
     for (std::size_t r = 0; r < count; ++r)
       put_phi_row(model.normalisation, parameters, sh_row(base, r), splats[r],
-                  row_of(phi.values[0], at + r));
+                  phi.values[0].row(at + r));
     forward(*model.phi, phi, at, at + count, offset, kernels);
   }
   for (std::size_t r = 0; r < count; ++r) {
     ShRow sh = sh_row(base, r);
-    for (std::size_t k = 0; model.phi && k < kSh; ++k) sh[k] += row_of(offset, r)[k];
+    for (std::size_t k = 0; model.phi && k < kSh; ++k) sh[k] += offset.row(r)[k];
     put_turned_sh(sh, colors, row::sh_dc, splats[r]);
   }
 }
@@ -115,17 +109,16 @@ void AppearancePass::backpropagate_piece(const AppearanceModel& model, const Pla
     const ShRow own = visible[splat]
                           ? finite_gradient(turned_sh(gradient, row::sh_dc, splat), rejected_)
                           : ShRow{};
-    std::ranges::copy(own, row_of(base, r - begin));
+    std::ranges::copy(own, base.row(r - begin));
   }
   if (model.phi) {
     backward(*model.phi, phi_.transposed, phi_.batch, begin, end, base, phi_.groups[group], inputs,
              kernels_);
     for (std::size_t r = begin; r < end; ++r) {
-      const float* entries = row_of(phi_.batch.values[0], r) + kPhiSh;
+      const float* entries = phi_.batch.values[0].row(r) + kPhiSh;
       for (std::size_t k = 0; k < kSh; ++k)
         if (moves(entries[k]))
-          row_of(base, r - begin)[k] +=
-              row_of(inputs, r - begin)[k] / model.normalisation.sh_deviation[k];
+          base.row(r - begin)[k] += inputs.row(r - begin)[k] / model.normalisation.sh_deviation[k];
     }
   }
   if (model.psi)
@@ -137,7 +130,7 @@ void AppearancePass::backpropagate_piece(const AppearanceModel& model, const Pla
       put_turned_sh(finite_gradient(own, rejected_), latent_gradient, 0, splats_[r]);
       continue;
     }
-    const float* entries = row_of(psi_.batch.values[0], r) + kPsiEnergy;
+    const float* entries = psi_.batch.values[0].row(r) + kPsiEnergy;
     for (std::size_t k = 0; k < kSh; ++k)
       if (!moves(entries[k])) own[k] = 0;
     put_turned_energy(finite_gradient(own, rejected_), latent_gradient, splats_[r]);

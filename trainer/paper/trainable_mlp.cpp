@@ -11,8 +11,6 @@ namespace {
 std::size_t size(int count) { return static_cast<std::size_t>(count); }
 
 /// The padded row of entry `r` of a matrix.
-float* row_of(PlanarFloats& m, std::size_t r) { return m.data() + r * m.stride(); }
-const float* row_of(const PlanarFloats& m, std::size_t r) { return m.data() + r * m.stride(); }
 const float* bias_of(const PlanarFloats& m) { return m.row(m.rows() - 1); }
 
 /// Rows of a matrix, one after the other.
@@ -53,11 +51,11 @@ void apply_layer(const TrainableMlp& mlp, std::size_t layer, const Rows& in, std
 Rows inputs_of(const TrainableMlp& mlp, std::size_t layer, const MlpBatch& batch, std::size_t begin,
                std::size_t end, const MlpKernels& kernels) {
   const PlanarFloats& kept = batch.values[layer];
-  if (layer != 1) return {row_of(kept, begin), kept.stride()};
+  if (layer != 1) return {kept.row(begin), kept.stride()};
   const PlanarFloats& in = batch.values[0];
   const std::size_t stride = mlp.weights[0].stride();
   float* out = scratch(0, stride);
-  apply_layer(mlp, 0, {row_of(in, begin), in.stride()}, end - begin, out, kernels);
+  apply_layer(mlp, 0, {in.row(begin), in.stride()}, end - begin, out, kernels);
   return {out, stride};
 }
 
@@ -81,7 +79,7 @@ void add_weight_gradient(const Rows& in, const Rows& delta, std::size_t rows,
   kernels.product(product);
   product.a = &kOne;
   product.a_row = product.a_step = 0;
-  product.c = row_of(gradient, inputs);
+  product.c = gradient.row(inputs);
   product.rows = 1;
   kernels.product(product);
 }
@@ -142,7 +140,7 @@ void forward(const TrainableMlp& mlp, MlpBatch& batch, std::size_t begin, std::s
   const std::size_t last = mlp.layers() - 1;
   for (std::size_t l = 1; l < last; ++l)
     apply_layer(mlp, l, inputs_of(mlp, l, batch, begin, end, kernels), end - begin,
-                row_of(batch.values[l + 1], begin), kernels);
+                batch.values[l + 1].row(begin), kernels);
   apply_layer(mlp, last, inputs_of(mlp, last, batch, begin, end, kernels), end - begin,
               outputs.data(), kernels);
 }

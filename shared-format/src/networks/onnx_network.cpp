@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "networks/flush_denormals.h"
+#include "networks/onnx_session.h"
 
 namespace fluxgs::networks {
 namespace {
@@ -22,16 +23,6 @@ std::size_t batch_of(const RowCost& cost) {
 /// An error of onnxruntime's, in the file that it is about.
 std::unexpected<Error> blame(const Place& place, const Error& error) {
   return fail(place.in(error.field), error.what);
-}
-
-/// Takes over what `create` made; what it made of a failure is an error.
-template <class T, class Create>
-Expected<void> take(const ort::Api& api, std::unique_ptr<T, void (*)(T*)>& owner, const char* what,
-                    Create create) {
-  T* made = nullptr;
-  auto ok = ort::check(api, create(&made), what);
-  if (ok) owner.reset(made);
-  return ok;
 }
 
 }  // namespace
@@ -55,35 +46,10 @@ Expected<OnnxNetwork> OnnxNetwork::load(std::span<const std::byte> bytes,
   const auto runtime = ort::load_runtime();
   if (!runtime) return std::unexpected(runtime.error());
   OnnxNetwork network(**runtime, signature, place, *cost);
-  if (auto ok = network.create_session(write_onnx(*model)); !ok) return blame(place, ok.error());
+  const auto ours = write_onnx(*model);
+  if (auto ok = ort::create_session(**runtime, ours, 1, network.memory_, network.session_); !ok)
+    return blame(place, ok.error());
   return network;
-}
-
-Expected<void> OnnxNetwork::create_session(const std::vector<std::byte>& model) {
-  const ort::Api& api = runtime_->api;
-  Owned<ort::SessionOptions> owner(nullptr, api.release_options);
-  auto ok = take(api, owner, "options", [&](auto** made) { return api.create_options(made); });
-  ort::SessionOptions* options = owner.get();
-  const auto set = [&](auto function, auto... values) {
-    if (ok) ok = ort::check(api, function(options, values...), "options");
-  };
-  set(api.set_threads, 1);  // no thread pool
-  set(api.set_optimization, ort::kOptimizeAll);
-  // Memory goes back at once: a scene is decoded once, then the network is gone
-  set(api.disable_arena);
-  set(api.disable_memory_pattern);
-  set(api.add_config, "session.load_model_format", "ONNX");  // never guessed from the bytes
-  if (ok) {
-    ok = take(api, memory_, "memory", [&](auto** made) {
-      return api.create_memory_info(ort::kDeviceAllocator, ort::kDefaultMemory, made);
-    });
-  }
-  if (ok) {
-    ok = take(api, session_, "load", [&](auto** made) {
-      return api.create_session(runtime_->env, model.data(), model.size(), options, made);
-    });
-  }
-  return ok;
 }
 
 Expected<void> OnnxNetwork::check_rows(std::size_t rows) const {
@@ -107,7 +73,7 @@ Expected<void> OnnxNetwork::run(std::size_t rows, std::span<const std::span<cons
   if (!fits) return fail(place_, "its inputs or output are not of the size of its rows");
   if (rows == 0) return {};
 
-  std::vector<Owned<ort::Value>> owners;
+  std::vector<ort::Owned<ort::Value>> owners;
   std::vector<const ort::Value*> values;
   std::vector<const char*> names;
   for (std::size_t i = 0; i < count; ++i) {
@@ -115,7 +81,7 @@ Expected<void> OnnxNetwork::run(std::size_t rows, std::span<const std::span<cons
                            std::int64_t{signature_.inputs[i].count}};
     owners.emplace_back(nullptr, api.release_value);
     // Inputs are not written to; the interface just has no type for that
-    const auto ok = take(api, owners.back(), "input", [&](auto** made) {
+    const auto ok = ort::take(api, owners.back(), "input", [&](auto** made) {
       return api.wrap_tensor(memory_.get(), const_cast<float*>(inputs[i].data()),
                              inputs[i].size_bytes(), shape.data(), shape.size(), ort::kFloat, made);
     });
@@ -123,10 +89,10 @@ Expected<void> OnnxNetwork::run(std::size_t rows, std::span<const std::span<cons
     values.push_back(owners.back().get());
     names.push_back(signature_.inputs[i].name.c_str());
   }
-  Owned<ort::Value> result(nullptr, api.release_value);
+  ort::Owned<ort::Value> result(nullptr, api.release_value);
   const char* output_name = signature_.output.name.c_str();
   const FlushDenormals flush;
-  auto ok = take(api, result, "run", [&](auto** made) {
+  auto ok = ort::take(api, result, "run", [&](auto** made) {
     return api.run(session_.get(), nullptr, names.data(), values.data(), count, &output_name, 1,
                    made);
   });
@@ -137,12 +103,12 @@ Expected<void> OnnxNetwork::run(std::size_t rows, std::span<const std::span<cons
 Expected<void> OnnxNetwork::copy_output(ort::Value* value, std::size_t rows,
                                         std::span<float> output) const {
   const ort::Api& api = runtime_->api;
-  Owned<ort::ShapeInfo> shape(nullptr, api.release_shape);
+  ort::Owned<ort::ShapeInfo> shape(nullptr, api.release_shape);
   std::size_t rank = 0;
   int type = 0;
   std::array<std::int64_t, 2> dims{};
   void* data = nullptr;
-  auto ok = take(api, shape, "output", [&](auto** made) { return api.shape_of(value, made); });
+  auto ok = ort::take(api, shape, "output", [&](auto** made) { return api.shape_of(value, made); });
   if (ok) ok = ort::check(api, api.element_type(shape.get(), &type), "output");
   if (ok) ok = ort::check(api, api.rank(shape.get(), &rank), "output");
   if (ok && rank == dims.size()) {

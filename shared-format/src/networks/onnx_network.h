@@ -11,6 +11,7 @@
 #include "fluxgs/networks/mlp.h"
 #include "networks/onnx_api.h"
 #include "networks/onnx_check.h"
+#include "networks/onnx_session.h"
 
 namespace fluxgs::networks {
 
@@ -43,19 +44,15 @@ class OnnxNetwork {
 
  private:
   OnnxNetwork(const ort::Runtime& runtime, Signature signature, Place place, RowCost cost);
-  Expected<void> create_session(const std::vector<std::byte>& model);
   Expected<void> copy_output(ort::Value* value, std::size_t rows, std::span<float> output) const;
-
-  template <class T>
-  using Owned = std::unique_ptr<T, void (*)(T*)>;
 
   const ort::Runtime* runtime_;
   Signature signature_;
   Place place_;
   RowCost cost_;
   std::size_t batch_;
-  Owned<ort::MemoryInfo> memory_;
-  Owned<ort::Session> session_;
+  ort::Owned<ort::MemoryInfo> memory_;
+  ort::Owned<ort::Session> session_;
 };
 
 }  // namespace fluxgs::networks

@@ -25,6 +25,7 @@
 #include "platform/host/window_screen.h"
 #include "tools/fluxgs/commands/command.h"
 #include "tools/fluxgs/commands/flip.h"
+#include "tools/fluxgs/commands/lpips.h"
 #include "tools/fluxgs/options/renderers.h"
 #include "tools/fluxgs/terminal/json_file.h"
 #include "tools/reference/reference_renderer.h"
@@ -129,6 +130,12 @@ json flip() {
   return {{"available", true}};
 }
 
+json lpips() {
+  const auto there = Lpips::load("alex", 1);
+  if (!there) return {{"available", false}, {"reason", there.error().message()}};
+  return {{"available", true}};
+}
+
 /// Reduced photos and poses that are kept for a next time.
 json work_kept() {
   const auto folder = work_folders();
@@ -158,6 +165,7 @@ json examine() {
           {"gnuplot", program_path("gnuplot")},
           {"onnxruntime", onnxruntime()},
           {"flip", flip()},
+          {"lpips", lpips()},
           {"work_kept", work_kept()},
           {"versions",
            {{"compiler", __VERSION__},
@@ -200,10 +208,13 @@ void print_doctor(const json& found) {
              onnx["available"].get<bool>()
                  ? onnx["version"].get<std::string>() + " (" + onnx["path"].get<std::string>() + ")"
                  : "missing: " + onnx["reason"].get<std::string>());
-  const json& flip = found["flip"];
-  fmt::print("FLIP        {}\n", flip["available"].get<bool>()
-                                     ? "there"
-                                     : "missing: " + flip["reason"].get<std::string>());
+  for (const auto& [name, key] : {std::pair("FLIP", "flip"), std::pair("LPIPS", "lpips")}) {
+    const json& measure = found[key];
+    fmt::print("{:<11} {}\n", name,
+               measure["available"].get<bool>()
+                   ? "there"
+                   : "missing: " + measure["reason"].get<std::string>());
+  }
   const json& work = found["work_kept"];
   if (!work.is_null() && work["bytes"].get<std::uintmax_t>() > 0)
     fmt::print("work kept   {:.0f} MB of photos and poses in {}; delete it when you are done\n",

@@ -1,6 +1,9 @@
 // fluxgs eval: a scene against images.
 #include <algorithm>
+#include <map>
 #include <numeric>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -8,6 +11,7 @@
 
 #include "tools/fluxgs/commands/command.h"
 #include "tools/fluxgs/commands/flip.h"
+#include "tools/fluxgs/commands/lpips.h"
 #include "tools/fluxgs/options/data_options.h"
 #include "tools/fluxgs/options/renderers.h"
 #include "tools/fluxgs/terminal/json_file.h"
@@ -21,38 +25,74 @@ struct EvalSettings {
   DataOptions data;
   RendererChoice choice{.renderer = "cpu"};
   bool as_json = false, flip = false;
+  std::vector<std::string> lpips;  ///< networks
 };
 
 double mean_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-/// `flip`: of each view, or empty.
-nlohmann::json to_json(const Evaluation& score, const std::vector<double>& flip,
+LpipsError mean_of(const std::vector<LpipsError>& errors) {
+  LpipsError mean;
+  for (const LpipsError& error : errors) {
+    mean.zero_to_one += error.zero_to_one / static_cast<double>(errors.size());
+    mean.minus_one_to_one += error.minus_one_to_one / static_cast<double>(errors.size());
+  }
+  return mean;
+}
+
+/// What was measured beside PSNR and SSIM, of each view; empty: was not asked for.
+struct Perceived {
+  std::vector<double> flip;
+  std::map<std::string, std::vector<LpipsError>> lpips;  ///< by network
+};
+
+nlohmann::json to_json(const LpipsError& error) {
+  return {{"zero_to_one", error.zero_to_one}, {"minus_one_to_one", error.minus_one_to_one}};
+}
+
+nlohmann::json to_json(const Evaluation& score, const Perceived& perceived,
                        const SceneFile& scene) {
   nlohmann::json views = nlohmann::json::array();
   for (const ViewScore& v : score.views)
     views.push_back({{"name", v.name}, {"psnr", v.psnr}, {"ssim", v.ssim}});
-  for (std::size_t i = 0; i < flip.size(); ++i) views[i]["flip"] = flip[i];
   nlohmann::json object = {{"psnr", score.psnr},
                            {"ssim", score.ssim},
-                           {"views", views},
                            {"splats", scene.cloud.size()},
                            {"bytes", scene.bytes}};
-  if (!flip.empty()) object["flip"] = mean_of(flip);
+  for (std::size_t i = 0; i < perceived.flip.size(); ++i) views[i]["flip"] = perceived.flip[i];
+  if (!perceived.flip.empty()) object["flip"] = mean_of(perceived.flip);
+  for (const auto& [network, errors] : perceived.lpips) {
+    for (std::size_t i = 0; i < errors.size(); ++i) views[i]["lpips"][network] = to_json(errors[i]);
+    object["lpips"][network] = to_json(mean_of(errors));
+  }
+  object["views"] = std::move(views);
   return object;
 }
 
-void print_scores(const Evaluation& score, const std::vector<double>& flip,
-                  const SceneFile& scene) {
-  const auto shown = [](double error) { return fmt::format("  FLIP {:.4f}", error); };
+std::string shown(const LpipsError& error) {
+  return fmt::format("{:.4f} [0,1] {:.4f} [-1,1]", error.zero_to_one, error.minus_one_to_one);
+}
+
+void print_scores(const Evaluation& score, const Perceived& perceived, const SceneFile& scene) {
+  const auto line = [](const std::string& name, double psnr, double ssim) {
+    fmt::print("{:<32} {:6.2f} dB  SSIM {:.4f}", name, psnr, ssim);
+  };
+  const auto print_flip = [](double error) { fmt::print("  FLIP {:.4f}", error); };
+  const auto print_lpips = [](const std::string& network, const LpipsError& error) {
+    fmt::print("  LPIPS {} {}", network, shown(error));
+  };
   for (std::size_t i = 0; i < score.views.size(); ++i) {
     const ViewScore& v = score.views[i];
-    fmt::print("{:<32} {:6.2f} dB  SSIM {:.4f}{}\n", v.name, v.psnr, v.ssim,
-               flip.empty() ? "" : shown(flip[i]));
+    line(v.name, v.psnr, v.ssim);
+    if (!perceived.flip.empty()) print_flip(perceived.flip[i]);
+    for (const auto& [network, errors] : perceived.lpips) print_lpips(network, errors[i]);
+    fmt::print("\n");
   }
-  fmt::print("{:<32} {:6.2f} dB  SSIM {:.4f}{}  ({} splats, {} bytes)\n", "mean", score.psnr,
-             score.ssim, flip.empty() ? "" : shown(mean_of(flip)), scene.cloud.size(), scene.bytes);
+  line("mean", score.psnr, score.ssim);
+  if (!perceived.flip.empty()) print_flip(mean_of(perceived.flip));
+  for (const auto& [network, errors] : perceived.lpips) print_lpips(network, mean_of(errors));
+  fmt::print("  ({} splats, {} bytes)\n", scene.cloud.size(), scene.bytes);
 }
 
 /// The longer side of the images that the scene was trained with; 0: not known.
@@ -60,9 +100,33 @@ int trained_side(const SceneFile& scene) {
   return scene.start ? std::max(scene.start->image_width, scene.start->image_height) : 0;
 }
 
+Expected<Perceived> measure_perceived(const EvalSettings& s, const std::vector<View>& views,
+                                      const ViewRenderer& renderer,
+                                      const std::vector<Lpips>& lpips) {
+  Perceived found;
+  if (s.flip) {
+    auto errors = flip_errors(views, renderer, show_progress("views"));
+    if (!errors) return std::unexpected(errors.error());
+    found.flip = std::move(*errors);
+  }
+  for (const Lpips& network : lpips) {
+    auto errors = lpips_errors(views, renderer, network, show_progress("views"));
+    if (!errors) return std::unexpected(errors.error());
+    found.lpips[network.network()] = std::move(*errors);
+  }
+  return found;
+}
+
 Expected<void> eval(const EvalSettings& s) {
   if (s.flip)
     if (auto ok = check_flip(); !ok) return ok;
+  const Threads threads(s.data.threads);
+  std::vector<Lpips> lpips;
+  for (const std::string& network : s.lpips) {
+    auto loaded = Lpips::load(network, threads.count());
+    if (!loaded) return std::unexpected(loaded.error());
+    lpips.push_back(std::move(*loaded));
+  }
   const auto scene = load_scene(s.scene);
   if (!scene) return std::unexpected(scene.error());
   DataOptions options_of_data = s.data;
@@ -76,7 +140,6 @@ Expected<void> eval(const EvalSettings& s) {
                                    : "has no test images; --split train measures those that "
                                      "the scene was trained on");
 
-  const Threads threads(s.data.threads);
   RenderOptions options;
   options.background = s.data.background_color();
   const auto renderer = make_renderer(s.choice, scene->cloud, options, threads);
@@ -84,17 +147,12 @@ Expected<void> eval(const EvalSettings& s) {
   const auto score = evaluate(views, *renderer, threads, show_progress("views"));
   if (!score) return std::unexpected(score.error());
 
-  std::vector<double> flip;
-  if (s.flip) {
-    auto errors = flip_errors(views, *renderer, show_progress("views"));
-    if (!errors) return std::unexpected(errors.error());
-    flip = std::move(*errors);
-  }
-
+  const auto perceived = measure_perceived(s, views, *renderer, lpips);
+  if (!perceived) return std::unexpected(perceived.error());
   if (s.as_json)
-    print_json(to_json(*score, flip, *scene));
+    print_json(to_json(*score, *perceived, *scene));
   else
-    print_scores(*score, flip, *scene);
+    print_scores(*score, *perceived, *scene);
   return {};
 }
 
@@ -111,6 +169,12 @@ void add_eval(CLI::App& app, Action& action) {
   add_masks_option(*command, s->data.masks);
   add_renderer_options(*command, s->choice);
   command->add_flag("--flip", s->flip, "also measure FLIP, 0 to 1 (tools/deps/flip installs it)");
+  command
+      ->add_option("--lpips", s->lpips,
+                   "also measure LPIPS by these networks: vgg (which papers print), alex "
+                   "(tools/deps/lpips installs them)")
+      ->check(CLI::IsMember({"vgg", "alex"}))
+      ->expected(1, 2);
   command->add_flag("--json", s->as_json, "print one JSON object");
   command->callback([s, &action] { action = [s] { return eval(*s); }; });
 }
