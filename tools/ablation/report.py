@@ -17,6 +17,7 @@ METRICS = (
     ("stored_psnr", "compact: PSNR (dB)", 1, 2),
     ("stored_ssim", "compact: SSIM", 1, 4),
     ("stored_flip", "compact: FLIP", 1, 4),
+    ("stored_lpips", "compact: LPIPS (VGG, [0,1])", 1, 4),
     ("splats", "splats", 1, 0),
     ("stored_bytes", "compact .glb (MB)", 1e-6, 3),
     ("ply_bytes", ".ply (MB)", 1e-6, 2),

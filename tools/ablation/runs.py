@@ -138,13 +138,17 @@ def train(fluxgs, run, folder):
     checkpoint.unlink(missing_ok=True)
 
 
-def measure(fluxgs, run, folder, frames, flip, result):
+# Measures of images beside PSNR and SSIM, as eval's report names them, and its options for them
+MEASURES = {"flip": ["--flip"], "lpips": ["--lpips", "vgg"]}
+
+
+def measure(fluxgs, run, folder, frames, measures, result):
     """Scores and times the compact scene; what fails is a note and not a failed run."""
     data = ["--data", run.data, *picked(run.options, DATA_OPTIONS.__contains__)]
     steps = []
     if "psnr" in read_json(folder / "train.json"):
         steps.append(("score.json", ["eval", str(folder / "scene.glb"), "--json", *data]
-                      + (["--flip"] if flip else [])))
+                      + [word for name in measures for word in MEASURES[name]]))
     else:
         result.notes.append("no PSNR and SSIM: the data set has no test images")
     if frames > 0:
@@ -152,7 +156,7 @@ def measure(fluxgs, run, folder, frames, flip, result):
                                       "--frames", str(frames), *data]))
     for name, arguments in steps:
         known = read_json(folder / name)
-        if known is not None and (not flip or name != "score.json" or "flip" in known):
+        if known is not None and (name != "score.json" or all(m in known for m in measures)):
             continue
         try:
             call(fluxgs, arguments, folder, folder / name)
@@ -171,7 +175,8 @@ SOURCES = {
     "train.json": {"psnr": "psnr_before_compression", "ssim": "ssim_before_compression",
                    "splats": "splats", "stored_bytes": "bytes", "ply_bytes": "float_bytes",
                    "seconds": "seconds", "cpu_seconds": "cpu_seconds", "threads": "threads"},
-    "score.json": {"stored_psnr": "psnr", "stored_ssim": "ssim", "stored_flip": "flip"},
+    "score.json": {"stored_psnr": "psnr", "stored_ssim": "ssim", "stored_flip": "flip",
+                   "stored_lpips": "lpips/vgg/zero_to_one"},
     "frames.json": {"frame_ms": "sort_to_display_ms/median"},
 }
 
@@ -198,13 +203,13 @@ def collect(folder, frames, result):
             result.values["sh_reduction_psnr"] = after - before
 
 
-def execute(fluxgs, run, folder, frames=30, flip=False, retry=False):
+def execute(fluxgs, run, folder, frames=30, measures=(), retry=False):
     """Does what is not done yet and returns the result; whatever fails is a result, too."""
     result = Result()
     try:
         prepare(run, folder, retry)
         train(fluxgs, run, folder)
-        measure(fluxgs, run, folder, frames, flip, result)
+        measure(fluxgs, run, folder, frames, measures, result)
         collect(folder, frames, result)
         result.state = "finished"
     except Interrupted:

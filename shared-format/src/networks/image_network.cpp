@@ -24,16 +24,11 @@ struct ImageNetwork::Session {
   ort::Owned<ort::Session> session;
 };
 
-ImageNetwork::ImageNetwork(std::unique_ptr<Session> session) : session_(std::move(session)) {}
-ImageNetwork::ImageNetwork(ImageNetwork&&) noexcept = default;
-ImageNetwork& ImageNetwork::operator=(ImageNetwork&&) noexcept = default;
-ImageNetwork::~ImageNetwork() = default;
-
 Expected<ImageNetwork> ImageNetwork::load(std::span<const std::byte> model,
                                           std::vector<std::string> outputs, int threads) {
   const auto runtime = ort::load_runtime();
   if (!runtime) return std::unexpected(runtime.error());
-  auto session = std::make_unique<Session>(**runtime, std::move(outputs));
+  auto session = std::make_shared<Session>(**runtime, std::move(outputs));
   auto ok = ort::create_session(**runtime, model, threads, session->memory, session->session);
   if (!ok) return std::unexpected(ok.error());
   return ImageNetwork(std::move(session));

@@ -26,8 +26,8 @@ struct Network {
   double fixed_memory;  // bytes, whatever the image; measured
   double pixel_memory;  // bytes a pixel
 };
-constexpr std::array kNetworks = {Network{"vgg", 58'868'511, 0xe46bcbb0, 150e6, 1900},
-                                  Network{"alex", 9'885'750, 0xcab3db8c, 60e6, 250}};
+constexpr std::array kNetworks = {Network{"vgg", 58'868'511, 0xe46bcbb0, 230e6, 1500},
+                                  Network{"alex", 9'885'750, 0xcab3db8c, 45e6, 170}};
 
 const Network* find_network(std::string_view name) {
   const auto* found = std::ranges::find(kNetworks, name, &Network::name);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fluxgs/error.h"
@@ -14,12 +15,13 @@ namespace fluxgs::networks {
 
 /// One output of a network: float32, channels × height × width.
 struct FeatureMap {
-  int channels = 0, height = 0, width = 0;
-  std::span<const float> values;  ///< of `owner`
-  std::shared_ptr<const void> owner;
+  int channels = 0;                   ///< planes
+  int height = 0, width = 0;          ///< of a plane
+  std::span<const float> values;      ///< of `owner`
+  std::shared_ptr<const void> owner;  ///< keeps the values
 };
 
-/// Not thread-safe. May be moved.
+/// Not thread-safe, nor are copies, which share one session.
 class ImageNetwork {
  public:
   /// `model`: bytes of an ONNX file with one input "image", float32 of 1 × 3 × height × width.
@@ -32,14 +34,10 @@ class ImageNetwork {
   /// runs out, and on images too small for the network's windows.
   Expected<std::vector<FeatureMap>> run(std::span<const float> planes, int height, int width) const;
 
-  ImageNetwork(ImageNetwork&&) noexcept;
-  ImageNetwork& operator=(ImageNetwork&&) noexcept;
-  ~ImageNetwork();
-
  private:
   struct Session;
-  explicit ImageNetwork(std::unique_ptr<Session> session);
-  std::unique_ptr<Session> session_;
+  explicit ImageNetwork(std::shared_ptr<const Session> session) : session_(std::move(session)) {}
+  std::shared_ptr<const Session> session_;
 };
 
 }  // namespace fluxgs::networks
