@@ -16,7 +16,8 @@ namespace fluxgs::networks {
 /// One output of a network: float32, channels × height × width.
 struct FeatureMap {
   int channels = 0;                   ///< planes
-  int height = 0, width = 0;          ///< of a plane
+  int height = 0;                     ///< rows of a plane
+  int width = 0;                      ///< columns of a plane
   std::span<const float> values;      ///< of `owner`
   std::shared_ptr<const void> owner;  ///< keeps the values
 };
