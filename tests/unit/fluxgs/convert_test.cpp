@@ -72,6 +72,20 @@ class Convert : public testing::Test {
   InitialView view_;
 };
 
+TEST_F(Convert, KeepsSoManySplats) {
+  ASSERT_TRUE(write_scene(folder_ / "s.ply", test::random_cloud(50, 1, 1)));
+  const Outcome less = convert("s.ply", "less.ply", "--max-splats 20");
+  EXPECT_EQ(less.status, 0) << less.err;
+  EXPECT_THAT(less.err, HasSubstr("30 of 50 splats are left out"));
+  EXPECT_EQ(scene("less.ply").cloud.size(), 20U);
+  EXPECT_EQ(convert("s.ply", "all.ply", "--max-splats 50").status, 0);
+  EXPECT_EQ(scene("all.ply").cloud.size(), 50U);
+  ASSERT_EQ(convert("s.ply", "s.glb", "--compact").status, 0);
+  EXPECT_EQ(convert("s.glb", "few.glb", "--max-splats 7").status, 0);
+  EXPECT_EQ(scene("few.glb").cloud.size(), 7U) << "a compact file is stored anew";
+  EXPECT_EQ(convert("s.ply", "none.ply", "--max-splats 0").status, 2);
+}
+
 TEST_F(Convert, ReplacesNothingUnlessForced) {
   ASSERT_EQ(convert("s.glb", "t.ply").status, 0);
   const std::string first = bytes("t.ply");

@@ -21,6 +21,7 @@
 #include "tools/fluxgs/commands/conversion_losses.h"
 #include "tools/fluxgs/commands/scene_crop.h"
 #include "tools/fluxgs/commands/scene_map.h"
+#include "tools/fluxgs/commands/scene_thinning.h"
 #include "tools/fluxgs/options/data_options.h"
 #include "tools/fluxgs/terminal/console.h"
 #include "tools/fluxgs/terminal/files.h"
@@ -40,7 +41,7 @@ struct ConvertSettings {
   MapOptions map;
   double step_scale = 1;
   int sh_degree = 3, spz_version = 3;
-  std::optional<std::size_t> max_bytes;
+  std::optional<std::size_t> max_splats, max_bytes;
   std::optional<double> min_psnr;
   DataOptions data;
 
@@ -138,6 +139,21 @@ std::vector<std::uint32_t> order_in(const SceneFormat& format, const ConvertSett
   return format.order ? format.order(cloud) : std::vector<std::uint32_t>();
 }
 
+/// Leaves no more splats than asked for. PSNR, where it is measured, is then to what is left.
+Expected<void> thin_out(const ConvertSettings& s, SplatCloud& cloud) {
+  const std::size_t before = cloud.size();
+  if (!s.max_splats || before <= *s.max_splats) return {};
+  const auto data = load_if_given(s.data);
+  if (!data) return std::unexpected(data.error());
+  const Threads threads(s.data.threads);
+  const std::vector<Camera> cameras = *data ? cameras_of((*data)->train) : std::vector<Camera>();
+  keep_most_contributing(cloud, *s.max_splats, cameras, {}, threads, show_progress("views"));
+  spdlog::info("{}: {} of {} splats are left out, those that add least{}", shown(s.in),
+               before - cloud.size(), before,
+               *data ? " to the images of the data set" : "; --data counts what hides what");
+  return {};
+}
+
 Expected<CompactTrial> search(const ConvertSettings& s, const SceneFile& scene) {
   const SplatCloud& cloud = scene.cloud;
   const auto loaded = load_if_given(s.data);
@@ -216,9 +232,11 @@ Expected<void> write_out(const ConvertSettings& s) {
   const bool stays_compact =
       glb && is_compact(*scene) && !s.no_compact && s.glb.attribute_bits == 32;
   if (stays_compact && !s.compact && !s.searches() && full_degree <= s.sh_degree &&
-      !s.crop.crops() && map_of(s.map) == AffineMap{})
+      !s.crop.crops() && map_of(s.map) == AffineMap{} &&
+      scene->cloud.size() <= s.max_splats.value_or(scene->cloud.size()))
     return copy_compact(s, scene->cloud.size());
   limit_sh_degree(scene->cloud, s.sh_degree);
+  if (auto ok = thin_out(s, scene->cloud); !ok) return ok;
   map_scene(s.map, *scene);
   warn_of_lost_degrees(s.out, **format, scene->cloud.sh_degree);
   const bool compact = s.compact || s.searches() || stays_compact;
@@ -260,8 +278,9 @@ void check_use(const ConvertSettings& s, const CLI::App& command) {
     throw CLI::ValidationError("--spz-version", "is used only for a .spz");
   if (command.count("--downscale") > 0 && s.data.folder.empty())
     throw CLI::ValidationError("--downscale", "is used only with --data");
-  if (!s.data.folder.empty() && !s.searches())
-    throw CLI::ValidationError("--data", "is used only by --min-psnr and --max-bytes");
+  if (!s.data.folder.empty() && !s.searches() && !s.max_splats)
+    throw CLI::ValidationError("--data",
+                               "is used only by --max-splats, --min-psnr and --max-bytes");
   for (const char* option : {"--plain-attributes", "--no-chunks"})
     if (command.count(option) > 0 && !s.compact && !s.searches())
       throw CLI::ValidationError(option, "is used only with --compact, --min-psnr or --max-bytes");
@@ -291,8 +310,8 @@ void add_compact_options(CLI::App& command, ConvertSettings& s) {
                        "also store plain floats: a large file that other viewers open");
   CLI::Option* chunks = command.add_flag(
       "--no-chunks", s.no_chunks, "do not put first what shows most of a scene while it is loaded");
-  CLI::Option* data = command.add_option(
-      "--data", s.data.folder, "measure PSNR on the views of this data set instead of an orbit");
+  CLI::Option* data = command.add_option("--data", s.data.folder,
+                                         "use the views of this data set instead of an orbit");
   for (CLI::Option* option : {compact, floats, step_scale, bytes, loss, plain, chunks, data})
     option->group(group);
   CLI::Option* quantize = command.add_option(
@@ -314,6 +333,7 @@ void add_convert(CLI::App& app, Action& action) {
       "as a .glb. What a format cannot hold is said in a line each.\n"
       "Example: fluxgs convert garden.ply garden.glb --min-psnr 40\n"
       "         fluxgs convert garden.glb upright.glb --up z --scale 0.5\n"
+      "         fluxgs convert garden.ply light.glb --max-splats 50000 --data captures/garden\n"
       "         fluxgs convert garden.ply table.glb --crop-sphere 0,0.4,2,1.5");
   command->add_option("in", settings->in, "the scene to read")->required();
   command->add_option("out", settings->out, "the scene to write: " + writable_extensions())
@@ -321,6 +341,11 @@ void add_convert(CLI::App& app, Action& action) {
   command->add_option("--sh-degree", settings->sh_degree, "highest SH degree to keep")
       ->check(whole_in(0, 3))
       ->capture_default_str();
+  command
+      ->add_option("--max-splats", settings->max_splats,
+                   "keep no more splats than this, those that add most to images: of the data set "
+                   "where --data is given, otherwise by opacity and size")
+      ->check(whole_in(1, std::int64_t{1} << 40));
   command
       ->add_option("--spz-version", settings->spz_version,
                    "version of a .spz: 3, read everywhere, or 4, smaller")
