@@ -119,8 +119,10 @@ void DrawPass::draw(gl::Api& api, int slice) const {
   }
   vertex_array_.bind();
   indices_.bind(GL_ELEMENT_ARRAY_BUFFER);  // drivers of Mali forget that it belongs to the array
-  api.DrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT,
-                           reinterpret_cast<const void*>(draw_arguments_bytes(slice)));
+  // OpenGL takes the offset as a pointer
+  // NOLINTNEXTLINE(performance-no-int-to-ptr)
+  const auto* const offset = reinterpret_cast<const void*>(draw_arguments_bytes(slice));
+  api.DrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT, offset);
   api.BindVertexArray(0);
 }
 
