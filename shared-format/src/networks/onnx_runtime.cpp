@@ -26,8 +26,8 @@ constexpr const char* kAdvice =
     "one without networks of them";
 #else
 constexpr const char* kAdvice =
-    "scenes with networks need onnxruntime 1.18 or later: run tools/setup, or name the library in "
-    "the variable FLUXGS_ONNXRUNTIME";
+    "scenes with networks, and LPIPS, need onnxruntime 1.18 or later: run tools/setup, or name the "
+    "library in the variable FLUXGS_ONNXRUNTIME";
 #endif
 
 /// Paths to look at; a library named by the user is the only one.
