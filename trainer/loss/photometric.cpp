@@ -67,6 +67,12 @@ void fill_unused(const Image<std::uint8_t>& used, const PlanarImage& color, Plan
     }
 }
 
+double used_share(const Image<std::uint8_t>& used) {
+  if (used.pixels.empty()) return 1;
+  const auto masked = std::ranges::count(used.pixels, std::uint8_t{0});
+  return 1 - static_cast<double>(masked) / static_cast<double>(used.pixels.size());
+}
+
 void PhotometricLoss::prepare(const PlanarImage& color) {
   if (gradient_.width() == color.width() && gradient_.height() == color.height()) return;
   partials_ = PlanarImage(color.width(), color.height(), 9);

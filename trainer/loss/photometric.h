@@ -32,6 +32,9 @@ void shift_background(const Image<std::uint8_t>& alpha, const glm::vec3& shift, 
 /// empty) the colours of `color`, so that no comparison sees a difference there.
 void fill_unused(const Image<std::uint8_t>& used, const PlanarImage& color, PlanarImage& target);
 
+/// Share of the pixels that count, of those that an image has; 1 where `used` is empty.
+double used_share(const Image<std::uint8_t>& used);
+
 /// Reuses its buffers from call to call. Results do not depend on the number of threads.
 class PhotometricLoss {
  public:

@@ -102,6 +102,14 @@ TEST(Lpips, OfViewsAreThoseOfTheirBytes) {
   EXPECT_EQ(same->at(0).zero_to_one, 0);
   EXPECT_EQ(same->at(0).minus_one_to_one, 0);
   EXPECT_GT(other->at(0).zero_to_one, 0.01);
+  // A mask takes pixels out of the mean; it does not make them alike
+  View half = view;
+  half.used = Image<std::uint8_t>(48, 40, 1);
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 48; ++x) half.used.at(x, y)[0] = x < 24 ? 255 : 0;
+  const auto masked = lpips_errors({half}, show(0.3F), *lpips);
+  ASSERT_TRUE(masked);
+  EXPECT_GT(masked->at(0).zero_to_one, 0.7 * other->at(0).zero_to_one);
 }
 
 TEST(Lpips, ImagesTooSmallOrTooLargeAreNamed) {

@@ -131,8 +131,9 @@ json flip() {
 }
 
 json lpips() {
-  const auto there = Lpips::load("alex", 1);
-  if (!there) return {{"available", false}, {"reason", there.error().message()}};
+  for (const char* network : {"vgg", "alex"})
+    if (const auto there = Lpips::load(network, 1); !there)
+      return {{"available", false}, {"reason", there.error().message()}};
   return {{"available", true}};
 }
 

@@ -92,7 +92,7 @@ Expected<std::vector<double>> flip_errors(const std::vector<View>& views,
     if (!said) return std::unexpected(said.error());
     const auto mean = mean_in(*said);
     if (!mean) return std::unexpected(mean.error());
-    errors.push_back(*mean);
+    errors.push_back(*mean / used_share(view.used));  // no error where a mask ignores pixels
     if (progress) progress(errors.size(), views.size());
   }
   return errors;

@@ -16,7 +16,8 @@ namespace fluxgs::cli {
 Expected<void> check_flip();
 
 /// The mean FLIP error of each image's view, 0 (the same) to 1, for a viewer at 67 pixels a degree
-/// (the program's default). Images of 8 bits a channel are compared.
+/// (the program's default). Images of 8 bits a channel are compared; the mean is over the pixels
+/// that no mask ignores.
 Expected<std::vector<double>> flip_errors(const std::vector<View>& views,
                                           const ViewRenderer& render,
                                           const ProgressReport& progress = {});

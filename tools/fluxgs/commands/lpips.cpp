@@ -155,7 +155,7 @@ Expected<std::vector<LpipsError>> lpips_errors(const std::vector<View>& views,
           std::pair(LpipsRange::minus_one_to_one, &error.minus_one_to_one)}) {
       const auto parts = lpips.layers(photo, *image, range);
       if (!parts) return std::unexpected(parts.error());
-      *value = total(*parts);
+      *value = total(*parts) / used_share(view.used);  // no error where a mask ignores pixels
     }
     if (progress) progress(errors.size(), views.size());
   }

@@ -54,7 +54,7 @@ class Lpips {
   networks::ImageNetwork features_;
 };
 
-/// Of each view's image, in 8 bits a channel.
+/// Of each view's image, in 8 bits a channel; the mean over the pixels that no mask ignores.
 Expected<std::vector<LpipsError>> lpips_errors(const std::vector<View>& views,
                                                const ViewRenderer& render, const Lpips& lpips,
                                                const ProgressReport& progress = {});
