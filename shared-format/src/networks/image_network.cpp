@@ -35,29 +35,17 @@ Expected<ImageNetwork> ImageNetwork::load(std::span<const std::byte> model,
 }
 
 Expected<FeatureMap> ImageNetwork::Session::feature_map(ort::Owned<ort::Value> value) const {
-  const ort::Api& api = runtime.api;
-  ort::Owned<ort::ShapeInfo> shape(nullptr, api.release_shape);
-  std::size_t rank = 0;
-  int type = 0;
-  std::array<std::int64_t, 4> dims{};
-  void* data = nullptr;
-  auto ok =
-      ort::take(api, shape, "output", [&](auto** made) { return api.shape_of(value.get(), made); });
-  if (ok) ok = ort::check(api, api.element_type(shape.get(), &type), "output");
-  if (ok) ok = ort::check(api, api.rank(shape.get(), &rank), "output");
-  if (ok && rank == dims.size())
-    ok = ort::check(api, api.dimensions(shape.get(), dims.data(), dims.size()), "output");
-  if (ok) ok = ort::check(api, api.tensor_data(value.get(), &data), "output");
-  if (!ok) return std::unexpected(ok.error());
-  if (type != ort::kFloat || rank != dims.size() || dims[0] != 1)
+  const auto found = ort::float_tensor(runtime.api, value.get());
+  if (!found) return std::unexpected(found.error());
+  const std::vector<std::int64_t>& shape = found->shape;
+  if (shape.size() != 4 || shape[0] != 1)
     return fail("onnxruntime", "output", "is not float32 of 1 × channels × height × width");
   FeatureMap map;
-  map.channels = static_cast<int>(dims[1]);
-  map.height = static_cast<int>(dims[2]);
-  map.width = static_cast<int>(dims[3]);
-  map.values = {static_cast<const float*>(data),
-                static_cast<std::size_t>(dims[1] * dims[2] * dims[3])};
-  const auto release = api.release_value;
+  map.channels = static_cast<int>(shape[1]);
+  map.height = static_cast<int>(shape[2]);
+  map.width = static_cast<int>(shape[3]);
+  map.values = {found->values, static_cast<std::size_t>(shape[1] * shape[2] * shape[3])};
+  const auto release = runtime.api.release_value;
   map.owner = std::shared_ptr<const void>(value.release(), [release](const void* owned) {
     release(static_cast<ort::Value*>(const_cast<void*>(owned)));
   });
@@ -72,11 +60,7 @@ Expected<std::vector<FeatureMap>> ImageNetwork::run(std::span<const float> plane
     return fail("network", "image", fmt::format("is not 3 planes of {}×{}", width, height));
   const std::array<std::int64_t, 4> shape{1, 3, height, width};
   ort::Owned<ort::Value> input(nullptr, api.release_value);
-  auto ok = ort::take(api, input, "input", [&](auto** made) {
-    // Inputs are not written to; the interface just has no type for that
-    return api.wrap_tensor(session_->memory.get(), const_cast<float*>(planes.data()),
-                           planes.size_bytes(), shape.data(), shape.size(), ort::kFloat, made);
-  });
+  auto ok = ort::wrap(api, session_->memory.get(), planes, shape, input);
   if (!ok) return std::unexpected(ok.error());
   const std::size_t count = session_->outputs.size();
   std::vector<const char*> names;

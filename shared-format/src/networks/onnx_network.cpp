@@ -80,11 +80,7 @@ Expected<void> OnnxNetwork::run(std::size_t rows, std::span<const std::span<cons
     const std::array shape{static_cast<std::int64_t>(rows),
                            std::int64_t{signature_.inputs[i].count}};
     owners.emplace_back(nullptr, api.release_value);
-    // Inputs are not written to; the interface just has no type for that
-    const auto ok = ort::take(api, owners.back(), "input", [&](auto** made) {
-      return api.wrap_tensor(memory_.get(), const_cast<float*>(inputs[i].data()),
-                             inputs[i].size_bytes(), shape.data(), shape.size(), ort::kFloat, made);
-    });
+    const auto ok = ort::wrap(api, memory_.get(), inputs[i], shape, owners.back());
     if (!ok) return blame(place_, ok.error());
     values.push_back(owners.back().get());
     names.push_back(signature_.inputs[i].name.c_str());
@@ -102,25 +98,13 @@ Expected<void> OnnxNetwork::run(std::size_t rows, std::span<const std::span<cons
 
 Expected<void> OnnxNetwork::copy_output(ort::Value* value, std::size_t rows,
                                         std::span<float> output) const {
-  const ort::Api& api = runtime_->api;
-  ort::Owned<ort::ShapeInfo> shape(nullptr, api.release_shape);
-  std::size_t rank = 0;
-  int type = 0;
-  std::array<std::int64_t, 2> dims{};
-  void* data = nullptr;
-  auto ok = ort::take(api, shape, "output", [&](auto** made) { return api.shape_of(value, made); });
-  if (ok) ok = ort::check(api, api.element_type(shape.get(), &type), "output");
-  if (ok) ok = ort::check(api, api.rank(shape.get(), &rank), "output");
-  if (ok && rank == dims.size()) {
-    ok = ort::check(api, api.dimensions(shape.get(), dims.data(), dims.size()), "output");
-  }
-  if (ok) ok = ort::check(api, api.tensor_data(value, &data), "output");
-  if (!ok) return blame(place_, ok.error());
-  if (type != ort::kFloat || rank != dims.size() || dims[0] != static_cast<std::int64_t>(rows) ||
-      dims[1] != signature_.output.count) {
+  const auto found = ort::float_tensor(runtime_->api, value);
+  if (!found) return blame(place_, found.error());
+  const std::array expected{static_cast<std::int64_t>(rows), std::int64_t{signature_.output.count}};
+  if (!std::ranges::equal(found->shape, expected)) {
     return fail(place_.in("onnxruntime"), "its output is not a float32 matrix of the right size");
   }
-  std::memcpy(output.data(), data, output.size_bytes());
+  std::memcpy(output.data(), found->values, output.size_bytes());
   const auto bad = std::ranges::find_if(output, [](float v) { return !std::isfinite(v); });
   if (bad != output.end()) {
     return fail(place_, fmt::format("output column {} is not finite for a splat",

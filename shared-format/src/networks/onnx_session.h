@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "networks/onnx_api.h"
 
@@ -25,5 +27,16 @@ Expected<void> take(const Api& api, Owned<T>& owner, const char* what, Create cr
 /// after each run.
 Expected<void> create_session(const Runtime& runtime, std::span<const std::byte> model, int threads,
                               Owned<MemoryInfo>& memory, Owned<Session>& session);
+
+/// A tensor over values that must outlive it.
+Expected<void> wrap(const Api& api, const MemoryInfo* memory, std::span<const float> values,
+                    std::span<const std::int64_t> shape, Owned<Value>& tensor);
+
+/// The content of a tensor of float32, which owns it.
+struct FloatTensor {
+  std::vector<std::int64_t> shape = {};  ///< empty for a tensor of another type
+  const float* values = nullptr;
+};
+Expected<FloatTensor> float_tensor(const Api& api, Value* tensor);
 
 }  // namespace fluxgs::networks::ort

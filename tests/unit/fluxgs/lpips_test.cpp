@@ -39,7 +39,7 @@ struct Known {
   std::array<double, 5> layers;
 };
 
-// Of another program that runs the same weights; its sums for the images of the authors' own
+// Values of another program that runs the same weights; its sums for the images of the authors'
 // example are the authors' (0.722 and 0.138 with AlexNet).
 class KnownLpips : public testing::TestWithParam<Known> {};
 

@@ -53,8 +53,7 @@ TEST_P(SlicesTest, AreAsExactAsBackToFront) {
   }
 }
 
-// What lies behind a wall differs from the image of the wall alone by less than what marks may
-// cost.
+// A wall hides the splats behind it, within the error that marks may have.
 TEST_P(SlicesTest, SkipWhatCannotBeSeen) {
   SplatCloud cloud;
   for (int i = 0; i < 1000; ++i) {

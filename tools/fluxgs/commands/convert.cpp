@@ -140,25 +140,20 @@ std::vector<std::uint32_t> order_in(const SceneFormat& format, const ConvertSett
 }
 
 /// Leaves no more splats than asked for. PSNR, where it is measured, is then to what is left.
-Expected<void> thin_out(const ConvertSettings& s, SplatCloud& cloud) {
+void thin_out(const ConvertSettings& s, const Dataset* data, SplatCloud& cloud) {
   const std::size_t before = cloud.size();
-  if (!s.max_splats || before <= *s.max_splats) return {};
-  const auto data = load_if_given(s.data);
-  if (!data) return std::unexpected(data.error());
+  if (!s.max_splats || before <= *s.max_splats) return;
   const Threads threads(s.data.threads);
-  const std::vector<Camera> cameras = *data ? cameras_of((*data)->train) : std::vector<Camera>();
+  const std::vector<Camera> cameras = data ? cameras_of(data->train) : std::vector<Camera>();
   keep_most_contributing(cloud, *s.max_splats, cameras, {}, threads, show_progress("views"));
   spdlog::info("{}: {} of {} splats are left out, those that add least{}", shown(s.in),
                before - cloud.size(), before,
-               *data ? " to the images of the data set" : "; --data counts what hides what");
-  return {};
+               data ? " to the images of the data set" : "; --data counts what hides what");
 }
 
-Expected<CompactTrial> search(const ConvertSettings& s, const SceneFile& scene) {
+Expected<CompactTrial> search(const ConvertSettings& s, const SceneFile& scene,
+                              const Dataset* data) {
   const SplatCloud& cloud = scene.cloud;
-  const auto loaded = load_if_given(s.data);
-  if (!loaded) return std::unexpected(loaded.error());
-  const Dataset* data = *loaded ? &**loaded : nullptr;
   const Threads threads(s.data.threads);
   RenderOptions options;
   options.background = s.data.background_color();
@@ -176,10 +171,11 @@ Expected<CompactTrial> search(const ConvertSettings& s, const SceneFile& scene) 
   return found;
 }
 
-Expected<void> write_searched(const ConvertSettings& s, const SceneFile& scene, int full_degree) {
+Expected<void> write_searched(const ConvertSettings& s, const SceneFile& scene, const Dataset* data,
+                              int full_degree) {
   const SplatCloud& cloud = scene.cloud;
   if (cloud.size() == 0) return write_compact(s, scene);
-  const auto found = search(s, scene);
+  const auto found = search(s, scene, data);
   if (!found) return std::unexpected(found.error());
   const auto bytes = write_glb(s.out, found->file, scene.start);
   if (!bytes) return std::unexpected(bytes.error());
@@ -236,7 +232,13 @@ Expected<void> write_out(const ConvertSettings& s) {
       scene->cloud.size() <= s.max_splats.value_or(scene->cloud.size()))
     return copy_compact(s, scene->cloud.size());
   limit_sh_degree(scene->cloud, s.sh_degree);
-  if (auto ok = thin_out(s, scene->cloud); !ok) return ok;
+  const std::size_t size = scene->cloud.size();
+  const bool needs_views = size > s.max_splats.value_or(size) || (s.searches() && size > 0);
+  const auto loaded =
+      needs_views ? load_if_given(s.data) : Expected<std::optional<Dataset>>(std::nullopt);
+  if (!loaded) return std::unexpected(loaded.error());
+  const Dataset* data = *loaded ? &**loaded : nullptr;
+  thin_out(s, data, scene->cloud);
   map_scene(s.map, *scene);
   warn_of_lost_degrees(s.out, **format, scene->cloud.sh_degree);
   const bool compact = s.compact || s.searches() || stays_compact;
@@ -247,7 +249,7 @@ Expected<void> write_out(const ConvertSettings& s) {
   if (compact || (*format)->name == "compressed.ply" || (*format)->name == "sog")
     limit_colors(s, scene->cloud);
   if (compact) warn_of_outliers(s, scene->cloud);
-  if (s.searches()) return write_searched(s, *scene, full_degree);
+  if (s.searches()) return write_searched(s, *scene, data, full_degree);
   if (compact) return write_compact(s, *scene);
   if (auto written = write_plain(s, *scene, **format); !written) return written;
   fmt::print("{}: {} splats\n", shown(s.out), scene->cloud.size());

@@ -41,7 +41,7 @@ LpipsError mean_of(const std::vector<LpipsError>& errors) {
   return mean;
 }
 
-/// What was measured beside PSNR and SSIM, of each view; empty: was not asked for.
+/// Measures of each view beside PSNR and SSIM; those that were not asked for are empty.
 struct Perceived {
   std::vector<double> flip;
   std::map<std::string, std::vector<LpipsError>> lpips;  ///< by network

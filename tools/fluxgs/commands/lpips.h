@@ -17,7 +17,7 @@
 
 namespace fluxgs::cli {
 
-/// What the values 0…1 of an image are turned into for the network.
+/// Range that the values 0…1 of an image are mapped to for the network.
 enum class LpipsRange {
   zero_to_one,  ///< as they are: what papers on splatting print, since 3DGS's metrics.py does so
   minus_one_to_one,  ///< what LPIPS is defined on
@@ -54,7 +54,7 @@ class Lpips {
   networks::ImageNetwork features_;
 };
 
-/// Of each view's image, in 8 bits a channel; the mean over the pixels that no mask ignores.
+/// LPIPS of each view's image, in 8 bits a channel: the mean over the pixels that no mask ignores.
 Expected<std::vector<LpipsError>> lpips_errors(const std::vector<View>& views,
                                                const ViewRenderer& render, const Lpips& lpips,
                                                const ProgressReport& progress = {});

@@ -1,10 +1,9 @@
 #include "tools/fluxgs/commands/scene_thinning.h"
 
-#include <algorithm>
 #include <cstdint>
+#include <vector>
 
 #include "fluxgs/contribution.h"
-#include "trainer/core/indices.h"
 #include "trainer/core/parameters.h"
 #include "trainer/raster/blend_weights.h"
 
@@ -37,14 +36,10 @@ void keep_most_contributing(SplatCloud& cloud, std::size_t count,
   const std::vector<double> seen = weights_in(cloud, cameras, options, threads, progress);
   std::vector<double> anywhere(cloud.size());
   for (std::size_t i = 0; i < anywhere.size(); ++i) anywhere[i] = contribution(cloud, i);
-  std::vector<std::uint32_t> kept = all_indices(cloud.size());
-  std::ranges::nth_element(kept, kept.begin() + static_cast<std::ptrdiff_t>(count),
-                           [&](std::uint32_t a, std::uint32_t b) {
-                             if (seen[a] != seen[b]) return seen[a] > seen[b];
-                             return anywhere[a] != anywhere[b] ? anywhere[a] > anywhere[b] : a < b;
-                           });
-  kept.resize(count);
-  std::ranges::sort(kept);
+  const auto kept = first_indices(cloud.size(), count, [&](std::uint32_t a, std::uint32_t b) {
+    if (seen[a] != seen[b]) return seen[a] > seen[b];
+    return anywhere[a] != anywhere[b] ? anywhere[a] > anywhere[b] : a < b;
+  });
   cloud = in_order(cloud, kept);
 }
 

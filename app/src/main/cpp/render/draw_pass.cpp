@@ -59,6 +59,10 @@ Expected<DrawPass> DrawPass::create(gl::Api& api, const RendererSettings& settin
                                    pass.arguments_);
       });
   if (!made) return std::unexpected(made.error());
+  if (settings.slices > 1) {
+    pass.splat_program_.use();
+    api.Uniform1ui(kSlices, static_cast<GLuint>(settings.slices));
+  }
   pass.vertex_array_ = gl::VertexArray(api);
   return pass;
 }
@@ -98,25 +102,28 @@ Expected<void> DrawPass::reserve(gl::Api& api, std::uint64_t entries) {
   return texture_fetch_ ? ordered_.reserve(api, entries) : Expected<void>();
 }
 
-void clear(gl::Api& api, const glm::dvec3& background, const RenderTarget& target) {
+namespace {
+
+void clear_to(gl::Api& api, const std::array<GLfloat, 4>& color, const RenderTarget& target) {
   target.blend_framebuffer().bind();
   // The scissor keeps tiles outside of the part from being cleared, drawn and stored
   if (target.blends_in_a_part()) {
     api.Enable(GL_SCISSOR_TEST);
     api.Scissor(0, 0, target.blend_width(), target.blend_height());
   }
-  const std::array<GLfloat, 4> color = {static_cast<float>(background.r),
-                                        static_cast<float>(background.g),
-                                        static_cast<float>(background.b), 0.0F};
   api.ClearBufferfv(GL_COLOR, 0, color.data());
+}
+
+}  // namespace
+
+void clear(gl::Api& api, const glm::dvec3& background, const RenderTarget& target) {
+  const glm::vec3 color(background);
+  clear_to(api, {color.r, color.g, color.b, 0}, target);
 }
 
 void DrawPass::draw(gl::Api& api, int slice) const {
   splat_program_.use();
-  if (slices_ > 1) {
-    api.Uniform1ui(kSlice, static_cast<GLuint>(slice));
-    api.Uniform1ui(kSlices, static_cast<GLuint>(slices_));
-  }
+  if (slices_ > 1) api.Uniform1ui(kSlice, static_cast<GLuint>(slice));
   vertex_array_.bind();
   indices_.bind(GL_ELEMENT_ARRAY_BUFFER);  // drivers of Mali forget that it belongs to the array
   // OpenGL takes the offset as a pointer
@@ -129,7 +136,11 @@ void DrawPass::draw(gl::Api& api, int slice) const {
 void DrawPass::run(gl::Api& api, const gl::Buffer& projected_splats, const sort::Sorter& sorter,
                    const glm::dvec3& background, const RenderTarget& target) const {
   write_arguments(api, sorter);
-  clear(api, background, target);
+  if (slices_ == 1) {
+    clear(api, background, target);
+  } else {
+    clear_to(api, SaturationMarks::kNothing, target);
+  }
   api.Viewport(0, 0, target.blend_width(), target.blend_height());
   if (texture_fetch_) {
     ordered_.update(api, projected_splats, sorter, arguments_, kDispatchOffset);

@@ -14,7 +14,7 @@
 
 namespace fluxgs::render {
 
-/// Of shaders/draw_arguments.comp.
+/// Bytes that shaders/draw_arguments.comp writes; those of `n` slices end where draw n begins.
 constexpr std::size_t draw_arguments_bytes(int slices) {
   return 16 + 20 * static_cast<std::size_t>(slices);
 }

@@ -57,8 +57,7 @@ std::size_t frame_bytes(std::uint64_t count, const RendererSettings& s) {
 std::size_t target_bytes(const TargetPlan& t) {
   if (t.width == 0 || t.height == 0) return 0;
   const std::size_t pixels = static_cast<std::size_t>(t.width) * static_cast<std::size_t>(t.height);
-  const std::size_t mark = t.marks ? 2 : 0;
-  if (t.for_window) return pixels * (blend_pixel_bytes(t) + mark);
+  if (t.for_window) return pixels * blend_pixel_bytes(t);
   const auto scaled = [&](int size) {
     return static_cast<std::size_t>(std::max(1L, std::lround(size * t.scale)));
   };
@@ -68,7 +67,7 @@ std::size_t target_bytes(const TargetPlan& t) {
       (t.accumulation == Accumulation::direct ||
        (t.accumulation == Accumulation::half_float && t.format == TargetFormat::rgba16f));
   return pixels * pixel_bytes(t.format) + (same ? 0 : blended * blend_pixel_bytes(t)) +
-         blended * mark;
+         (t.marks ? 2 * blended : 0);
 }
 
 /// Renderer::read_shown(): strips of the image, or a half of it in each direction and what it is

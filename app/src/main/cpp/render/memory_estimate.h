@@ -25,7 +25,7 @@ struct TargetPlan {
   TargetFormat format = TargetFormat::rgba8;
   Accumulation accumulation = Accumulation::direct;
   double scale = 1;
-  bool marks = false;       ///< with depths for SaturationMarks
+  bool marks = false;       ///< with depths for SaturationMarks; not for_window
   bool for_window = false;  ///< of RenderTarget::create_for_window(), for any scale
 };
 

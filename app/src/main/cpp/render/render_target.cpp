@@ -137,7 +137,7 @@ Expected<RenderTarget> RenderTarget::create(gl::Api& api, int width, int height,
 }
 
 Expected<RenderTarget> RenderTarget::create_for_window(gl::Api& api, int width, int height,
-                                                       Accumulation accumulation, bool marks) {
+                                                       Accumulation accumulation) {
   constexpr TargetFormat kFormat = TargetFormat::rgba8;
   auto possible = gl::chain([&] { return check_size(api.capabilities, width, height); },
                             [&] { return check_formats(api.capabilities, kFormat, accumulation); });
@@ -147,10 +147,9 @@ Expected<RenderTarget> RenderTarget::create_for_window(gl::Api& api, int width, 
   target.height_ = target.blend_height_ = height;
   target.format_ = kFormat;
   target.accumulation_ = accumulation;
-  target.has_marks_ = marks;
   target.for_window_ = true;
   auto made = attach(api, blend_format(kFormat, accumulation), width, height, target.blend_color_,
-                     target.blend_framebuffer_, marks ? &target.marks_ : nullptr);
+                     target.blend_framebuffer_);
   if (!made) return std::unexpected(made.error());
   return target;
 }

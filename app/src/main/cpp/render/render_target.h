@@ -44,7 +44,7 @@ class RenderTarget {
   /// For images of a window, which the resolve pass draws there: without an image of its own, and
   /// with room for every scale. Of scale 1 at first.
   static Expected<RenderTarget> create_for_window(gl::Api& api, int width, int height,
-                                                  Accumulation accumulation, bool marks = false);
+                                                  Accumulation accumulation);
 
   /// Takes an image of what the splats are blended into, RGBA. Precondition: its size is that, and
   /// the format is rgba8 without another accumulation.

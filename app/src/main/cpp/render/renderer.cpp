@@ -28,7 +28,7 @@ Expected<void> Renderer::create_passes() {
       settings_.texture_fetch || api_.capabilities.max_vertex_storage_blocks < 2;
   const bool can_mark = api_.capabilities.framebuffer_fetch && !settings_.texture_fetch &&
                         api_.capabilities.max_vertex_storage_blocks >= 3;
-  if (!can_mark) settings_.slices = std::min(settings_.slices, 1);
+  if (!can_mark && settings_.slices > 1) settings_.slices = 1;
   constexpr std::size_t kUniformBytes = sizeof(FrameUniforms);
   return gl::chain(
       [&] { return check_approximation(settings_.approximation); },

@@ -25,10 +25,8 @@ Expected<SaturationMarks> SaturationMarks::create(gl::Api& api) {
 }
 
 void SaturationMarks::begin(gl::Api& api) const {
-  const std::array<GLfloat, 4> nothing = {0, 0, 0, 1};
   const GLfloat far = 1;
   api.DepthMask(GL_TRUE);
-  api.ClearBufferfv(GL_COLOR, 0, nothing.data());
   api.ClearBufferfv(GL_DEPTH, 0, &far);
   api.DepthMask(GL_FALSE);
   api.Enable(GL_DEPTH_TEST);

@@ -2,6 +2,8 @@
 // memory, which the GPU tests before it shades the fragments of later layers.
 #pragma once
 
+#include <array>
+
 #include <glm/vec3.hpp>
 
 #include "gl/program.h"
@@ -9,16 +11,19 @@
 
 namespace fluxgs::render {
 
-/// What is drawn between begin() and end() is blended front to back, with its colour multiplied by
-/// its α and at a depth in the middle: where mark() found a pixel finished it is not shaded. The
-/// framebuffer that is bound holds C in RGB and the transmittance T in A meanwhile, so that T keeps
-/// its digits where it is small. Marks need a target that has room for them, and framebuffer fetch
-/// (gl::Capabilities).
+/// Layers that are drawn between begin() and end() are blended front to back. They come with their
+/// colours multiplied by α, at a depth in the middle, and are not shaded where mark() found a pixel
+/// finished. The framebuffer that is bound holds C in RGB and the transmittance T in A meanwhile,
+/// so that T keeps its digits where it is small. Marks need a target that has room for them, and
+/// framebuffer fetch (gl::Capabilities).
 class SaturationMarks {
  public:
+  /// The colour to clear the framebuffer to before begin(): no layers, T = 1.
+  static constexpr std::array<GLfloat, 4> kNothing = {0, 0, 0, 1};
+
   static Expected<SaturationMarks> create(gl::Api& api);
 
-  /// Clears the framebuffer, and sets blending and the test.
+  /// Clears the depths, and sets blending and the test.
   void begin(gl::Api& api) const;
   /// Marks the pixels whose T is below half a step of 8 bits.
   void mark(gl::Api& api) const;
