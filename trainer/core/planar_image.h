@@ -50,6 +50,14 @@ PlanarImage planes_of(const Image<T>& image) {
   return out;
 }
 
+/// Values as a display shows them, 0…1.
+inline void limit_to_displayable(PlanarImage& image) {
+  for (int c = 0; c < image.channels(); ++c)
+    for (int y = 0; y < image.height(); ++y)
+      for (float* p = image.row(c, y); p != image.row(c, y) + image.width(); ++p)
+        *p = std::clamp(*p, 0.0f, 1.0f);
+}
+
 /// A plane of 1 where a mask of one channel and of the image's size is not 0, and 0 elsewhere.
 inline void copy_mask(const Image<std::uint8_t>& mask, PlanarImage& image, int channel) {
   for (int y = 0; y < mask.height; ++y) {

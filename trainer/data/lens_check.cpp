@@ -28,7 +28,7 @@ void warn_of_lenses(Source& source) {
     }
   if (!is_fraction.empty())
     source.warnings.push_back(
-        "focal lengths of less than a twentieth of the image's width; expected pixels, not a "
+        "focal lengths of less than a twentieth of the image's longer side; expected pixels, not a "
         "fraction: " +
         is_fraction.text());
   if (!off_centre.empty())

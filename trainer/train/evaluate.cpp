@@ -7,17 +7,6 @@
 
 namespace fluxgs {
 
-namespace {
-
-void limit_to_displayable(PlanarImage& image) {
-  for (int c = 0; c < image.channels(); ++c)
-    for (int y = 0; y < image.height(); ++y)
-      for (float* p = image.row(c, y); p != image.row(c, y) + image.width(); ++p)
-        *p = std::clamp(*p, 0.0f, 1.0f);
-}
-
-}  // namespace
-
 Expected<Evaluation> evaluate(const std::vector<View>& views, const ViewRenderer& render,
                               const Threads& threads, const ProgressReport& progress) {
   Evaluation result;

@@ -72,6 +72,36 @@ TEST_F(BenchCommand, SettingsReachTheRenderer) {
   EXPECT_EQ(bench("--orbit-step 2")["views"], 3);
 }
 
+// Mesa's OSMesa cannot read a pixel while it draws.
+TEST_F(BenchCommand, SlicesAreTheOnesThatWereDrawn) {
+  EXPECT_EQ(bench("")["slices"], 1);
+  EXPECT_EQ(bench("--slices 4")["slices"], 4);
+  const Outcome without =
+      fluxgs("bench " + quoted(scene_) +
+             " --size 96x64 --frames 3 --warmup 1 --json --slices 4 --gl osmesa");
+  ASSERT_EQ(without.status, 0) << without.err;
+  EXPECT_EQ(json::parse(without.out)["slices"], 1);
+  EXPECT_NE(without.err.find("--slices 4: this OpenGL"), std::string::npos) << without.err;
+  const Outcome report = fluxgs("report render " + quoted(scene_) +
+                                " --size 96x64 --views 1 --rounds 1 --only slices --json - "
+                                "--gl osmesa");
+  ASSERT_EQ(report.status, 0) << report.err;
+  for (const json& row : json::parse(report.out)["settings"]) EXPECT_EQ(row["group"], "defaults");
+  EXPECT_NE(report.err.find("16 slices' is left out"), std::string::npos) << report.err;
+}
+
+TEST_F(BenchCommand, ReportOfColorsBeyondAllDisplaysIsFinite) {
+  SplatCloud cloud = test::random_cloud(200, 0, 1);
+  for (std::size_t i = 0; i < cloud.size(); ++i) cloud.sh_dc[i].x = i % 3 == 0 ? 3e38F : 1e12F;
+  const auto scene = folder_ / "bright.ply";
+  ASSERT_TRUE(write_scene(scene, cloud));
+  const Outcome o = fluxgs("report render " + quoted(scene) +
+                           " --size 96x64 --views 1 --rounds 1 --only defaults --json -");
+  ASSERT_EQ(o.status, 0) << o.err;
+  EXPECT_TRUE(json::parse(o.out)["settings"][0]["ssim"].is_number()) << o.out;
+  EXPECT_NE(o.err.find("67 of 200 splats are not drawn"), std::string::npos) << o.err;
+}
+
 TEST_F(BenchCommand, ReportComparesTheSettings) {
   const auto plot = folder_ / "plot.svg";
   const Outcome o = fluxgs("report render " + quoted(scene_) +

@@ -144,6 +144,68 @@ TEST_F(Convert, AStraySplatDoesNotCoarsenTheOthers) {
   }
 }
 
+// Of so few splats, one is half of all.
+TEST_F(Convert, AStraySplatOfTwoOrThreeDoesNotCoarsenTheOthers) {
+  for (const std::size_t size : {2U, 3U, 5U})
+    for (const bool far : {true, false}) {
+      SplatCloud cloud = test::random_cloud(size, 0, 1);
+      for (glm::vec3& s : cloud.log_scales) s = glm::vec3(-2, -2.5F, -3);
+      cloud.opacity_logits.assign(size, 2);
+      if (far)
+        cloud.positions.back() = glm::vec3(1e30F, 0, 0);
+      else
+        cloud.log_scales.back() = glm::vec3(50);
+      ASSERT_TRUE(write_scene(folder_ / "few.ply", cloud));
+      const Outcome run =
+          fluxgs(fmt::format("convert --compact --force {} {}", quoted(folder_ / "few.ply"),
+                             quoted(folder_ / "few.glb")));
+      ASSERT_EQ(run.status, 0) << run.err;
+      EXPECT_THAT(run.err, HasSubstr(fmt::format("1 of {} splats", size)));
+      const auto written = read_scene(folder_ / "few.glb");
+      ASSERT_TRUE(written);
+      for (std::size_t i = 0; i + 1 < size; ++i) {
+        std::size_t nearest = 0;
+        const auto away = [&](std::size_t k) {
+          return glm::distance(cloud.positions[i], written->cloud.positions[k]);
+        };
+        for (std::size_t k = 1; k < size; ++k)
+          if (away(k) < away(nearest)) nearest = k;
+        EXPECT_LT(away(nearest), 0.1) << size << far;
+        std::array<float, 3> sizes{}, found{};
+        for (int c = 0; c < 3; ++c) {
+          sizes[static_cast<std::size_t>(c)] = cloud.log_scales[i][c];
+          found[static_cast<std::size_t>(c)] = written->cloud.log_scales[nearest][c];
+        }
+        std::ranges::sort(sizes);
+        std::ranges::sort(found);
+        EXPECT_THAT(found, testing::Pointwise(testing::FloatNear(0.7F), sizes)) << size << far;
+      }
+    }
+}
+
+// Where all splats are tiny, nothing is far away that --crop could leave out.
+TEST_F(Convert, TinySplatsAreNotCalledFarAway) {
+  SplatCloud cloud = test::random_cloud(200, 0, 1);
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    cloud.log_scales[i] = glm::vec3(i % 2 == 0 ? -90 : -100);
+  ASSERT_TRUE(write_scene(folder_ / "tiny.ply", cloud));
+  const Outcome run = fluxgs(fmt::format("convert --compact {} {}", quoted(folder_ / "tiny.ply"),
+                                         quoted(folder_ / "tiny.glb")));
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("smaller than the scene"));
+  EXPECT_THAT(run.err, testing::Not(HasSubstr("--crop")));
+}
+
+TEST_F(Convert, AnEmptySceneStaysOne) {
+  ASSERT_TRUE(write_scene(folder_ / "none.ply", SplatCloud()));
+  const Outcome run = fluxgs(fmt::format("convert --compact {} {}", quoted(folder_ / "none.ply"),
+                                         quoted(folder_ / "none.glb")));
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(run.out, testing::Not(HasSubstr("compact")));
+  EXPECT_THAT(fluxgs("info " + quoted(folder_ / "none.glb")).out,
+              testing::Not(HasSubstr("no node")));
+}
+
 TEST_F(Convert, AStrongColorDoesNotCoarsenTheOthers) {
   const SplatCloud plain = test::random_cloud(2000, 1, 1);
   SplatCloud cloud = plain;

@@ -115,11 +115,13 @@ TEST(Lpips, OfViewsAreThoseOfTheirBytes) {
 TEST(Lpips, ImagesTooSmallOrTooLargeAreNamed) {
   const auto lpips = Lpips::load("vgg", 1);
   if (!lpips) GTEST_SKIP() << lpips.error().message();
-  const auto small = lpips->check_memory(31, 400), large = lpips->check_memory(100'000, 100'000);
+  const auto small = lpips->check_size("a.jpg", 31, 400),
+             large = lpips->check_size("a.jpg", 100'000, 100'000);
   ASSERT_TRUE(!small && !large);
-  EXPECT_THAT(small.error().message(), HasSubstr("32 or more"));
-  EXPECT_THAT(large.error().message(), HasSubstr("--lpips alex"));
-  EXPECT_TRUE(lpips->check_memory(64, 64));
+  EXPECT_THAT(small.error().message(),
+              AllOf(HasSubstr("a.jpg: 31×400"), HasSubstr("--lpips needs 32")));
+  EXPECT_THAT(large.error().message(), AllOf(HasSubstr("a.jpg: "), HasSubstr("--lpips alex")));
+  EXPECT_TRUE(lpips->check_size("a.jpg", 64, 64));
   EXPECT_FALSE(lpips->layers(pattern(0), pattern(0, 64, 48), LpipsRange::zero_to_one));
 }
 

@@ -42,6 +42,7 @@ double shape_error(const SplatCloud& a, std::size_t i, const SplatCloud& b, std:
 }
 
 struct Errors {
+  std::size_t lost_shapes = 0;  // splats
   double position = 0, shape = 0, opacity = 0, colour = 0, sh = 0;
 };
 
@@ -52,7 +53,11 @@ double largest(const glm::vec3& v) {
 void raise(Errors& worst, const SplatCloud& a, std::size_t i, const SplatCloud& b, std::size_t k) {
   const auto to = [](double& value, double error) { value = std::max(value, error); };
   to(worst.position, glm::distance(glm::dvec3(a.positions[i]), glm::dvec3(b.positions[k])));
-  to(worst.shape, shape_error(a, i, b, k));
+  const double shape = shape_error(a, i, b, k);
+  if (shape > 1)
+    ++worst.lost_shapes;
+  else
+    to(worst.shape, shape);
   to(worst.opacity,
      std::abs(sigmoid(double{a.opacity_logits[i]}) - sigmoid(double{b.opacity_logits[k]})));
   to(worst.colour, math::kSh0 * double{largest(a.sh_dc[i] - b.sh_dc[k])});
@@ -91,23 +96,28 @@ std::vector<std::string> lost_parts(const SceneFile& scene, const SceneFile& wri
   return lost;
 }
 
-std::string rounding_errors(const SceneFile& scene, const SceneFile& written,
-                            std::span<const std::uint32_t> order) {
+RoundingErrors rounding_errors(const SceneFile& scene, const SceneFile& written,
+                               std::span<const std::uint32_t> order) {
   const SplatCloud &a = scene.cloud, &b = written.cloud;
-  if (a.size() == 0 || a.size() != b.size()) return "";
-  if (!order.empty() && order.size() != b.size()) return "";
-  if (!same_order(a, b, order)) return "in another order, errors not compared";
+  if (a.size() == 0 || a.size() != b.size()) return {};
+  if (!order.empty() && order.size() != b.size()) return {};
+  if (!same_order(a, b, order)) return {.text = "in another order, errors not compared"};
   Errors worst;
   for (std::size_t k = 0; k < b.size(); ++k) raise(worst, a, order.empty() ? k : order[k], b, k);
   std::vector<std::string> parts;
   constexpr double kFloat = 4e-6;  // what is above is not the rounding of floats
   if (worst.position > kFloat * std::max(extent_of(a), 1e-30))
     parts.push_back(fmt::format("positions {:.2g}", worst.position));
-  if (worst.shape > 10 * kFloat) parts.push_back(fmt::format("shapes {:.2g} %", 100 * worst.shape));
+  if (worst.lost_shapes > 0)
+    parts.push_back(fmt::format("{} shapes by more than their size", worst.lost_shapes));
+  else if (worst.shape > 10 * kFloat)
+    parts.push_back(fmt::format("shapes {:.2g} %", 100 * worst.shape));
   if (worst.opacity > kFloat) parts.push_back(fmt::format("opacities {:.2g}", worst.opacity));
   if (worst.colour > kFloat) parts.push_back(fmt::format("colours {:.2g}", worst.colour));
   if (worst.sh > kFloat) parts.push_back(fmt::format("SH coefficients {:.2g}", worst.sh));
-  return parts.empty() ? "" : fmt::format("rounded, at most: {}", fmt::join(parts, ", "));
+  if (parts.empty()) return {};
+  return {.text = fmt::format("rounded, at most: {}", fmt::join(parts, ", ")),
+          .lost_shapes = worst.lost_shapes};
 }
 
 }  // namespace fluxgs::cli

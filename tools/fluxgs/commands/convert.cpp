@@ -19,6 +19,7 @@
 #include "tools/fluxgs/cameras/orbit.h"
 #include "tools/fluxgs/commands/command.h"
 #include "tools/fluxgs/commands/conversion_losses.h"
+#include "tools/fluxgs/commands/inner_box.h"
 #include "tools/fluxgs/commands/scene_crop.h"
 #include "tools/fluxgs/commands/scene_map.h"
 #include "tools/fluxgs/commands/scene_thinning.h"
@@ -50,14 +51,27 @@ struct ConvertSettings {
 
 std::string shown(const std::string& path) { return one_line(path, std::string::npos); }
 
-/// A splat far from all others, or splats much smaller than the scene, leave few steps for each.
+/// Splats far from all others, or much smaller than the scene, leave few steps for each.
 void warn_of_outliers(const ConvertSettings& s, const SplatCloud& cloud) {
   const double step = default_quantization_steps(cloud).position;
-  if (cloud.size() > 0 && step <= finest_position_step(cloud))
+  if (cloud.size() == 0 || step > finest_position_step(cloud)) return;
+  const Box most = inner_box(cloud);
+  const double extent = step * 0x1p23;  // along an axis
+  const bool has_far_splats = extent > 10 * glm::distance(most.min, most.max);
+  spdlog::warn(
+      "warning: {}: most splats are so much smaller than the scene that positions are rounded to "
+      "{:.3g}, more coarsely than their size asks for{}",
+      shown(s.in), step,
+      has_far_splats ? "; --crop or --crop-sphere leaves out what is far away" : "");
+}
+
+/// Limits sizes that no image shows, since those of others would be rounded coarsely.
+void limit_sizes(const ConvertSettings& s, SplatCloud& cloud) {
+  if (const std::size_t limited = limit_stray_sizes(cloud); limited > 0)
     spdlog::warn(
-        "warning: {}: the scene is so much larger than its splats that positions are rounded to "
-        "{:.3g}; --crop or --crop-sphere leaves out what is far away",
-        s.in, step);
+        "warning: {}: {} of {} splats are so much larger than most that those would be rounded "
+        "coarsely; their size is limited",
+        shown(s.in), limited, cloud.size());
 }
 
 /// Moves a few splats nearer that lie so far away that the steps of all positions would be coarse.
@@ -86,8 +100,12 @@ Expected<void> tell_losses(const ConvertSettings& s, const SceneFile& scene,
   if (!written) return std::unexpected(written.error());
   for (const std::string& lost : lost_parts(scene, *written))
     spdlog::warn("warning: {}: {}", shown(s.out), lost);
-  const std::string errors = rounding_errors(scene, *written, order);
-  if (!errors.empty()) spdlog::info("{}: {}", shown(s.out), errors);
+  const RoundingErrors errors = rounding_errors(scene, *written, order);
+  if (errors.text.empty()) return {};
+  if (errors.lost_shapes > 0)
+    spdlog::warn("warning: {}: {}", shown(s.out), errors.text);
+  else
+    spdlog::info("{}: {}", shown(s.out), errors.text);
   return {};
 }
 
@@ -104,7 +122,8 @@ Expected<void> write_compact(const ConvertSettings& s, const SceneFile& scene) {
   if (!bytes) return std::unexpected(bytes.error());
   const auto written = write_glb(s.out, *bytes, scene.start);
   if (!written) return std::unexpected(written.error());
-  fmt::print("{}: {} splats, {} bytes, compact\n", shown(s.out), cloud.size(), *written);
+  fmt::print("{}: {} splats, {} bytes{}\n", shown(s.out), cloud.size(), *written,
+             cloud.size() > 0 ? ", compact" : "");
   return tell_losses(s, scene, compact_order(cloud, options));
 }
 
@@ -248,7 +267,10 @@ Expected<void> write_out(const ConvertSettings& s) {
     pull_in_stray(s, kRadii * median_distance(scene->cloud), scene->cloud);
   if (compact || (*format)->name == "compressed.ply" || (*format)->name == "sog")
     limit_colors(s, scene->cloud);
-  if (compact) warn_of_outliers(s, scene->cloud);
+  if (compact) {
+    limit_sizes(s, scene->cloud);
+    warn_of_outliers(s, scene->cloud);
+  }
   if (s.searches()) return write_searched(s, *scene, data, full_degree);
   if (compact) return write_compact(s, *scene);
   if (auto written = write_plain(s, *scene, **format); !written) return written;

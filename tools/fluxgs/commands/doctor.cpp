@@ -214,7 +214,7 @@ void print_doctor(const json& found) {
     fmt::print("{:<11} {}\n", name,
                measure["available"].get<bool>()
                    ? "there"
-                   : "missing: " + measure["reason"].get<std::string>());
+                   : "not usable: " + measure["reason"].get<std::string>());
   }
   const json& work = found["work_kept"];
   if (!work.is_null() && work["bytes"].get<std::uintmax_t>() > 0)

@@ -171,7 +171,7 @@ void add_eval(CLI::App& app, Action& action) {
   command->add_flag("--flip", s->flip, "also measure FLIP, 0 to 1 (tools/deps/flip installs it)");
   command
       ->add_option("--lpips", s->lpips,
-                   "also measure LPIPS by these networks: vgg (which papers print), alex "
+                   "also measure LPIPS by one network or both: vgg (which papers print), alex\n"
                    "(tools/deps/lpips installs them)")
       ->check(CLI::IsMember({"vgg", "alex"}))
       ->expected(1, 2);

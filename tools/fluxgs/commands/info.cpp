@@ -98,7 +98,7 @@ void print_box(const char* name, const json& box) {
   if (box.is_null()) return;
   const auto corner = [&](const char* which) {
     const auto p = box[which].get<std::array<double, 3>>();
-    return fmt::format("{:.4g},{:.4g},{:.4g}", p[0], p[1], p[2]);
+    return fmt::format("{:.4g},{:.4g},{:.4g}", p[0] + 0.0, p[1] + 0.0, p[2] + 0.0);  // -0 is 0
   };
   fmt::print("  {:<12}{} to {}\n", name, corner("min"), corner("max"));
 }

@@ -10,6 +10,7 @@
 #include <zlib.h>
 
 #include "fluxgs/io/file.h"
+#include "fluxgs/sanitize.h"
 #include "trainer/core/free_memory.h"
 #include "trainer/loss/photometric.h"
 
@@ -100,11 +101,12 @@ Expected<Lpips> Lpips::load(std::string_view name, int threads) {
   return Lpips(std::string(name), std::move(*features));
 }
 
-Expected<void> Lpips::check_memory(int width, int height) const {
+Expected<void> Lpips::check_size(const std::string& image, int width, int height) const {
   if (std::min(width, height) < kSmallest) {
-    return fail(
-        "LPIPS", "image",
-        fmt::format("{}×{} pixels; {} or more a side are needed", width, height, kSmallest));
+    return fail(one_line(image), "",
+                fmt::format("{}×{} pixels, but --lpips needs {} a side; a smaller --downscale, or "
+                            "eval without --lpips",
+                            width, height, kSmallest));
   }
   const double pixels = static_cast<double>(width) * height;
   const auto needs = [&](const Network& n) { return n.fixed_memory + n.pixel_memory * pixels; };
@@ -116,8 +118,8 @@ Expected<void> Lpips::check_memory(int width, int height) const {
     advice +=
         fmt::format(", --lpips alex needs {:.0f} MiB", needs(*find_network("alex")) / kMebibyte);
   return fail(
-      "LPIPS", "memory",
-      fmt::format("images of {}×{} pixels need about {:.0f} MiB, {:.0f} are free; {}", width,
+      one_line(image), "",
+      fmt::format("LPIPS of {}×{} pixels needs about {:.0f} MiB, {:.0f} are free; {}", width,
                   height, need / kMebibyte, static_cast<double>(*free) / kMebibyte, advice));
 }
 
@@ -141,7 +143,7 @@ Expected<std::vector<LpipsError>> lpips_errors(const std::vector<View>& views,
   PlanarImage photo;
   std::vector<LpipsError> errors;
   for (const View& view : views) {
-    if (auto ok = lpips.check_memory(view.camera.width, view.camera.height); !ok)
+    if (auto ok = lpips.check_size(view.camera.name, view.camera.width, view.camera.height); !ok)
       return std::unexpected(ok.error());
     auto image = render(view.camera);
     if (!image) return std::unexpected(image.error());

@@ -40,9 +40,10 @@ class Lpips {
   Expected<std::array<double, 5>> layers(const PlanarImage& a, const PlanarImage& b,
                                          LpipsRange range) const;
 
-  /// Fails where the system has less memory than images of that size need: the layers' averages are
-  /// of the whole image, so that it cannot be measured in parts.
-  Expected<void> check_memory(int width, int height) const;
+  /// Fails where an image of that name and size is smaller than the networks' windows, or where the
+  /// system has less memory than it needs: the layers' averages are of the whole image, so that it
+  /// cannot be measured in parts.
+  Expected<void> check_size(const std::string& image, int width, int height) const;
 
   const std::string& network() const { return network_; }
 

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
@@ -144,6 +145,12 @@ class Gallery {
 
   const std::string& renderer_string() const { return context_->renderer_string(); }
 
+  /// False for slices that this OpenGL would draw as if they were off.
+  Expected<bool> has(const TuningOptions& tuning) {
+    if (auto ok = choose(tuning); !ok) return std::unexpected(ok.error());
+    return renderer_->settings().slices == tuning.slices;
+  }
+
   /// A frame of that row and view; the time of it in milliseconds.
   Expected<double> draw(const SettingRow& row, const Camera& view) {
     auto ready =
@@ -184,6 +191,7 @@ class Gallery {
           gl::assign_or_error(render::Renderer::create(context_->api(), settings_of(tuning)), slot);
       if (made) made = slot->upload(cloud_);
       if (!made) return made;
+      if (renderers_.size() == 1) warn_of_undrawable(*slot);
       slot->wait_for_sorts(true);
     }
     renderer_ = slot.get();
@@ -224,6 +232,21 @@ class Gallery {
   std::tuple<std::string, std::string, double, bool, int, int> fitted_;
 };
 
+/// Leaves out what this OpenGL cannot do, and says so.
+Expected<void> drop_missing(std::vector<SettingRow>& rows, Gallery& gallery) {
+  std::vector<SettingRow> left;
+  for (SettingRow& row : rows) {
+    const auto there = gallery.has(row.tuning);
+    if (!there) return std::unexpected(there.error());
+    if (*there)
+      left.push_back(std::move(row));
+    else
+      spdlog::warn("warning: '{}' is left out: this OpenGL has no framebuffer fetch", row.name);
+  }
+  rows = std::move(left);
+  return {};
+}
+
 Expected<void> measure_errors(std::vector<SettingRow>& rows, Gallery& gallery,
                               const SplatCloud& cloud, const std::vector<Camera>& views,
                               const RenderOptions& options, const Threads& threads,
@@ -231,13 +254,15 @@ Expected<void> measure_errors(std::vector<SettingRow>& rows, Gallery& gallery,
   const auto reference = *make_renderer({.renderer = "reference"}, cloud, options, threads);
   PhotometricLoss metrics(threads);
   for (std::size_t v = 0; v < views.size(); ++v) {
-    const auto exact = reference(views[v]);
+    auto exact = reference(views[v]);
     if (!exact) return std::unexpected(exact.error());
+    limit_to_displayable(*exact);
     for (SettingRow& row : rows) {
       const auto ms = gallery.draw(row, views[v]);
       if (!ms) return std::unexpected(ms.error());
-      const auto image = gallery.image();
+      auto image = gallery.image();
       if (!image) return std::unexpected(image.error());
+      limit_to_displayable(*image);
       const double found = psnr(*image, *exact);
       row.square_error += std::pow(10, -found / 10);
       row.worst = std::min(row.worst, found);
@@ -350,6 +375,7 @@ Expected<void> report(const RenderReport& s) {
   const Threads threads(s.data.threads);
   std::vector<SettingRow> rows = chosen_rows(cloud.sh_degree, s.only);
   auto done = gl::chain(
+      [&] { return drop_missing(rows, **gallery); },
       [&] {
         return measure_errors(rows, **gallery, cloud, views, options, threads,
                               show_progress("views"));

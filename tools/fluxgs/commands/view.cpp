@@ -401,6 +401,7 @@ void add_view(CLI::App& app, Action& action) {
   auto s = std::make_shared<ViewSettings>();
   CLI::App* command = app.add_subcommand("view", "Show a scene in a window");
   command->footer(kKeys +
+                  "Without a display, fluxgs render and fluxgs turntable write images and videos.\n"
                   "Example: fluxgs view garden.glb --data captures/garden\n"
                   "Example: fluxgs view garden.glb --frames 1 --screenshot window.png");
   command->add_option("scene", s->scene, "the scene file")->required();

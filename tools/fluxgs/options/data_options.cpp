@@ -1,6 +1,8 @@
 #include "tools/fluxgs/options/data_options.h"
 
 #include <algorithm>
+#include <charconv>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -36,7 +38,9 @@ CLI::Validator in_range(double min, double max) {
 CLI::Validator whole_in(std::int64_t min, std::int64_t max) {
   return {[=](const std::string& text) {
             std::int64_t value = 0;
-            const bool number = CLI::detail::lexical_cast(text, value);
+            const auto [end, error] =
+                std::from_chars(text.data(), text.data() + text.size(), value);
+            const bool number = error == std::errc() && end == text.data() + text.size();
             if (number && value >= min && value <= max) return std::string();
             return fmt::format("'{}': expected a whole number from {} to {}", text, min, max);
           },
@@ -46,8 +50,9 @@ CLI::Validator whole_in(std::int64_t min, std::int64_t max) {
 void add_data_options(CLI::App& command, DataOptions& options) {
   command
       .add_option("--downscale", options.downscale,
-                  fmt::format("reduce the images by this factor (default: only those above {} "
-                              "pixels, to that size)",
+                  fmt::format("reduce the images by this factor (default: that of a scene's "
+                              "training where it is known, else only those above {} pixels, to "
+                              "that size)",
                               kDefaultLongestSide))
       ->check(whole_in(1, 64));
   command.add_option("--holdout", options.holdout,

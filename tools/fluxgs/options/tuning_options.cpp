@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 
 #include "tools/fluxgs/options/data_options.h"
@@ -86,6 +87,14 @@ render::RendererSettings settings_of(const TuningOptions& t) {
                         .min_weight = t.min_weight,
                         .max_deviations = t.max_deviations,
                         .resort_motion = t.resort_degrees * std::numbers::pi / 180}};
+}
+
+void warn_of_slices(const render::Renderer& renderer, const TuningOptions& t) {
+  if (t.slices > 1 && renderer.settings().slices == 1)
+    spdlog::warn(
+        "warning: --slices {}: this OpenGL cannot read a pixel while it draws (framebuffer fetch), "
+        "so splats are blended back to front, as without the option",
+        t.slices);
 }
 
 RenderOptions tuned(RenderOptions options, const TuningOptions& t) {

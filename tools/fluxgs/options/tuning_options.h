@@ -27,6 +27,9 @@ void add_tuning_options(CLI::App& command, TuningOptions& tuning);
 
 render::RendererSettings settings_of(const TuningOptions& tuning);
 
+/// Warns where the renderer's OpenGL draws without the slices that were asked for.
+void warn_of_slices(const render::Renderer& renderer, const TuningOptions& tuning);
+
 /// The options with what the tuning says.
 RenderOptions tuned(RenderOptions options, const TuningOptions& tuning);
 

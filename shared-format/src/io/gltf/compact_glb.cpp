@@ -47,7 +47,9 @@ double median_size(const SplatCloud& cloud) {
   for (const glm::vec3& s : cloud.log_scales)
     if (const float mean = (s.x + s.y + s.z) / 3; std::isfinite(mean)) sizes.push_back(mean);
   if (sizes.empty()) return 1;
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  // The smaller one of two: the other may be out of all proportion
+  const std::ptrdiff_t half = sizes.size() == 2 ? 0 : static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  const auto middle = sizes.begin() + half;
   std::ranges::nth_element(sizes, middle);
   return std::exp(std::clamp(double{*middle}, -60.0, 60.0));  // sizes beyond are no lengths
 }

@@ -335,7 +335,7 @@ Expected<SceneFile> read(const ByteSource& file, const NamedFiles& files, const 
   scene.format = "glb";
   scene.extensions = json.extensions_used;
   scene.warnings = document->warnings;
-  if (instances.empty())
+  if (instances.empty() && json.reduced.contains("\"meshes\":[{"))
     scene.warnings.push_back(
         fmt::format("names {}, but no node of its scene has a primitive with it", kSplatExtension));
   scene.attribute_bits =

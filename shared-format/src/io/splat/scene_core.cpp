@@ -8,10 +8,13 @@
 namespace fluxgs::io {
 namespace {
 
+/// Of two values in the middle, the one nearer to 0: the other may be the stray one of two splats.
 double median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::ranges::nth_element(values, middle);
-  return *middle;
+  if (values.size() % 2 == 1) return *middle;
+  const double below = *std::max_element(values.begin(), middle);
+  return std::abs(below) < std::abs(*middle) ? below : *middle;
 }
 
 }  // namespace

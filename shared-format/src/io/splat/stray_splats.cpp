@@ -15,6 +15,24 @@ namespace {
 
 constexpr std::size_t kOneOf = 1000, kAtLeast = 3;  // splats that are few
 
+/// Natural logarithms of standard deviations.
+struct SizeRange {
+  float low, high;
+};
+
+/// About the median size of one or more splats. Narrower where they are so few that one of them
+/// moves their mean, which the steps of compact files grow with.
+SizeRange size_range(const SplatCloud& cloud) {
+  std::vector<float> sizes(cloud.size());
+  std::ranges::transform(cloud.log_scales, sizes.begin(),
+                         [](const glm::vec3& s) { return (s.x + s.y + s.z) / 3; });
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>((sizes.size() - 1) / 2);
+  std::ranges::nth_element(sizes, middle);
+  const float usual = std::clamp(*middle, -30.0F, 30.0F);
+  const auto few = 2 + static_cast<float>(cloud.size());
+  return {.low = usual - std::min(12.0F, few), .high = usual + std::min(16.0F, few)};
+}
+
 }  // namespace
 
 double median_distance(const SplatCloud& cloud) {
@@ -31,8 +49,24 @@ std::size_t pull_in_stray_splats(SplatCloud& cloud, double extent) {
     if (farthest > extent / 2) stray.emplace_back(i, extent / 2 / farthest);
   }
   if (stray.size() > std::max(kAtLeast, cloud.size() / kOneOf)) return 0;
-  for (const auto& [i, factor] : stray) io::pull_in(cloud, i, core, factor);
+  const float smallest = size_range(cloud).low;
+  for (const auto& [i, factor] : stray) {
+    const glm::vec3 before = cloud.log_scales[i];
+    io::pull_in(cloud, i, core, factor);
+    cloud.log_scales[i] = glm::max(cloud.log_scales[i], glm::min(before, glm::vec3(smallest)));
+  }
   return stray.size();
+}
+
+std::size_t limit_stray_sizes(SplatCloud& cloud) {
+  if (cloud.size() == 0) return 0;
+  const auto [low, high] = size_range(cloud);
+  std::size_t larger = 0;
+  for (glm::vec3& s : cloud.log_scales) {
+    larger += std::max({s.x, s.y, s.z}) > high ? 1 : 0;
+    s = glm::clamp(s, low, high);
+  }
+  return larger;
 }
 
 std::size_t limit_stray_colors(SplatCloud& cloud) {
