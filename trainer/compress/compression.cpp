@@ -6,6 +6,7 @@
 #include "trainer/compress/view_sensitivity.h"
 #include "trainer/core/psnr.h"
 #include "trainer/data/dataset.h"
+#include "trainer/model/view_budget.h"
 
 namespace fluxgs {
 
@@ -31,31 +32,52 @@ double compressed_psnr(double psnr, const CompressionOptions& options) {
 
 namespace {
 
-/// Renders that view_sensitivity() takes: one and its scores, then forward and backward.
+/// Views that tell what errors count, and those that measure the error of a trial.
+struct SearchViews {
+  std::size_t sensitivity, evaluation;
+};
+
+constexpr double kSensitivityRenders = 5;  // of a view: one and its scores, forward and backward
+constexpr double kTrials = 40;             // and balances, each over all images and with a file
+constexpr double kFewestEvaluated = 4, kMostEvaluated = kEvaluationCameras;
+
+SearchViews search_views(std::size_t views, int iterations) {
+  // Half of what a run affords is for the one, half for the other
+  const std::size_t affordable = affordable_views(iterations, 2 * kSensitivityRenders);
+  const double evaluated = affordable_renders(iterations) / (2 * kTrials);
+  return {.sensitivity = std::min({views, kSensitivityViews, affordable}),
+          .evaluation = std::min(views, static_cast<std::size_t>(std::clamp(
+                                            evaluated, kFewestEvaluated, kMostEvaluated)))};
+}
+
+/// Renders that view_sensitivity() takes.
 double sensitivity_renders(std::size_t views) {
-  const auto seen = static_cast<double>(std::min(views, kSensitivityViews));
+  const auto seen = static_cast<double>(views);
   return 2 * seen + 3 * std::max(seen, 64.0);
 }
 
-/// The search: about so many trials and balances, each over all images and with a file.
-constexpr double kTrials = 40;
-constexpr PhaseWork kSearch{.renders = kTrials * kEvaluationCameras, .files = kTrials};
-
 }  // namespace
 
-PhaseWork compact_search_work(std::size_t views) {
-  return {.renders = sensitivity_renders(views) + kSearch.renders, .files = kSearch.files};
+PhaseWork compact_search_work(std::size_t views, int iterations) {
+  const SearchViews seen = search_views(views, iterations);
+  return {.renders = sensitivity_renders(seen.sensitivity) +
+                     kTrials * static_cast<double>(seen.evaluation),
+          .files = kTrials};
 }
 
 Expected<CompactTrial> compact_within(const SplatCloud& cloud, const SplatCloud& shown,
                                       const CompactGoal& goal, CompactOptions start,
                                       const Threads& threads, const WorkControl& control) {
+  const SearchViews seen = search_views(goal.cameras.size(), goal.iterations);
+  const PhaseWork search{.renders = kTrials * static_cast<double>(seen.evaluation),
+                         .files = kTrials};
   const ProgressParts parts(control.progress,
-                            {sensitivity_renders(goal.cameras.size()), kSearch.share()});
-  start.sensitivity = view_sensitivity(goal.cameras, shown, start.networks.has_value(), goal.render,
-                                       threads, {parts.part(0), control.stop});
-  const SceneError error(shown, spread_cameras(goal.cameras, kEvaluationCameras), goal.render,
-                         threads, control.stop);
+                            {sensitivity_renders(seen.sensitivity), search.share()});
+  start.sensitivity = view_sensitivity(spread_cameras(goal.cameras, seen.sensitivity), shown,
+                                       start.networks.has_value(), goal.render, threads,
+                                       {parts.part(0), control.stop});
+  const SceneError error(shown, spread_cameras(goal.cameras, seen.evaluation), goal.render, threads,
+                         control.stop);
   return CompactSearch(cloud, shown, error, std::move(start), parts.part(1))
       .within_loss(goal.decibels);
 }

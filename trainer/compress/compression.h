@@ -29,13 +29,14 @@ double compressed_psnr(double psnr, const CompressionOptions& options);
 
 /// Error that a file may have.
 struct CompactGoal {
-  std::vector<Camera> cameras;  ///< errors count as in all of these, a dozen measure them
+  std::vector<Camera> cameras;  ///< errors count as in these or in some of them
   RenderOptions render;
   double decibels = 40;
+  int iterations = 30000;  ///< of the training: after a short one fewer cameras are looked at
 };
 
-/// Work of compact_within().
-PhaseWork compact_search_work(std::size_t views);
+/// Work of compact_within(), after a training of so many views and iterations.
+PhaseWork compact_search_work(std::size_t views, int iterations);
 
 /// The smallest compact file of `cloud` (finite, some splats) found whose renders are within the
 /// goal of those of `shown`: the same splats with the colours that they are shown with, which

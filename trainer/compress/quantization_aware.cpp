@@ -15,6 +15,8 @@
 namespace fluxgs {
 namespace {
 
+constexpr double kPsnrShare = 0.1;  // of the work, for the PSNR that a file may fall behind
+
 /// to += sign·what.
 void add(PlanarFloats& to, const PlanarFloats& what, float sign) {
   for (int r = 0; r < to.rows(); ++r)
@@ -99,7 +101,7 @@ class QuantizationAware final : public Phase {
   }
   bool reports(int iteration) const override { return iteration == options_.from; }
   PhaseWork work(int iteration, std::size_t views) const override {
-    if (reports(iteration)) return compact_search_work(views);
+    if (reports(iteration)) return compact_search_work(views, iterations_);
     return {.files = is_due(iteration) ? 1.0 : 0.0};
   }
 
@@ -135,10 +137,11 @@ class QuantizationAware final : public Phase {
   /// Searches for the step sizes and quantizes for the first time.
   PhaseReport start(Training& t) {
     const SplatCloud scene = t.cloud();
-    const CompactGoal goal{cameras_of(t.data.train), t.options.render,
-                           compressed_psnr(t.train_psnr, t.options.get<CompressionOptions>())};
+    const ProgressParts parts(t.control.progress, {kPsnrShare, 1 - kPsnrShare});
+    const CompactGoal goal{cameras_of(t.data.train), t.options.render, asked_psnr(t, parts.part(0)),
+                           t.options.iterations};
     auto found = compact_within(scene, scene, goal, {.steps = default_quantization_steps(scene)},
-                                t.threads, t.control);
+                                t.threads, {parts.part(1), t.control.stop});
     if (!found) return stop(t.state, found.error());
     steps_ = found->options.steps;
     attach_sensitivity(t.state, found->options.sensitivity);
@@ -148,6 +151,14 @@ class QuantizationAware final : public Phase {
     report.details = {{"bytes", file->size()}};
     report.summary = fmt::format("quantized as in a file of {} bytes", file->size());
     return report;
+  }
+  /// Of the file, to the scene.
+  static double asked_psnr(Training& t, const ProgressReport& progress) {
+    const WorkControl outer = t.control;
+    t.control.progress = progress;
+    const double psnr = t.mean_psnr(t.data.train);
+    t.control = outer;
+    return compressed_psnr(psnr, t.options.get<CompressionOptions>());
   }
   /// A lost file is no reason to lose the scene.
   PhaseReport stop(TrainState& state, const Error& error) {

@@ -12,9 +12,12 @@
 #include "trainer/compress/sphere_prior.h"
 #include "trainer/core/psnr.h"
 #include "trainer/data/dataset.h"
+#include "trainer/model/view_budget.h"
 
 namespace fluxgs {
 namespace {
+
+constexpr double kRenders = 2.5;  // for the weights of a view
 
 void reduce_to_one_degree(TrainState& state, const TrainOptions& options, const ViewWeights& views,
                           double prior, const Threads& threads) {
@@ -42,8 +45,11 @@ std::size_t compact_bytes(const SplatCloud& scene) {
 
 class ShReductionPhase final : public Phase {
  public:
-  ShReductionPhase(const ShReductionOptions& options, int first_degree, int degree)
-      : options_(options), first_degree_(first_degree), degree_(degree) {}
+  ShReductionPhase(const ShReductionOptions& options, int first_degree, int degree, int iterations)
+      : options_(options),
+        first_degree_(first_degree),
+        degree_(degree),
+        views_(std::min(affordable_views(iterations, kRenders), kMostWeighedViews)) {}
 
   const char* name() const override { return "SH reduction"; }
   Period period() const override {
@@ -61,7 +67,7 @@ class ShReductionPhase final : public Phase {
   bool reports(int iteration) const override { return period().due(iteration); }
   PhaseWork work(int iteration, std::size_t views) const override {
     if (!reports(iteration)) return {};
-    return {.renders = 2.5 * static_cast<double>(views), .files = 2};
+    return {.renders = kRenders * static_cast<double>(std::min(views, views_)), .files = 2};
   }
   int sh_degree(int iteration, int degree) const override {
     return iteration > options_.iteration ? std::min(degree, degree_) : degree;
@@ -71,8 +77,8 @@ class ShReductionPhase final : public Phase {
     if (!period().due(t.state.iteration)) return {};
     const std::size_t bytes_before = compact_bytes(t.cloud());
     const ViewWeights views =
-        view_weights(t.state.parameters, cameras_of(t.data.train), t.render_options(), t.threads,
-                     {.progress = t.control.progress});
+        view_weights(t.state.parameters, spread_cameras(cameras_of(t.data.train), views_),
+                     t.render_options(), t.threads, {.progress = t.control.progress});
     // At the resolution of this iteration: larger images have details that nothing has learned yet
     const double mse = mse_of_psnr(t.mean_psnr(*t.views));
     const ReductionReport done = reduce_sh(t.state, t.options, views, mse, t.threads);
@@ -97,6 +103,7 @@ class ShReductionPhase final : public Phase {
  private:
   ShReductionOptions options_;
   int first_degree_, degree_;
+  std::size_t views_;  // that tell from where splats are seen
 };
 
 }  // namespace
@@ -212,7 +219,8 @@ std::unique_ptr<Phase> make_sh_reduction(TrainOptions& options) {
   if (!reduces_sh(options)) return nullptr;
   sh_reduce_iteration(options);
   return std::make_unique<ShReductionPhase>(options.get<ShReductionOptions>(),
-                                            first_sh_degree(options), target_sh_degree(options));
+                                            first_sh_degree(options), target_sh_degree(options),
+                                            options.iterations);
 }
 
 }  // namespace fluxgs

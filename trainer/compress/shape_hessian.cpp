@@ -15,7 +15,7 @@
 namespace fluxgs {
 namespace {
 
-constexpr std::size_t kProbes = 64;  // at least, of all views together
+constexpr std::size_t kProbes = 64;  // of all views together, if they are fewer
 
 PlanarImage random_signs(int width, int height, Random& random) {
   PlanarImage signs(width, height, 3);
@@ -71,7 +71,8 @@ ShapeHessian shape_hessian(const PlanarFloats& parameters, const std::vector<Cam
     return double{of.row(row)[i]};
   };
   Random random(1);
-  const std::size_t probes = cameras.empty() ? 1 : (kProbes - 1) / cameras.size() + 1;
+  const std::size_t probes =
+      std::max(kProbes / std::max(cameras.size(), std::size_t{1}), std::size_t{1});
   ProgressCounter counter(control.progress, cameras.size());
   for (const Camera& camera : cameras) {
     if (control.stopped()) break;

@@ -13,8 +13,10 @@
 
 namespace fluxgs {
 
-/// 4 bytes a splat and view: 40 MB for 100,000 splats and 100 views. Where that is too much, only a
-/// part of the views may be given.
+/// The most views that are weighed for one purpose: more tell little.
+inline constexpr std::size_t kMostWeighedViews = 256;
+
+/// 4 bytes a splat and view: 40 MB for 100,000 splats and 100 views.
 struct ViewWeights {
   std::vector<glm::dvec3> centers = {};  ///< of the cameras
   PlanarFloats weights = {};             ///< row v: Σ α·T over the pixels of view v, for each splat

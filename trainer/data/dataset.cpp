@@ -19,6 +19,7 @@
 #include "trainer/data/load_views.h"
 #include "trainer/data/meant_folder.h"
 #include "trainer/data/outliers.h"
+#include "trainer/data/photo_memory.h"
 #include "trainer/data/photos/photo_list.h"
 #include "trainer/data/recentre.h"
 #include "trainer/data/reduction.h"
@@ -42,7 +43,13 @@ Expected<LoadedViews> load_all(Source& source, const LoadOptions& options) {
   const std::size_t train_count = source.frames.size();
   std::vector<SourceFrame> frames = std::move(source.frames);
   frames.insert(frames.end(), source.test_frames.begin(), source.test_frames.end());
-  auto loaded = load_views(frames, options);
+  PhotoMemory memory(options.max_photo_bytes);
+  auto loaded = load_views(frames, options, memory);
+  if (memory.in_files() > 0)
+    spdlog::info(
+        "{:.0f} MB of pixels lie in a temporary file, since photos may take {:.0f} MB of "
+        "memory (--photo-memory, --downscale)",
+        1e-6 * static_cast<double>(memory.in_files()), 1e-6 * static_cast<double>(memory.limit()));
   LoadedViews views;
   FailedImages bad;
   FileList masked;
@@ -160,10 +167,19 @@ std::vector<Camera> cameras_of(const std::vector<View>& views) {
   return cameras;
 }
 
+std::vector<std::uint32_t> spread_indices(std::size_t all, std::size_t count, double turn) {
+  const std::size_t most = std::min(all, count);
+  const double step = most > 0 ? static_cast<double>(all) / static_cast<double>(most) : 0;
+  std::vector<std::uint32_t> chosen;
+  for (std::size_t i = 0; i < most; ++i)
+    chosen.push_back(static_cast<std::uint32_t>(
+        std::min((static_cast<double>(i) + turn) * step, static_cast<double>(all) - 1)));
+  return chosen;
+}
+
 std::vector<Camera> spread_cameras(const std::vector<Camera>& cameras, std::size_t count) {
   std::vector<Camera> chosen;
-  const std::size_t all = cameras.size(), most = std::min(all, count);
-  for (std::size_t i = 0; i < most; ++i) chosen.push_back(cameras[(2 * i + 1) * all / (2 * most)]);
+  for (const std::uint32_t i : spread_indices(cameras.size(), count)) chosen.push_back(cameras[i]);
   return chosen;
 }
 

@@ -45,6 +45,8 @@ struct LoadOptions {
   ProgressReport progress = {};  ///< images ready
   int video_frames = 0;          ///< taken of a video; 0: as before, or kDefaultVideoFrames
   StepReport steps = {};         ///< of finding poses
+  /// Of memory that pixels may take; more of them lie in files. 0: half of what is free.
+  std::uint64_t max_photo_bytes = 0;
 };
 
 /// An image as an ideal pinhole camera would have taken it: distortion undone, reduced by
@@ -80,6 +82,10 @@ struct Dataset {
 bool is_masked_whole(const View& view);
 
 std::vector<Camera> cameras_of(const std::vector<View>& views);
+
+/// At most `count` of `all` indices, evenly spread, rising. `turn`, 0…1, chooses among those that
+/// lie between two of them: ½ is the middle.
+std::vector<std::uint32_t> spread_indices(std::size_t all, std::size_t count, double turn = 0.5);
 
 /// At most `count` of the cameras, evenly spread over them.
 std::vector<Camera> spread_cameras(const std::vector<Camera>& cameras, std::size_t count);

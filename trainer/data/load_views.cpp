@@ -15,6 +15,7 @@
 
 #include "fluxgs/sanitize.h"
 #include "trainer/data/layers.h"
+#include "trainer/data/photo_memory.h"
 #include "trainer/data/rectify.h"
 #include "trainer/data/reduction.h"
 
@@ -97,7 +98,7 @@ Expected<View> make_view(const SourceFrame& frame, const Rectification& rectific
 }
 
 Expected<View> load_view(const SourceFrame& frame, const SharedLenses& shared,
-                         const LoadOptions& options) {
+                         const LoadOptions& options, PhotoMemory& memory) {
   const std::string file = frame.file.string();
   try {
     const auto found = shared.find(frame.lens);
@@ -106,7 +107,12 @@ Expected<View> load_view(const SourceFrame& frame, const SharedLenses& shared,
             ? found->second
             : std::make_shared<const Expected<Rectification>>(make_rectification(frame.lens, file));
     if (!*rectification) return std::unexpected(rectification->error());
-    return make_view(frame, **rectification, options);
+    auto view = make_view(frame, **rectification, options);
+    if (view) memory.keep(*view);
+    return view;
+  } catch (const FullDisk& e) {
+    return fail(file, "",
+                e.text + "; --downscale makes photos smaller, TMPDIR names another folder");
   } catch (const std::bad_alloc&) {
     return fail(file, "", "not enough memory for the image; reduce the images (downscale)");
   } catch (const cv::Exception& e) {
@@ -117,14 +123,15 @@ Expected<View> load_view(const SourceFrame& frame, const SharedLenses& shared,
 }  // namespace
 
 std::vector<Expected<View>> load_views(const std::vector<SourceFrame>& frames,
-                                       const LoadOptions& options) {
-  std::vector<Expected<View>> loaded(frames.size());
+                                       const LoadOptions& options, PhotoMemory& memory) {
+  // Errors at first: a view that is assigned to another would leave the memory that it was put into
+  std::vector<Expected<View>> loaded(frames.size(), std::unexpected(Error{}));
   ProgressCounter counter(options.progress, frames.size());
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   arena.execute([&] {
     const SharedLenses shared = make_shared_lenses(frames);
     tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t i) {
-      loaded[i] = load_view(frames[i], shared, options);
+      loaded[i] = load_view(frames[i], shared, options, memory);
       counter.add_one();
     });
   });

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "trainer/data/photo_memory.h"
+
 namespace fluxgs {
 namespace {
 
@@ -33,6 +35,8 @@ View halved(const View& view) {
   Camera& c = out.camera;
   c.width = view.camera.width / 2, c.height = view.camera.height / 2;
   c.fx /= 2, c.fy /= 2, c.cx /= 2, c.cy /= 2;
+  if (is_in_file(view.rgb)) move_to_files(out);
+  let_go(view);
   return out;
 }
 

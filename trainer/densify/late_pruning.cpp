@@ -1,22 +1,28 @@
 #include "trainer/densify/late_pruning.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <numbers>
 #include <numeric>
 
 #include <fmt/format.h>
 
 #include "fluxgs/math/logistic.h"
 #include "trainer/core/indices.h"
+#include "trainer/data/dataset.h"
 #include "trainer/densify/density_control.h"
+#include "trainer/model/view_budget.h"
 #include "trainer/raster/blend_weights.h"
 
 namespace fluxgs {
 namespace {
 
+constexpr double kRenders = 1.5;  // for the contributions of a view
+
 /// Indices by contribution for their cost, the least first; ties by index. A splat costs its place
 /// in the file and the pixels that it has drawn: half of the cost of all splats is for the one,
-/// half for the other.
+/// half for the other. Without those that only other views may see.
 std::vector<std::uint32_t> by_contribution_per_cost(const SplatScores& scores) {
   const double pixels = std::accumulate(scores.pixels.begin(), scores.pixels.end(), 0.0);
   const double mean = pixels / static_cast<double>(scores.pixels.size());
@@ -24,12 +30,14 @@ std::vector<std::uint32_t> by_contribution_per_cost(const SplatScores& scores) {
   for (std::size_t i = 0; i < worth.size(); ++i)
     worth[i] = double{scores.contribution[i]} / std::max(mean + double{scores.pixels[i]}, 1.0);
   std::vector<std::uint32_t> order = all_indices(worth.size());
+  if (scores.sampled) std::erase_if(order, [&](auto i) { return scores.pixels[i] == 0; });
   std::ranges::stable_sort(order, [&](auto a, auto b) { return worth[a] < worth[b]; });
   return order;
 }
 
-/// Contributions and pixels over all training views; the other scores are left out.
-SplatScores contributions(const Training& t) {
+/// Contributions and pixels over so many training views, others each time; the other scores are
+/// left out.
+SplatScores contributions(const Training& t, std::size_t views, double turn) {
   SplatScores scores;
   scores.contribution.resize(t.state.parameters.size());
   scores.pixels.resize(t.state.parameters.size());
@@ -37,8 +45,11 @@ SplatScores contributions(const Training& t) {
     std::ranges::transform(sums, more, sums.begin(), std::plus<>());
   };
   BlendWeights weights(t.state.parameters, t.render_options(), t.threads);
-  ProgressCounter counter(t.control.progress, t.data.train.size());
-  for (const View& view : t.data.train) {
+  const std::vector<std::uint32_t> chosen = spread_indices(t.data.train.size(), views, turn);
+  scores.sampled = chosen.size() < t.data.train.size();
+  ProgressCounter counter(t.control.progress, chosen.size());
+  for (const std::uint32_t index : chosen) {
+    const View& view = t.data.train[index];
     add(scores.contribution, weights.of(view.camera, view.used));
     add(scores.pixels, weights.pixels());
     counter.add_one();
@@ -63,18 +74,26 @@ class LatePruning final : public Phase {
   bool reports(int iteration) const override { return period().due(iteration); }
   PhaseWork work(int iteration, std::size_t views) const override {
     if (!reports(iteration)) return {};
-    return {
-        .renders = 1.5 * static_cast<double>(options_.mode == LatePrune::contribution ? views : 6),
-        .growth = -0.05};
+    const double seen = options_.mode == LatePrune::contribution
+                            ? static_cast<double>(std::min(views, sampled_views()))
+                            : 6;
+    return {.renders = kRenders * seen, .growth = -0.05};
   }
   std::optional<PhaseReport> after_step(Training& t) override {
     if (!period().due(t.state.iteration)) return {};
-    prune_late(t.state, t.options,
-               options_.mode == LatePrune::contribution ? contributions(t) : sampled_scores(t));
+    const auto scores = [&] {
+      if (options_.mode == LatePrune::opacity) return sampled_scores(t);
+      const int event = (t.state.iteration - options_.from) / std::max(options_.interval, 1);
+      const double turn = event * std::numbers::phi;  // turns of the golden ratio are well spread
+      return contributions(t, sampled_views(), turn - std::floor(turn));
+    };
+    prune_late(t.state, t.options, scores());
     return PhaseReport();
   }
 
  private:
+  std::size_t sampled_views() const { return static_cast<std::size_t>(options_.views); }
+
   LatePruningOptions options_;
 };
 
@@ -103,6 +122,11 @@ OptionFields LatePruningOptions::fields(const TrainOptions&) {
           .only_if(mode == LatePrune::opacity, "--late-prune opacity"),
       real("late-prune-share", "late pruning by contribution removes this share of all alpha x T",
            share, 0, 1)
+          .only_if(mode == LatePrune::contribution, "--late-prune contribution"),
+      whole("late-prune-views",
+            "views that contributions are sampled from (0: a hundredth of the iterations, at least "
+            "16)",
+            views, 0, kUnlimited)
           .only_if(mode == LatePrune::contribution, "--late-prune contribution")};
 }
 
@@ -145,6 +169,8 @@ std::unique_ptr<Phase> make_late_pruning(TrainOptions& options, int densify_unti
   resolve(own.interval, n / 10);
   resolve(own.from, by_opacity ? densify_until + own.interval : n / 5);
   resolve(own.until, by_opacity ? n / 10 * 9 : n / 3 * 2);
+  const int events = std::max(own.until - own.from, 0) / own.interval + 1;
+  resolve(own.views, static_cast<int>(affordable_views(n, events * kRenders)));
   if (by_opacity) options.get<ScoreOptions>().uses_minus = true;
   return std::make_unique<LatePruning>(own);
 }

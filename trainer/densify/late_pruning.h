@@ -29,12 +29,14 @@ struct LatePruningOptions {
   int until = 0;     ///< last iteration; 0: 2/3 of the run, with opacity 9/10
   double opacity = 0.1;  ///< opacity: splats below may be removed
   double share = 0.01;   ///< contribution: of all α·T, removed each time
+  int views = 0;         ///< contribution: sampled each time; 0: affordable_views() of the run
 
   OptionFields fields(const TrainOptions& all);
 };
 
-/// Removes splats by `mode`. For contribution the scores are those of all training views, and the
-/// first to go contribute the least for their place in a file and the pixels that are drawn for
+/// Removes splats by `mode`. For contribution the scores are those of views spread over the
+/// training's, and the first to go contribute the least for their place in a file and the pixels
+/// that are drawn for them; those that reach no pixel of these views stay, since others may see
 /// them. Never below `target_splats`.
 DensifyCounts prune_late(TrainState& state, const TrainOptions& options, const SplatScores& scores);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "trainer/data/photo_memory.h"
 #include "trainer/densify/metric_maps.h"
 #include "trainer/loss/photometric.h"
 
@@ -69,6 +70,7 @@ SplatScores score_splats(const std::vector<View>& views, const std::vector<std::
     const PlanarImage loss = loss_map(rasterizer.color(), target, options.loss, lambda_dssim);
     const PlanarFloats& sums =
         rasterizer.score(metric_maps(loss, options, view.used), options.weight);
+    let_go(view);
     add(sums.row(score::first), scores.plus);
     add(sums.row(score::second), scores.minus);
     add(sums.row(score::contribution), scores.contribution);

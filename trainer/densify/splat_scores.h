@@ -61,7 +61,8 @@ struct ScoreOptions {
 struct SplatScores {
   std::vector<float> plus, minus;   ///< S⁺, S⁻: sums over all views, or per pixel
   std::vector<float> contribution;  ///< Σ α·T over all pixels of all views
-  std::vector<float> pixels;        ///< pixels it contributes to, over all views; 0: never seen
+  std::vector<float> pixels;        ///< pixels it contributes to, over all views; 0: not seen
+  bool sampled = false;             ///< there are views beside these, which may see other splats
 };
 
 /// Renders `views[sampled[0]]`, … and adds up; ignored pixels add nothing. `lambda_dssim`: weight

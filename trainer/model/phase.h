@@ -58,6 +58,9 @@ struct Period {
   bool due(int iteration) const;
 };
 
+/// The views whose mean PSNR tells that of many.
+inline constexpr std::size_t kMeasuredViews = 100;
+
 /// Work that takes time, in units that scale with images and splats.
 struct PhaseWork {
   double renders = 0;  ///< of full-size training views that take about as long
@@ -94,8 +97,6 @@ class Training {
   /// iteration; otherwise empty.
   std::vector<float> true_opacities;
 
-  /// dB over the training views, measured just before after_step() where the phase reports().
-  double train_psnr = 0;
   /// Long work of phases and of the trainer is shown here, and stopped from here.
   WorkControl control = {};
 
@@ -110,9 +111,9 @@ class Training {
   /// Lets the parameters hold the colours of all splats, also those that were not visible lately.
   virtual void complete_colors() = 0;
   virtual SplatCloud cloud() const = 0;  ///< the scene as it is shown
-  /// dB, the mean over views (of many a hundred, evenly spread), each kMaxPsnr at most; 0 without
-  /// any.
-  virtual double mean_psnr(const std::vector<View>& views) const = 0;
+  /// dB, the mean over `most` of the views, evenly spread, each kMaxPsnr at most; 0 without any.
+  virtual double mean_psnr(const std::vector<View>& views,
+                           std::size_t most = kMeasuredViews) const = 0;
 
  protected:
   Training(const Dataset& data_, const TrainOptions& options_, const Threads& threads_,

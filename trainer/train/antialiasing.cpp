@@ -10,7 +10,7 @@
 namespace fluxgs {
 namespace {
 
-constexpr int kInterval = 20;        // iterations, in which a splat shrinks by a tenth at most
+constexpr int kInterval = 100;       // iterations, as in Mip-Splatting
 constexpr std::size_t kPiece = 256;  // splats of a piece of parallel work
 constexpr double kMargin = 0.15;     // of the image's size, as in Mip-Splatting
 constexpr double kNearest = 0.01;    // scene units; as RenderOptions::near_plane
@@ -40,7 +40,8 @@ class Antialiasing final : public Phase {
   }
   // No state between iterations: a run that is resumed limits the same splats
   std::optional<PhaseReport> after_step(Training& t) override {
-    if (options_.min_variance > 0 && period().due(t.state.iteration)) limit(t);
+    const bool last = t.state.iteration == iterations_;
+    if (options_.min_variance > 0 && (last || period().due(t.state.iteration))) limit(t);
     return {};
   }
 

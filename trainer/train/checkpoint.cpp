@@ -15,6 +15,7 @@
 
 #include "fluxgs/hash.h"
 #include "fluxgs/io/file.h"
+#include "trainer/data/photo_memory.h"
 #include "trainer/train/schedule.h"
 #include "trainer/train/state_bytes.h"
 
@@ -209,6 +210,7 @@ std::uint64_t hash_views(const std::vector<View>& views) {
     h = fnv1a(std::as_bytes(std::span(values)), h);
     for (const auto* layer : {&view.rgb, &view.used, &view.alpha})
       h = fnv1a(std::as_bytes(std::span(layer->pixels)), h);
+    let_go(view);
   }
   return h;
 }

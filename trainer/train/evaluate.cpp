@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "trainer/core/psnr.h"
+#include "trainer/data/photo_memory.h"
 #include "trainer/loss/photometric.h"
 
 namespace fluxgs {
@@ -22,6 +23,7 @@ Expected<Evaluation> evaluate(const std::vector<View>& views, const ViewRenderer
                             loss.run(*image, target, 0, view.used).ssim});
     result.psnr += result.views.back().psnr / static_cast<double>(views.size());
     result.ssim += result.views.back().ssim / static_cast<double>(views.size());
+    let_go(view);
     counter.add_one();
   }
   return result;

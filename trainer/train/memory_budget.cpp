@@ -7,7 +7,9 @@
 
 #include "fluxgs/io/compact_glb.h"
 #include "trainer/compress/scene_error.h"
+#include "trainer/compress/view_weights.h"
 #include "trainer/core/parameters.h"
+#include "trainer/data/photo_memory.h"
 #include "trainer/train/progressive_resolution.h"
 #include "trainer/train/schedule.h"
 
@@ -21,11 +23,13 @@ constexpr double kPerSplat = 384;  // bytes: projected splats, sums, keys, visib
 constexpr double kPerPair = 160;   // bytes: entries, bins, gradients, with the room vectors grow by
 constexpr std::size_t kFewest = 1000;
 
+/// Of what does not lie in files
 double view_bytes(const std::vector<View>& views) {
   double sum = 0;
   for (const View& view : views)
-    sum += static_cast<double>(view.rgb.pixels.size() + view.used.pixels.size() +
-                               view.alpha.pixels.size());
+    if (!is_in_file(view.rgb))
+      sum += static_cast<double>(view.rgb.pixels.size() + view.used.pixels.size() +
+                                 view.alpha.pixels.size());
   return sum;
 }
 
@@ -50,9 +54,10 @@ double bytes_per_splat(const Dataset& data, const TrainOptions& options, double 
   const double floats =
       (5.0 + 8.0) * row::count(degree) + 2.0 * static_cast<double>(sensitivity_size(degree));
   double bytes = floats * sizeof(float) + kPerSplat + kPerPair * pairs;
-  // Now and then, and when the scene is stored, another rasterizer and the splats' weights in all
-  // views (ViewWeights)
-  bytes += kPerSplat + kPerPair * pairs + sizeof(float) * static_cast<double>(data.train.size());
+  // Now and then, and when the scene is stored, another rasterizer and the splats' weights in views
+  // (ViewWeights)
+  bytes += kPerSplat + kPerPair * pairs +
+           sizeof(float) * static_cast<double>(std::min(data.train.size(), kMostWeighedViews));
   return bytes;
 }
 

@@ -140,8 +140,8 @@ RunEstimate::RunEstimate(const Trainer& trainer, const LaterWork& later)
       splats_before_(static_cast<double>(trainer.state.parameters.size())) {
   const std::size_t views = trainer.data.train.size();
   const double measured =
-      2.0 * static_cast<double>(std::min(views, kMeasuredViews) +
-                                std::min(trainer.data.test.size(), kMeasuredViews));
+      2.0 * static_cast<double>(std::min(views, kEventViews) +
+                                std::min(trainer.data.test.size(), kEventViews));
   for (int i = trainer.state.iteration + 1; i <= trainer.options.iterations; ++i)
     for (const auto& phase : trainer.schedule().phases) {
       PhaseWork work = phase->work(i, views);

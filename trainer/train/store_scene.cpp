@@ -60,7 +60,8 @@ Expected<StoredScene> store_scene(const Trainer& trainer, const std::vector<View
       return *file ? opened(std::move(**file)) : std::unexpected(file->error());
 
   const SplatCloud shown = trainer.cloud();
-  const CompactGoal goal{cameras_of(views), trainer.options.render, trainer.compressed_psnr()};
+  const CompactGoal goal{cameras_of(views), trainer.options.render, trainer.compressed_psnr(),
+                         trainer.options.iterations};
   const NetworkColors* networks = network_colors(trainer.schedule());
   const ProgressParts parts(control.progress, {1, networks ? 1.0 : 0.0});
   const auto smallest = [&](const Candidate& c, std::size_t part) {

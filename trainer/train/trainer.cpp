@@ -6,6 +6,7 @@
 #include "trainer/compress/compression.h"
 #include "trainer/core/indices.h"
 #include "trainer/core/psnr.h"
+#include "trainer/data/photo_memory.h"
 #include "trainer/raster/view_renderer.h"
 #include "trainer/train/initialize.h"
 #include "trainer/train/memory_budget.h"
@@ -135,20 +136,21 @@ std::vector<std::uint8_t> Trainer::visible_of_degree(int degree) const {
   return out;
 }
 
-double Trainer::mean_psnr(const std::vector<View>& of) const {
+double Trainer::mean_psnr(const std::vector<View>& of, std::size_t most) const {
   if (of.empty()) return 0;
   const ViewRenderer renderer = cpu_view_renderer(cloud(), options.render, threads);
-  const std::size_t count = std::min(of.size(), kMeasuredViews);
-  ProgressCounter counter(control.progress, count);
+  const std::vector<std::uint32_t> measured = spread_indices(of.size(), most);
+  ProgressCounter counter(control.progress, measured.size());
   PlanarImage target;
   double sum = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const View& one = of[(2 * i + 1) * of.size() / (2 * count)];  // evenly spread
+  for (const std::uint32_t i : measured) {
+    const View& one = of[i];
     to_planar(one.rgb, threads, target);
     sum += std::min(psnr(*renderer(one.camera), target, one.used), kMaxPsnr);
+    let_go(one);
     counter.add_one();
   }
-  return sum / static_cast<double>(count);
+  return sum / static_cast<double>(measured.size());
 }
 
 double Trainer::compressed_psnr() const {
@@ -172,7 +174,7 @@ void Trainer::run_after_step(Phase& phase, IterationReport& report) {
 void Trainer::run_event(Phase& phase, IterationReport& report) {
   const WorkControl outer = control;
   const auto renders = [](const std::vector<View>& of) {
-    return static_cast<double>(std::min(of.size(), kMeasuredViews));
+    return static_cast<double>(std::min(of.size(), kEventViews));
   };
   const double train = renders(data.train), test = renders(data.test);
   const ProgressParts parts(
@@ -180,9 +182,9 @@ void Trainer::run_event(Phase& phase, IterationReport& report) {
       {train, test, phase.work(state.iteration, data.train.size()).share(), train, test});
   const auto measured = [&](const std::vector<View>& of, std::size_t part) {
     control.progress = parts.part(part);
-    return mean_psnr(of);
+    return mean_psnr(of, kEventViews);
   };
-  train_psnr = measured(data.train, 0);
+  const double train_psnr = measured(data.train, 0);
   const double test_psnr = measured(data.test, 1);
   const std::size_t splats = state.parameters.size();
   control.progress = parts.part(2);
@@ -243,6 +245,7 @@ IterationReport Trainer::step() {
   rasterizer.backward(state.parameters, loss_.gradient(), transmittance_gradient);
   for_phases(&Phase::after_backward);
   optimize();
+  let_go(*view);
   for (const auto& phase : schedule_.phases) run_after_step(*phase, report);
   return report;
 }

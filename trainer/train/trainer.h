@@ -16,8 +16,8 @@
 
 namespace fluxgs {
 
-/// The most views whose mean PSNR is measured, evenly spread.
-inline constexpr std::size_t kMeasuredViews = 100;
+/// The most training views, and test views, whose mean PSNR is measured before and after an event.
+inline constexpr std::size_t kEventViews = 16;
 
 /// Result of one iteration.
 struct IterationReport {
@@ -52,7 +52,8 @@ class Trainer final : public Training {
   /// The state with what phases keep: the content of a checkpoint.
   TrainState saved_state() const;
   SplatCloud cloud() const override;
-  double mean_psnr(const std::vector<View>& views) const override;
+  double mean_psnr(const std::vector<View>& views,
+                   std::size_t most = kMeasuredViews) const override;
   /// PSNR between renders of the scene and of its compact file (compress/compression.h).
   double compressed_psnr() const;
   /// Gradients that were not finite and were therefore skipped.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory_resource>
 #include <vector>
 
 namespace fluxgs {
@@ -11,14 +12,21 @@ namespace fluxgs {
 /// 0…1, 8-bit ones 0…255. Channels: 3 (RGB) or 4 (RGBA).
 template <class T>
 struct Image {
-  int width = 0;          ///< pixels
-  int height = 0;         ///< pixels
-  int channels = 3;       ///< 3 or 4
-  std::vector<T> pixels;  ///< width · height · channels values
+  int width = 0;               ///< pixels
+  int height = 0;              ///< pixels
+  int channels = 3;            ///< 3 or 4
+  std::pmr::vector<T> pixels;  ///< width · height · channels values
 
   Image() = default;
   /// An image of zeros.
   Image(int w, int h, int c) : width(w), height(h), channels(c), pixels(size_of(w, h, c)) {}
+
+  /// A copy with its pixels in that memory, which must outlive it.
+  Image(const Image& other, std::pmr::memory_resource& memory)
+      : width(other.width),
+        height(other.height),
+        channels(other.channels),
+        pixels(other.pixels, &memory) {}
 
   /// The first channel of a pixel.
   T* at(int x, int y) { return pixels.data() + offset(x, y); }

@@ -144,7 +144,7 @@ TEST_P(HardCasesTest, MixedDegreesOfSh) {
   for (glm::vec3& c : full.sh_rest)
     if (c == glm::vec3(0)) c = glm::vec3(0x1p-24F);
   EXPECT_EQ(count_degrees(full), (DegreeCounts{0, 0, 0, 3000}));
-  const std::vector<float> own = image_of(mixed), all = image_of(full);
+  const std::pmr::vector<float> own = image_of(mixed), all = image_of(full);
   for (std::size_t i = 0; i < own.size(); ++i) ASSERT_NEAR(own[i], all[i], 0x1p-10F) << i;
   EXPECT_EQ(packed(full).sh.size(), 3000U * 12);
   EXPECT_EQ(packed(mixed).sh.size(), 750U * (3 + 6 + 12));

@@ -60,7 +60,7 @@ class SortersTest : public GlTest {
     }
   }
 
-  std::vector<float> image_;
+  std::pmr::vector<float> image_;
 };
 
 TEST_P(SortersTest, RandomClouds) {
@@ -106,7 +106,7 @@ TEST_P(SortersTest, TheSameImageFromEach) {
   const SplatCloud cloud = random_cloud(4000, 1, 5);
   const Camera camera = orbit_camera(160, 120, {}, 2, 1, 4);
   static_cast<void>(shown_order(SorterKind::exact, cloud, camera, 32));
-  const std::vector<float> expected = image_;
+  const auto expected = image_;
   for (const SorterKind kind : {SorterKind::gpu_radix, SorterKind::cpu_async}) {
     static_cast<void>(shown_order(kind, cloud, camera, 32));
     EXPECT_EQ(image_, expected) << name(kind);

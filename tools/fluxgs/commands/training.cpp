@@ -53,7 +53,7 @@ LaterWork later_work(const TrainSettings& settings, const Trainer& trainer) {
   const bool quantized = std::ranges::any_of(
       trainer.schedule().phases, [](const auto& phase) { return phase->can_be_stopped(); });
   if (compact && !quantized) {
-    later.storing = compact_search_work(views);
+    later.storing = compact_search_work(views, trainer.options.iterations);
     later.storing.renders += static_cast<double>(views);
   }
   later.storing.files += compact ? 1 : 0;

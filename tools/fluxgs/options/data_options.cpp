@@ -63,6 +63,11 @@ void add_data_options(CLI::App& command, DataOptions& options) {
                   fmt::format("frames to take of a video (default: {}, or as many as before)",
                               kDefaultVideoFrames))
       ->check(whole_in(2, 2000));
+  command
+      .add_option("--photo-memory", options.photo_memory,
+                  "MiB that pixels of photos may take; more of them lie in a temporary file "
+                  "(default: half of what is free)")
+      ->check(in_range(1, 1e9));
   add_background(command, options.background);
   command.add_option("--threads", options.threads, "0: all cores; does not change the result")
       ->check(whole_in(0, 1024))
@@ -122,6 +127,8 @@ Expected<Dataset> load(const DataOptions& options) {
   how.progress = show_progress("images");
   how.video_frames = options.video_frames;
   how.steps = show_steps();
+  constexpr double kMebibyte = 1 << 20;
+  how.max_photo_bytes = static_cast<std::uint64_t>(options.photo_memory * kMebibyte);
   how.background = glm::vec3(options.background_color());
   auto data = load_dataset(options.folder, how);
   if (data)

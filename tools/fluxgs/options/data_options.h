@@ -20,6 +20,7 @@ struct DataOptions {
   int downscale = 0;  ///< 0: only images that are very large (LoadOptions)
   int threads = 0;
   std::string holdout = {};  ///< "none", "every-N", a file of names, or empty: as the data set says
+  double photo_memory = 0;   ///< MiB (LoadOptions::max_photo_bytes)
   int trained_side = 0;      ///< LoadOptions::trained_side
   int video_frames = 0;      ///< 0: as before, or the default
   std::vector<double> background{0, 0, 0};

@@ -1,5 +1,8 @@
 // Loading folders: what they may be, and pixels.
 #include "trainer/data/dataset.h"
+
+#include <set>
+
 #include "tiny_colmap.h"
 #include "trainer/data/reduction.h"
 
@@ -58,6 +61,20 @@ TEST(Dataset, DownscaleAveragesAreasAndScalesTheCameraExactly) {
   expect_failure(load_dataset(folder.path(), {.downscale = 64}), "a.png", "2x2", "at most 4");
   expect_failure(load_dataset(folder.path(), {.downscale = -1}), "downscale");
   expect_failure(load_dataset(folder.path(), {.test_every = -1}), "test_every");
+}
+
+TEST(Dataset, SomeOfManyViewsAreSpreadEvenly) {
+  EXPECT_THAT(spread_indices(9, 3), testing::ElementsAre(1, 4, 7));
+  EXPECT_THAT(spread_indices(9, 3, 0), testing::ElementsAre(0, 3, 6));
+  EXPECT_THAT(spread_indices(9, 3, 0.99), testing::ElementsAre(2, 5, 8));
+  EXPECT_THAT(spread_indices(3, 9, 0.99), testing::ElementsAre(0, 1, 2));  // all of them
+  EXPECT_THAT(spread_indices(0, 9), testing::IsEmpty());
+  for (const std::size_t all : {100U, 255U, 1001U})
+    for (const double turn : {0.0, 0.618, 0.999}) {
+      const std::vector<std::uint32_t> some = spread_indices(all, 64, turn);
+      EXPECT_EQ(std::set(some.begin(), some.end()).size(), 64U) << all;
+      EXPECT_LT(some.back(), all);
+    }
 }
 
 TEST(Dataset, OnlyVeryLargeImagesAreReducedUnasked) {

@@ -300,5 +300,34 @@ TEST(LatePrune, RemovesWhatNobodySees) {
   EXPECT_EQ(prune_late(state, options, scores).pruned, 2u);
 }
 
+TEST(LatePrune, WhatOnlyOtherViewsMaySeeStays) {
+  TrainOptions options;
+  options.get<LatePruningOptions>().mode = LatePrune::contribution;
+  options.get<LatePruningOptions>().share = 0.1;
+  TrainState state = state_of({0, 0, 0}, std::vector<float>(3, 0.005f));
+  const float unseen = state.parameters.row(row::position)[0];
+  SplatScores scores = scores_of({0, 0, 0}, {0, 0, 0}, {0, 95, 5});
+  scores.pixels = {0, 3, 3};
+  scores.sampled = true;
+  EXPECT_EQ(prune_late(state, options, scores).pruned, 1u);
+  ASSERT_EQ(state.parameters.size(), 2u);
+  EXPECT_EQ(state.parameters.row(row::position)[0], unseen);
+}
+
+TEST(LatePrune, LooksAtAsManyViewsAsARunOfThatLengthAffords) {
+  const auto views = [](int iterations, int asked) {
+    TrainOptions options;
+    options.iterations = iterations;
+    options.get<LatePruningOptions>().mode = LatePrune::contribution;
+    options.get<LatePruningOptions>().views = asked;
+    make_late_pruning(options, iterations / 2);
+    return options.get<LatePruningOptions>().views;
+  };
+  EXPECT_EQ(views(1000, 0), 16);
+  EXPECT_EQ(views(7000, 0), 70);  // 5 times 70, one and a half renders each: a twentieth of 7,000
+  EXPECT_EQ(views(30000, 0), 300);
+  EXPECT_EQ(views(30000, 7), 7);
+}
+
 }  // namespace
 }  // namespace fluxgs
