@@ -141,7 +141,7 @@ Image<std::uint8_t> render_view(const Scene& scene, const Camera& camera, int sa
 
 Expected<void> write_capture(const fs::path& folder, const CaptureOptions& options) {
   if (const auto ok = check(options); !ok) return ok;
-  const Scene scene = make_scene(static_cast<std::uint32_t>(options.seed));
+  const Scene scene = make_scene(static_cast<std::uint32_t>(options.seed), options.scene);
   const CaptureCameras cameras = capture_cameras(options);
   const auto train = options.occluder
                          ? write_occluded_views(folder, scene, cameras.train, options)

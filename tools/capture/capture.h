@@ -1,4 +1,4 @@
-// Images of the scene from known poses, as a NeRF-synthetic data set.
+// Images of a scene from known poses, as a NeRF-synthetic data set.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 #include "fluxgs/camera.h"
 #include "fluxgs/error.h"
 #include "fluxgs/image.h"
-#include "tools/capture/scene.h"
+#include "tools/capture/scenes.h"
 
 namespace fluxgs::capture {
 
@@ -18,14 +18,16 @@ struct CaptureOptions {
   std::uint64_t seed = 1;         ///< of the poses and the textures' noise
   int samples = 4;                ///< n×n rays a pixel, 1…16
   bool occluder = false;          ///< something moves through the training views; masks show where
+  SceneKind scene = SceneKind::kSpheres;
 };
 
 struct CaptureCameras {
   std::vector<Camera> train, test;
 };
 
-/// Cameras on a dome before the scene, at varied heights and distances, looking at its middle,
-/// upright. Named r_000, r_001, …
+/// Upright cameras where somebody would stand who photographs the scene: on a dome before the
+/// spheres, around the middle outdoors, all over the room, in a plane before the wall. Named r_000,
+/// r_001, …
 CaptureCameras capture_cameras(const CaptureOptions& options);
 
 /// One image, sRGB. The same for any number of threads.

@@ -1,7 +1,6 @@
 #include "tools/capture/shading.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -12,42 +11,6 @@ namespace fluxgs::capture {
 namespace {
 
 using glm::vec3;
-
-struct Lamp {
-  vec3 direction;  ///< towards it
-  vec3 light;      ///< linear RGB, as irradiance over π
-  float tangent_of_radius;
-};
-
-const std::array<Lamp, 3>& lamps() {
-  static const std::array<Lamp, 3> kLamps{{
-      {glm::normalize(vec3(-0.55F, -0.65F, 0.95F)), {1.75F, 1.58F, 1.32F}, 0.09F},
-      {glm::normalize(vec3(0.95F, -0.55F, 0.75F)), {0.42F, 0.50F, 0.66F}, 0.16F},
-      {glm::normalize(vec3(0.15F, -0.9F, 0.35F)), {0.22F, 0.19F, 0.17F}, 0.12F},
-  }};
-  return kLamps;
-}
-
-/// 1 within a rectangle of directions around `center`, with a soft rim.
-float softbox(const vec3& direction, const vec3& center, float half_width, float half_height) {
-  const vec3 right = glm::normalize(glm::cross(center, vec3(0, 0, 1)));
-  const vec3 up = glm::cross(right, center);
-  const float along = glm::dot(direction, center);
-  if (along <= 0) return 0;
-  const float x = std::abs(glm::dot(direction, right)) / along;
-  const float y = std::abs(glm::dot(direction, up)) / along;
-  constexpr float kRim = 0.03F;
-  return glm::smoothstep(half_width + kRim, half_width - kRim, x) *
-         glm::smoothstep(half_height + kRim, half_height - kRim, y);
-}
-
-/// A window: a box with a cross of bars.
-float window(const vec3& direction, const vec3& center) {
-  const float pane = softbox(direction, center, 0.4F, 0.34F);
-  const float bars =
-      std::max(softbox(direction, center, 0.03F, 0.5F), softbox(direction, center, 0.5F, 0.03F));
-  return pane * (1 - bars);
-}
 
 /// GGX highlight times cosine, for reflectance f0 at normal incidence (Walter et al. 2007;
 /// Schlick's Fresnel; the height-correlated visibility in Hammon's approximation).
@@ -72,9 +35,19 @@ vec3 mirror_part(const vec3& f0, float roughness, float nv) {
   return f0 + (grazing - f0) * std::pow(1 - nv, 5.0F);
 }
 
-/// The diffuse light of the environment on a surface that faces `normal`.
-vec3 ambient(const vec3& normal) {
-  return glm::mix(vec3(0.12F, 0.11F, 0.10F), vec3(0.32F, 0.36F, 0.42F), 0.5F + 0.5F * normal.z);
+/// The diffuse light from all around on a surface that faces `normal`.
+vec3 ambient(const Scene& scene, const vec3& normal) {
+  return glm::mix(scene.light_below, scene.light_above, 0.5F + 0.5F * normal.z);
+}
+
+/// The texture as a camera shows it that has a pixel every 0.0025 rad, as 400 across 60° are.
+vec3 surface_color(const Scene& scene, const Hit& hit, float cosine) {
+  constexpr float kPixelAngle = 0.0025F;
+  const Material& material = *hit.material;
+  // A pixel's place on the surface is longer than wide; its area counts.
+  const float footprint = hit.distance * kPixelAngle / std::sqrt(std::max(cosine, 0.02F));
+  return texture_color(material.texture, material.color, hit.position / material.size,
+                       footprint / material.size, scene.seed);
 }
 
 vec3 mirrored(const Scene& scene, const Hit& hit, const vec3& direction, int bounces) {
@@ -83,41 +56,31 @@ vec3 mirrored(const Scene& scene, const Hit& hit, const vec3& direction, int bou
   if (hit.material->roughness < kSharp && bounces > 0)
     return radiance(scene, hit.position, reflected, bounces - 1);
   // Too rough for a mirror image: the sky around the reflected direction, and the floor below it.
-  return ambient(reflected);
+  return ambient(scene, reflected);
+}
+
+vec3 through_haze(const Scene& scene, const vec3& light, float distance) {
+  const vec3 haze(0.62F, 0.72F, 0.82F);
+  return glm::mix(haze, light, std::exp(-scene.haze * distance));
 }
 
 }  // namespace
 
-vec3 environment(const vec3& direction) {
-  const vec3 zenith(0.16F, 0.24F, 0.40F), horizon(0.66F, 0.66F, 0.64F),
-      ground(0.10F, 0.09F, 0.085F);
-  const float z = direction.z;
-  vec3 light = z > 0 ? glm::mix(horizon, zenith, std::sqrt(std::min(z, 1.0F)))
-                     : glm::mix(horizon, ground, glm::smoothstep(0.0F, 0.35F, -z));
-  static const vec3 kKey = glm::normalize(vec3(-0.9F, -0.75F, 0.8F));
-  static const vec3 kFill = glm::normalize(vec3(1.0F, -0.35F, 0.55F));
-  static const vec3 kWindow = glm::normalize(vec3(0.25F, -1.0F, 0.65F));
-  light += vec3(3.2F, 3.0F, 2.7F) * softbox(direction, kKey, 0.26F, 0.36F);
-  light += vec3(1.3F, 1.6F, 2.1F) * softbox(direction, kFill, 0.16F, 0.5F);
-  light += vec3(1.9F, 2.0F, 2.1F) * window(direction, kWindow);
-  return light;
-}
-
 vec3 radiance(const Scene& scene, const vec3& origin, const vec3& direction, int bounces) {
   const auto hit = intersect(scene, origin, direction);
-  if (!hit) return environment(direction);
+  if (!hit) return sky_light(scene.sky, direction, scene.seed);
   const Material& material = *hit->material;
-  const vec3 color = texture_color(material.texture, material.color, hit->position, scene.seed);
-  const vec3 f0 = material.metal ? color : vec3(0.045F);
   const vec3 view = -direction;
+  const float facing = std::clamp(glm::dot(hit->normal, view), 0.0F, 1.0F);
+  const vec3 color = surface_color(scene, *hit, facing);
+  const vec3 f0 = material.metal ? color : vec3(0.045F);
 
   const float open = sky_visibility(scene, hit->position, hit->normal);
-  const vec3 mirror =
-      mirror_part(f0, material.roughness, std::clamp(glm::dot(hit->normal, view), 0.0F, 1.0F));
-  vec3 light = material.metal ? vec3(0) : color * ambient(hit->normal) * open;
+  const vec3 mirror = mirror_part(f0, material.roughness, facing);
+  vec3 light = material.metal ? vec3(0) : color * ambient(scene, hit->normal) * open;
   if (std::max({mirror.x, mirror.y, mirror.z}) > 0.01F)
     light += mirror * mirrored(scene, *hit, direction, bounces);
-  for (const Lamp& lamp : lamps()) {
+  for (const Lamp& lamp : scene.lamps) {
     const float cosine = glm::dot(hit->normal, lamp.direction);
     if (cosine <= 0) continue;
     const float visible =
@@ -127,7 +90,7 @@ vec3 radiance(const Scene& scene, const vec3& origin, const vec3& direction, int
     light += highlight(hit->normal, view, lamp.direction, material.roughness, f0) * lamp.light *
              (visible * std::numbers::pi_v<float>);
   }
-  return light;
+  return through_haze(scene, light, hit->distance);
 }
 
 vec3 tone_map(const vec3& light) {

@@ -1,4 +1,4 @@
-// Light: a studio around the scene, three lamps, and what surfaces make of them.
+// Light: what surfaces make of the lamps and of all that is around them.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -6,10 +6,6 @@
 #include "tools/capture/scene.h"
 
 namespace fluxgs::capture {
-
-/// Light of a ray that leaves the scene, linear RGB: a sky over a dark ground, with two softboxes
-/// and a window that show in reflections.
-glm::vec3 environment(const glm::vec3& direction);
 
 /// The light along a ray, linear RGB ≥ 0. Mirror reflections are followed `bounces` times.
 glm::vec3 radiance(const Scene& scene, const glm::vec3& origin, const glm::vec3& direction,

@@ -7,16 +7,24 @@
 
 namespace fluxgs::capture {
 
-/// Smooth noise of unit wavelength between 0 and 1.
-float value_noise(const glm::vec3& p, std::uint32_t seed);
+enum class Texture {
+  kPlain,
+  kCheckerMarble,
+  kPlasterStripes,
+  kBands,
+  kSpeckles,
+  kGrass,
+  kFoliage,
+  kRock,
+  kWhitewash,
+  kPlanks,   ///< along x, side by side along y
+  kPicture,  ///< strong shapes and colours, another picture at each place
+  kBricks    ///< in courses along x, one above the other along z; plaster on parts
+};
 
-/// Several octaves of value_noise, each of half the wavelength and half the weight; 0…1.
-float fractal_noise(const glm::vec3& p, int octaves, std::uint32_t seed);
-
-enum class Texture { kPlain, kCheckerMarble, kPlasterStripes, kBands, kSpeckles };
-
-/// The linear RGB colour of a texture at a place; `color` is its main one.
+/// The linear RGB colour of a texture at a place; `color` is its main one. `footprint` is the width
+/// of a pixel there, in the units of p: the fine textures leave out what is smaller.
 glm::vec3 texture_color(Texture texture, const glm::vec3& color, const glm::vec3& p,
-                        std::uint32_t seed);
+                        float footprint, std::uint32_t seed);
 
 }  // namespace fluxgs::capture

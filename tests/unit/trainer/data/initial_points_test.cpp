@@ -148,7 +148,7 @@ TEST(Features, LieWhereTheDotsAre) {
 /// mirror (inside a sphere, below the floor), where features of mirror images rightly are.
 std::optional<double> surface_distance(const capture::Scene& scene, const glm::vec3& p) {
   constexpr double kBehind = -0.1;
-  double nearest = std::min<double>(std::abs(p.z), std::abs(p.y - scene.wall_y));
+  double nearest = std::min<double>(std::abs(p.z), std::abs(p.y - scene.boxes[0].low.y));
   if (p.z < kBehind) return std::nullopt;
   for (const auto& sphere : scene.spheres) {
     const double outside = glm::distance(p, sphere.center) - sphere.radius;
