@@ -125,7 +125,7 @@ OptionFields LatePruningOptions::fields(const TrainOptions&) {
           .only_if(mode == LatePrune::contribution, "--late-prune contribution"),
       whole("late-prune-views",
             "views that contributions are sampled from (0: a hundredth of the iterations, at least "
-            "16)",
+            "40)",
             views, 0, kUnlimited)
           .only_if(mode == LatePrune::contribution, "--late-prune contribution")};
 }

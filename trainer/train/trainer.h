@@ -17,7 +17,7 @@
 namespace fluxgs {
 
 /// The most training views, and test views, whose mean PSNR is measured before and after an event.
-inline constexpr std::size_t kEventViews = 16;
+inline constexpr std::size_t kEventViews = 8;
 
 /// Result of one iteration.
 struct IterationReport {

@@ -323,7 +323,7 @@ TEST(LatePrune, LooksAtAsManyViewsAsARunOfThatLengthAffords) {
     make_late_pruning(options, iterations / 2);
     return options.get<LatePruningOptions>().views;
   };
-  EXPECT_EQ(views(1000, 0), 16);
+  EXPECT_EQ(views(1000, 0), 40);
   EXPECT_EQ(views(7000, 0), 70);  // 5 times 70, one and a half renders each: a twentieth of 7,000
   EXPECT_EQ(views(30000, 0), 300);
   EXPECT_EQ(views(30000, 7), 7);
