@@ -45,6 +45,7 @@ Expected<LoadedViews> load_all(Source& source, const LoadOptions& options) {
   frames.insert(frames.end(), source.test_frames.begin(), source.test_frames.end());
   PhotoMemory memory(options.max_photo_bytes);
   auto loaded = load_views(frames, options, memory);
+  if (!memory.full().empty()) return fail("", "", memory.full());  // not a fault of some photos
   if (memory.in_files() > 0)
     spdlog::info(
         "{:.0f} MB of pixels lie in a temporary file, since photos may take {:.0f} MB of "

@@ -52,7 +52,7 @@ class FileMemory final : public std::pmr::memory_resource {
     const int error = errno;
     if (file >= 0) ::close(file);
     if (memory != MAP_FAILED) return memory;
-    throw FullDisk(fmt::format("{:.0f} MB for pixels cannot be had in {}: {}",
+    throw FullDisk(fmt::format("{:.1f} MB for pixels cannot be had in {}: {}",
                                1e-6 * static_cast<double>(bytes), folder.string(),
                                std::generic_category().message(error)));
   }
@@ -104,6 +104,11 @@ void PhotoMemory::keep(View& view) {
   in_memory_ -= bytes;
   move_to_files(view);
   in_files_ += bytes;
+}
+
+void PhotoMemory::tell_full(const std::string& reason) {
+  const std::scoped_lock lock(mutex_);
+  if (full_.empty()) full_ = reason;
 }
 
 void move_to_files(View& view) {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory_resource>
+#include <mutex>
 #include <string>
 
 #include "fluxgs/error.h"
@@ -36,11 +37,16 @@ class PhotoMemory {
   /// Leaves the view's pixels where they are, if there is room, or moves them into file_memory(),
   /// which may throw FullDisk.
   void keep(View& view);
+  /// Keeps the first of several reasons why not all photos could be kept.
+  void tell_full(const std::string& reason);
+  const std::string& full() const { return full_; }     ///< the reason, or empty
   std::uint64_t limit() const { return limit_; }        ///< bytes
   std::uint64_t in_files() const { return in_files_; }  ///< bytes
 
  private:
   std::uint64_t limit_;
+  std::mutex mutex_;
+  std::string full_;
   std::atomic<std::uint64_t> in_memory_ = 0, in_files_ = 0;
 };
 

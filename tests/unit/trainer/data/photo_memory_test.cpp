@@ -102,6 +102,7 @@ TEST(PhotoMemory, AFolderThatCannotHoldThemIsNamed) {
   else
     ::setenv("TMPDIR", kept.c_str(), 1);
   ASSERT_FALSE(data);
+  EXPECT_THAT(data.error().message(), testing::StartsWith("0.0 MB for pixels cannot be had in"));
   EXPECT_THAT(data.error().message(), testing::HasSubstr("missing: No such file"));
   EXPECT_THAT(data.error().message(), testing::HasSubstr("--downscale"));
 }
