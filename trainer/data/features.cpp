@@ -10,6 +10,8 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "trainer/data/photo_memory.h"
+
 namespace fluxgs {
 namespace {
 
@@ -37,6 +39,13 @@ cv::Mat feature_image(const View& view) {
     return reduced;
   }
   return grey;
+}
+
+glm::u8vec3 color_at(const Image<std::uint8_t>& image, const glm::dvec2& pixel) {
+  const int x = std::clamp(static_cast<int>(std::floor(pixel.x)), 0, image.width - 1);
+  const int y = std::clamp(static_cast<int>(std::floor(pixel.y)), 0, image.height - 1);
+  const std::uint8_t* rgb = image.at(x, y);
+  return {rgb[0], rgb[1], rgb[2]};
 }
 
 int distance2(const Feature& a, const Feature& b) {
@@ -111,9 +120,11 @@ std::vector<Feature> find_features(const View& view) {
   for (std::size_t i = 0; i < features.size(); ++i) {
     features[i].pixel =
         scale * glm::dvec2(keypoints[i].pt.x + kOffset, keypoints[i].pt.y + kOffset);
+    features[i].color = color_at(view.rgb, features[i].pixel);
     std::copy_n(descriptors.ptr<std::uint8_t>(static_cast<int>(i)), 128,
                 features[i].descriptor.begin());
   }
+  let_go(view);
   return features;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 
 #include "trainer/data/dataset.h"
 
@@ -14,6 +15,7 @@ namespace fluxgs {
 
 struct Feature {
   glm::dvec2 pixel{0.0};  ///< in the image; the centre of the first pixel is at (½, ½)
+  glm::u8vec3 color{0};   ///< of that pixel, sRGB
   std::array<std::uint8_t, 128> descriptor{};
 };
 

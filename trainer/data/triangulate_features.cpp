@@ -117,16 +117,9 @@ std::optional<glm::dvec3> triangulate(const Track& track, const std::vector<View
   return point;
 }
 
-glm::vec3 mean_color(const Track& track, const std::vector<View>& views, const Features& features) {
+glm::vec3 mean_color(const Track& track, const Features& features) {
   glm::vec3 sum(0);
-  for (const auto& o : track) {
-    const auto& image = views[o.view].rgb;
-    const glm::dvec2 pixel = features[o.view][o.feature].pixel;
-    const int x = std::clamp(static_cast<int>(std::floor(pixel.x)), 0, image.width - 1);
-    const int y = std::clamp(static_cast<int>(std::floor(pixel.y)), 0, image.height - 1);
-    const std::uint8_t* rgb = image.at(x, y);
-    sum += glm::vec3(rgb[0], rgb[1], rgb[2]) / 255.0F;
-  }
+  for (const auto& o : track) sum += glm::vec3(features[o.view][o.feature].color) / 255.0F;
   return sum / static_cast<float>(track.size());
 }
 
@@ -197,7 +190,7 @@ PointCloud triangulate_features(const std::vector<View>& views, const Threads& t
     const auto point = triangulate(track, views, features);
     if (!point) continue;
     cloud.positions.emplace_back(*point);
-    cloud.colors.push_back(mean_color(track, views, features));
+    cloud.colors.push_back(mean_color(track, features));
   }
   return cloud;
 }
