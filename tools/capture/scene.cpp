@@ -36,7 +36,7 @@ void intersect_floor(const Floor& floor, const glm::vec3& origin, const glm::vec
 
 bool between(float low, float x, float high) { return low < x && x < high; }
 
-/// Of the two faces across each axis, a ray can only enter through the nearer one.
+/// A ray can only enter through the nearer one of the two faces across each axis.
 void intersect_box(const Box& box, const glm::vec3& origin, const glm::vec3& direction,
                    std::optional<Hit>& best) {
   for (int axis = 0; axis < 3; ++axis) {

@@ -1,4 +1,4 @@
-// What a scene is: shapes, materials and lights. The world has z up.
+// A scene: shapes, materials and lights. The world has z up.
 #pragma once
 
 #include <cstdint>

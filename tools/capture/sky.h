@@ -1,4 +1,4 @@
-// What is around a scene: the light of rays that leave it.
+// The sky around a scene: the light of rays that leave it.
 #pragma once
 
 #include <cstdint>

@@ -56,23 +56,26 @@ double sensitivity_renders(std::size_t views) {
   return 2 * seen + 3 * std::max(seen, 64.0);
 }
 
+/// Work of the search itself, whose trials are measured in so many views.
+PhaseWork trial_work(std::size_t views) {
+  return {.renders = kTrials * static_cast<double>(views), .files = kTrials};
+}
+
 }  // namespace
 
 PhaseWork compact_search_work(std::size_t views, int iterations) {
   const SearchViews seen = search_views(views, iterations);
-  return {.renders = sensitivity_renders(seen.sensitivity) +
-                     kTrials * static_cast<double>(seen.evaluation),
-          .files = kTrials};
+  PhaseWork work = trial_work(seen.evaluation);
+  work.renders += sensitivity_renders(seen.sensitivity);
+  return work;
 }
 
 Expected<CompactTrial> compact_within(const SplatCloud& cloud, const SplatCloud& shown,
                                       const CompactGoal& goal, CompactOptions start,
                                       const Threads& threads, const WorkControl& control) {
   const SearchViews seen = search_views(goal.cameras.size(), goal.iterations);
-  const PhaseWork search{.renders = kTrials * static_cast<double>(seen.evaluation),
-                         .files = kTrials};
-  const ProgressParts parts(control.progress,
-                            {sensitivity_renders(seen.sensitivity), search.share()});
+  const ProgressParts parts(control.progress, {sensitivity_renders(seen.sensitivity),
+                                               trial_work(seen.evaluation).share()});
   start.sensitivity = view_sensitivity(spread_cameras(goal.cameras, seen.sensitivity), shown,
                                        start.networks.has_value(), goal.render, threads,
                                        {parts.part(0), control.stop});

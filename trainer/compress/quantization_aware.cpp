@@ -152,7 +152,7 @@ class QuantizationAware final : public Phase {
     report.summary = fmt::format("quantized as in a file of {} bytes", file->size());
     return report;
   }
-  /// Of the file, to the scene.
+  /// PSNR that the file shall have, to renders of the scene.
   static double asked_psnr(Training& t, const ProgressReport& progress) {
     const WorkControl outer = t.control;
     t.control.progress = progress;

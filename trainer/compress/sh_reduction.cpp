@@ -17,7 +17,7 @@
 namespace fluxgs {
 namespace {
 
-constexpr double kRenders = 2.5;  // for the weights of a view
+constexpr double kWeightRenders = 2.5;  // for the weights of a view
 
 void reduce_to_one_degree(TrainState& state, const TrainOptions& options, const ViewWeights& views,
                           double prior, const Threads& threads) {
@@ -49,7 +49,7 @@ class ShReductionPhase final : public Phase {
       : options_(options),
         first_degree_(first_degree),
         degree_(degree),
-        views_(std::min(affordable_views(iterations, kRenders), kMostWeighedViews)) {}
+        views_(std::min(affordable_views(iterations, kWeightRenders), kMostWeighedViews)) {}
 
   const char* name() const override { return "SH reduction"; }
   Period period() const override {
@@ -67,7 +67,7 @@ class ShReductionPhase final : public Phase {
   bool reports(int iteration) const override { return period().due(iteration); }
   PhaseWork work(int iteration, std::size_t views) const override {
     if (!reports(iteration)) return {};
-    return {.renders = kRenders * static_cast<double>(std::min(views, views_)), .files = 2};
+    return {.renders = kWeightRenders * static_cast<double>(std::min(views, views_)), .files = 2};
   }
   int sh_degree(int iteration, int degree) const override {
     return iteration > options_.iteration ? std::min(degree, degree_) : degree;

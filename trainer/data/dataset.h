@@ -45,7 +45,7 @@ struct LoadOptions {
   ProgressReport progress = {};  ///< images ready
   int video_frames = 0;          ///< taken of a video; 0: as before, or kDefaultVideoFrames
   StepReport steps = {};         ///< of finding poses
-  /// Of memory that pixels may take; more of them lie in files. 0: half of what is free.
+  /// Bytes of memory that pixels may take; more of them lie in files. 0: half of what is free.
   std::uint64_t max_photo_bytes = 0;
 };
 

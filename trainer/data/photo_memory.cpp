@@ -45,7 +45,6 @@ int nameless_file(const fs::path& folder, std::size_t bytes) {
 
 class FileMemory final : public std::pmr::memory_resource {
   void* do_allocate(std::size_t bytes, std::size_t) override {
-    if (bytes == 0) bytes = 1;
     const fs::path folder = folder_for_pixels();
     const int file = nameless_file(folder, bytes);
     void* memory =
@@ -58,7 +57,7 @@ class FileMemory final : public std::pmr::memory_resource {
                                std::generic_category().message(error)));
   }
   void do_deallocate(void* memory, std::size_t bytes, std::size_t) override {
-    ::munmap(memory, bytes == 0 ? 1 : bytes);
+    ::munmap(memory, bytes);
   }
   bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override {
     return this == &other;

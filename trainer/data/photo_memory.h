@@ -7,9 +7,10 @@
 #include <cstdint>
 #include <memory_resource>
 #include <mutex>
+#include <new>
 #include <string>
+#include <utility>
 
-#include "fluxgs/error.h"
 #include "fluxgs/image.h"
 
 namespace fluxgs {

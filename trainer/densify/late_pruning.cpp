@@ -18,7 +18,7 @@
 namespace fluxgs {
 namespace {
 
-constexpr double kRenders = 1.5;  // for the contributions of a view
+constexpr double kContributionRenders = 1.5;  // for the contributions of a view
 
 /// Indices by contribution for their cost, the least first; ties by index. A splat costs its place
 /// in the file and the pixels that it has drawn: half of the cost of all splats is for the one,
@@ -77,7 +77,7 @@ class LatePruning final : public Phase {
     const double seen = options_.mode == LatePrune::contribution
                             ? static_cast<double>(std::min(views, sampled_views()))
                             : 6;
-    return {.renders = kRenders * seen, .growth = -0.05};
+    return {.renders = kContributionRenders * seen, .growth = -0.05};
   }
   std::optional<PhaseReport> after_step(Training& t) override {
     if (!period().due(t.state.iteration)) return {};
@@ -170,7 +170,7 @@ std::unique_ptr<Phase> make_late_pruning(TrainOptions& options, int densify_unti
   resolve(own.from, by_opacity ? densify_until + own.interval : n / 5);
   resolve(own.until, by_opacity ? n / 10 * 9 : n / 3 * 2);
   const int events = std::max(own.until - own.from, 0) / own.interval + 1;
-  resolve(own.views, static_cast<int>(affordable_views(n, events * kRenders)));
+  resolve(own.views, static_cast<int>(affordable_views(n, events * kContributionRenders)));
   if (by_opacity) options.get<ScoreOptions>().uses_minus = true;
   return std::make_unique<LatePruning>(own);
 }

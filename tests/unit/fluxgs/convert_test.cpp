@@ -144,7 +144,7 @@ TEST_F(Convert, AStraySplatDoesNotCoarsenTheOthers) {
   }
 }
 
-// Of so few splats, one is half of all.
+// A stray splat is a half or a third of so few.
 TEST_F(Convert, AStraySplatOfTwoOrThreeDoesNotCoarsenTheOthers) {
   for (const std::size_t size : {2U, 3U, 5U})
     for (const bool far : {true, false}) {
@@ -183,7 +183,7 @@ TEST_F(Convert, AStraySplatOfTwoOrThreeDoesNotCoarsenTheOthers) {
     }
 }
 
-// Where all splats are tiny, nothing is far away that --crop could leave out.
+// Tiny splats are no outliers: --crop could leave out nothing.
 TEST_F(Convert, TinySplatsAreNotCalledFarAway) {
   SplatCloud cloud = test::random_cloud(200, 0, 1);
   for (std::size_t i = 0; i < cloud.size(); ++i)

@@ -14,6 +14,7 @@
 #include "trainer/core/planar_image.h"
 #include "trainer/core/process.h"
 #include "trainer/data/image_io.h"
+#include "trainer/data/photo_memory.h"
 #include "trainer/loss/photometric.h"
 
 namespace fluxgs::cli {
@@ -93,6 +94,7 @@ Expected<std::vector<double>> flip_errors(const std::vector<View>& views,
     const auto mean = mean_in(*said);
     if (!mean) return std::unexpected(mean.error());
     errors.push_back(*mean / used_share(view.used));  // no error where a mask ignores pixels
+    let_go(view);
     if (progress) progress(errors.size(), views.size());
   }
   return errors;

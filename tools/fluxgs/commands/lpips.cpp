@@ -12,6 +12,7 @@
 #include "fluxgs/io/file.h"
 #include "fluxgs/sanitize.h"
 #include "trainer/core/free_memory.h"
+#include "trainer/data/photo_memory.h"
 #include "trainer/loss/photometric.h"
 
 namespace fluxgs::cli {
@@ -159,6 +160,7 @@ Expected<std::vector<LpipsError>> lpips_errors(const std::vector<View>& views,
       if (!parts) return std::unexpected(parts.error());
       *value = total(*parts) / used_share(view.used);  // no error where a mask ignores pixels
     }
+    let_go(view);
     if (progress) progress(errors.size(), views.size());
   }
   return errors;

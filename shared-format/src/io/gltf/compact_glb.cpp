@@ -24,6 +24,7 @@
 #include "io/gltf/gltf_filter.h"
 #include "io/gltf/gltf_json.h"
 #include "io/gltf/gltf_plain.h"
+#include "io/splat/scene_core.h"
 
 namespace fluxgs {
 namespace {
@@ -40,18 +41,9 @@ constexpr QuantizationSteps kDefault{.position = 0,
                                      .sh_dc = 0.26f,
                                      .sh_rest = 0.18f};
 
-/// The median over the splats of the geometric mean of their standard deviations.
+/// The usual standard deviation of a splat.
 double median_size(const SplatCloud& cloud) {
-  std::vector<float> sizes;
-  sizes.reserve(cloud.size());
-  for (const glm::vec3& s : cloud.log_scales)
-    if (const float mean = (s.x + s.y + s.z) / 3; std::isfinite(mean)) sizes.push_back(mean);
-  if (sizes.empty()) return 1;
-  // The smaller one of two: the other may be out of all proportion
-  const std::ptrdiff_t half = sizes.size() == 2 ? 0 : static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  const auto middle = sizes.begin() + half;
-  std::ranges::nth_element(sizes, middle);
-  return std::exp(std::clamp(double{*middle}, -60.0, 60.0));  // sizes beyond are no lengths
+  return std::exp(std::clamp(io::median_log_size(cloud), -60.0, 60.0));  // beyond are no lengths
 }
 
 /// Accessors without data, which share what is alike.

@@ -8,7 +8,8 @@
 namespace fluxgs::io {
 namespace {
 
-/// Of two values in the middle, the one nearer to 0: the other may be the stray one of two splats.
+/// The middle one of the values. Where two are, it is the one nearer to 0: the other may be a stray
+/// splat's, of two splats.
 double median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::ranges::nth_element(values, middle);
@@ -31,6 +32,18 @@ SceneCore scene_core(const std::vector<glm::vec3>& positions) {
   });
   core.radius = median(values);
   return core;
+}
+
+double median_log_size(const SplatCloud& cloud) {
+  std::vector<float> sizes;
+  sizes.reserve(cloud.size());
+  for (const glm::vec3& s : cloud.log_scales)
+    if (const float mean = (s.x + s.y + s.z) / 3; std::isfinite(mean)) sizes.push_back(mean);
+  if (sizes.empty()) return 0;
+  const std::size_t half = sizes.size() == 2 ? 0 : sizes.size() / 2;
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(half);
+  std::ranges::nth_element(sizes, middle);
+  return *middle;
 }
 
 double factor_within(const glm::vec3& position, const SceneCore& core, double limit) {

@@ -19,6 +19,11 @@ struct SceneCore {
 /// The core of one or more positions.
 SceneCore scene_core(const std::vector<glm::vec3>& positions);
 
+/// The median over the splats of the logarithm of their size, the geometric mean of the standard
+/// deviations; of two splats the smaller one's, since the other may be out of all proportion.
+/// Splats whose size is not finite do not count; 0 where none is left.
+double median_log_size(const SplatCloud& cloud);
+
 /// Factor, 0…1, by which a position must come nearer to the core's centre, which lies within ±limit
 /// of the origin on each axis, so that it does, too.
 double factor_within(const glm::vec3& position, const SceneCore& core, double limit);

@@ -23,12 +23,7 @@ struct SizeRange {
 /// About the median size of one or more splats. Narrower where they are so few that one of them
 /// moves their mean, which the steps of compact files grow with.
 SizeRange size_range(const SplatCloud& cloud) {
-  std::vector<float> sizes(cloud.size());
-  std::ranges::transform(cloud.log_scales, sizes.begin(),
-                         [](const glm::vec3& s) { return (s.x + s.y + s.z) / 3; });
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>((sizes.size() - 1) / 2);
-  std::ranges::nth_element(sizes, middle);
-  const float usual = std::clamp(*middle, -30.0F, 30.0F);
+  const float usual = std::clamp(static_cast<float>(io::median_log_size(cloud)), -30.0F, 30.0F);
   const auto few = 2 + static_cast<float>(cloud.size());
   return {.low = usual - std::min(12.0F, few), .high = usual + std::min(16.0F, few)};
 }
