@@ -88,7 +88,34 @@ inline Lanes quad_max(Lanes a) {
   const Lanes pairs = hn::Max(a.v, hn::Shuffle2301(a.v));
   return hn::Max(pairs.v, hn::Shuffle1032(pairs.v));
 }
-inline float sum(Lanes a) { return hn::GetLane(hn::SumOfLanes(kTag, a.v)); }
+/// Packs that hold sixteen floats. What is summed over many values is summed in sixteen parts by
+/// every instruction set, so that those with fused products give the same bits.
+inline constexpr int kPacks = 16 / kLanes;
+
+/// Lanes i, i + 4, i + 8, … of a vector added up, halves first.
+template <class D>
+inline hn::Vec<hn::Full128<float>> quad_sum(D d, hn::Vec<D> v) {
+  if constexpr (hn::MaxLanes(d) == 4) {
+    return v;
+  } else {
+    const hn::Half<D> half;
+    return quad_sum(half, hn::Add(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));
+  }
+}
+/// The same over sixteen parts.
+inline hn::Vec<hn::Full128<float>> quad_sum(const Lanes (&packs)[kPacks]) {
+  Lanes sums[kPacks];
+  for (int p = 0; p < kPacks; ++p) sums[p] = packs[p];
+  for (int n = kPacks / 2; n > 0; n /= 2)
+    for (int p = 0; p < n; ++p) sums[p] += sums[p + n];
+  return quad_sum(kTag, sums[0].v);
+}
+/// The sum of sixteen parts.
+inline float sum(const Lanes (&packs)[kPacks]) {
+  alignas(16) float q[4];
+  hn::Store(quad_sum(packs), hn::Full128<float>(), q);
+  return (q[0] + q[2]) + (q[1] + q[3]);
+}
 
 /// 2^x for x in [−126, 127], relative error < 1.5e-7: round to the nearest integer by adding
 /// 1.5·2²³, a minimax polynomial of degree 5 on the rest, then add the integer to the exponent.

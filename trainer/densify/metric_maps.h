@@ -6,12 +6,7 @@
 
 namespace fluxgs {
 
-/// The loss of every pixel, one plane: |x − y| averaged over the channels, or (1 − λ) of it plus λ
-/// times 1 − SSIM of the window around the pixel. Zero or more; NaN where an image has one.
-PlanarImage loss_map(const PlanarImage& color, const PlanarImage& target, ScoreLoss loss,
-                     double lambda_dssim);
-
-/// Two planes: M⁺, which is 1 where the loss is above τ⁺ and otherwise 0, and the loss itself where
+/// Two planes of a loss_map(): M⁺, which is 1 where the loss is above τ⁺ and otherwise 0, and the loss itself where
 /// it is below τ⁻ and otherwise 0 (ℒ·M⁻). With ScoreUnit::percentile τ± are fractions of the
 /// image's 99.5th percentile of the loss, which one outlier pixel does not move, or of
 /// kMinUnit if that is larger, so that a perfect image has no bad pixels. NaN counts as bad.

@@ -67,7 +67,8 @@ SplatScores score_splats(const std::vector<View>& views, const std::vector<std::
     to_planar(view.rgb, threads, target);
     shift_background(view.alpha, glm::vec3(render.background) - view.background, target);
     fill_unused(view.used, rasterizer.color(), target);
-    const PlanarImage loss = loss_map(rasterizer.color(), target, options.loss, lambda_dssim);
+    const PlanarImage loss = loss_map(rasterizer.color(), target,
+                                      options.loss == ScoreLoss::l1 ? 0 : lambda_dssim, threads);
     const PlanarFloats& sums =
         rasterizer.score(metric_maps(loss, options, view.used), options.weight);
     let_go(view);

@@ -1,6 +1,7 @@
 #include "trainer/loss/photometric.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "trainer/core/parameters.h"
@@ -18,6 +19,25 @@ void for_strips(const Threads& threads, int height, const Work& work) {
     const int begin = static_cast<int>(i % strips) * kStripRows;
     work(static_cast<int>(i / strips), begin, std::min(begin + kStripRows, height));
   });
+}
+
+/// A channel of an image and of its target.
+SsimArgs ssim_args(const PlanarImage& color, const PlanarImage& target, int channel) {
+  SsimArgs a{};
+  a.x = color.plane(channel);
+  a.y = target.plane(channel);
+  a.width = color.width();
+  a.height = color.height();
+  a.pitch = color.pitch();
+  return a;
+}
+
+/// Aligned memory of this thread for the kernels, kept from call to call.
+float* scratch(const SsimKernels& kernels, const PlanarImage& image) {
+  thread_local PlanarFloats buffer;
+  const std::size_t size = kernels.scratch_size(image.pitch());
+  if (buffer.size() < size) buffer = PlanarFloats(1, size);
+  return buffer.data();
 }
 
 }  // namespace
@@ -101,33 +121,50 @@ PhotometricSums PhotometricLoss::run(const PlanarImage& color, const PlanarImage
   const double values = 3.0 * color.width() * height;
   const auto args = [&](int c) {
     const std::size_t rows = static_cast<std::size_t>(c) * static_cast<std::size_t>(height);
-    return SsimArgs{
-        color.plane(c),
-        target.plane(c),
-        used,
-        color.width(),
-        height,
-        color.pitch(),
-        {partials_.plane(3 * c), partials_.plane(3 * c + 1), partials_.plane(3 * c + 2)},
-        gradient_.plane(c),
-        static_cast<float>((1 - lambda) / values),
-        static_cast<float>(lambda / values),
-        row_ssim_.data() + rows,
-        row_l1_.data() + rows};
+    SsimArgs a = ssim_args(color, target, c);
+    a.used = used;
+    for (int p = 0; p < 3; ++p) a.partials[p] = partials_.plane(3 * c + p);
+    a.gradient = gradient_.plane(c);
+    a.l1_weight = static_cast<float>((1 - lambda) / values);
+    a.ssim_weight = static_cast<float>(lambda / values);
+    a.row_ssim = row_ssim_.data() + rows;
+    a.row_l1 = row_l1_.data() + rows;
+    return a;
   };
-  const std::size_t scratch_size = kernels_.scratch_size(color.pitch());
-  const auto scratch = [&] {  // one aligned buffer per thread, kept from call to call
-    thread_local PlanarFloats buffer;
-    if (buffer.size() < scratch_size) buffer = PlanarFloats(1, scratch_size);
-    return buffer.data();
-  };
-  for_strips(threads_, height,
-             [&](int c, int begin, int end) { kernels_.partials(args(c), begin, end, scratch()); });
-  for_strips(threads_, height,
-             [&](int c, int begin, int end) { kernels_.gradient(args(c), begin, end, scratch()); });
+  for_strips(threads_, height, [&](int c, int begin, int end) {
+    kernels_.partials(args(c), begin, end, scratch(kernels_, color));
+  });
+  for_strips(threads_, height, [&](int c, int begin, int end) {
+    kernels_.gradient(args(c), begin, end, scratch(kernels_, color));
+  });
   if (count == 0) return {.l1 = 0, .ssim = 1};
   return {std::accumulate(row_l1_.begin(), row_l1_.end(), 0.0) / (3 * count),
           std::accumulate(row_ssim_.begin(), row_ssim_.end(), 0.0) / (3 * count)};
+}
+
+PlanarImage loss_map(const PlanarImage& color, const PlanarImage& target, double lambda,
+                     const Threads& threads) {
+  const SsimKernels& kernels = ssim_kernels(best_isa());
+  const int height = color.height();
+  PlanarImage ssim(color.width(), height, 3), partials(color.width(), height, 9);
+  std::vector<double> row_sums(6 * static_cast<std::size_t>(height));
+  for_strips(threads, height, [&](int c, int begin, int end) {
+    SsimArgs a = ssim_args(color, target, c);
+    for (int p = 0; p < 3; ++p) a.partials[p] = partials.plane(3 * c + p);
+    a.values = ssim.plane(c);
+    a.row_ssim = row_sums.data() + 2 * c * height;
+    a.row_l1 = a.row_ssim + height;
+    kernels.partials(a, begin, end, scratch(kernels, color));
+  });
+  PlanarImage out(color.width(), height, 1);
+  const auto l1_weight = static_cast<float>((1 - lambda) / 3);
+  const auto ssim_weight = static_cast<float>(lambda / 3);
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < color.width(); ++x)
+        out.row(0, y)[x] += l1_weight * std::abs(color.row(c, y)[x] - target.row(c, y)[x]) +
+                            ssim_weight * (1 - ssim.row(c, y)[x]);
+  return out;
 }
 
 double psnr(const PlanarImage& a, const PlanarImage& b, const Image<std::uint8_t>& used) {

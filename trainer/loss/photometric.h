@@ -65,6 +65,11 @@ class PhotometricLoss {
   std::vector<double> row_ssim_, row_l1_;
 };
 
+/// The loss of every pixel, one plane: |x − y| averaged over the channels times 1 − λ, plus λ times
+/// 1 − SSIM of the window around the pixel. NaN where an image has one.
+PlanarImage loss_map(const PlanarImage& color, const PlanarImage& target, double lambda,
+                     const Threads& threads);
+
 /// Peak signal-to-noise ratio in dB over all channels, after limiting both images to 0…1;
 /// infinite for equal images, NaN where either has one. Pixels that are 0 in `used` (1 channel;
 /// empty: none are) do not count; infinite where none does.

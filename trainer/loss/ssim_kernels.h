@@ -20,6 +20,7 @@ struct SsimArgs {
   int width, height;
   std::size_t pitch;
   float* partials[3];  ///< planes: ∂SSIM/∂μx, ∂SSIM/∂E[x²], ∂SSIM/∂E[xy] of every window
+  float* values;       ///< plane: SSIM of the window around each pixel; null: not wanted
   float* gradient;     ///< plane: ∂L/∂x, for L = l1_weight·Σ|x−y| − ssim_weight·Σ SSIM, both sums
                        ///< over pixels that count, and zero at the others
   float l1_weight, ssim_weight;
@@ -30,7 +31,7 @@ struct SsimArgs {
 struct SsimKernels {
   /// Floats of scratch memory for the two functions below.
   std::size_t (*scratch_size)(std::size_t pitch);
-  /// Fills partials, row_ssim and row_l1 for rows [begin, end).
+  /// Fills partials, values, row_ssim and row_l1 for rows [begin, end).
   void (*partials)(const SsimArgs&, int begin, int end, float* scratch);
   /// Fills gradient for rows [begin, end), once the partials of the rows within kSsimRadius exist.
   void (*gradient)(const SsimArgs&, int begin, int end, float* scratch);

@@ -123,7 +123,8 @@ void ssim_partials(const SsimArgs& a, int begin, int end, float* memory) {
   const std::size_t width = static_cast<std::size_t>(a.width);
   for (int y = begin; y < end; ++y) {
     blur_moments(WindowRows(a, a.x, y, rows.zeros()), WindowRows(a, a.y, y, rows.zeros()), rows);
-    Lanes total(0.0f), l1(0.0f);
+    Lanes total[kPacks], l1[kPacks];
+    for (int p = 0; p < kPacks; ++p) total[p] = l1[p] = Lanes(0.0f);
     for (std::size_t i = 0; i < width; i += kStep) {
       const Ssim s = ssim(blur_along(rows.row(0), i), blur_along(rows.row(1), i),
                           blur_along(rows.row(2), i), blur_along(rows.row(3), i));
@@ -132,8 +133,10 @@ void ssim_partials(const SsimArgs& a, int begin, int end, float* memory) {
       zero_unless(inside, s.d_mean).store(a.partials[0] + at);
       zero_unless(inside, s.d_xx).store(a.partials[1] + at);
       zero_unless(inside, s.d_xy).store(a.partials[2] + at);
-      total += zero_unless(inside, s.value);
-      l1 += abs(Lanes::load(a.x + at) - Lanes::load(a.y + at));  // padding is 0 in both
+      if (a.values) s.value.store(a.values + at);
+      const std::size_t part = i / kStep % kPacks;
+      total[part] += zero_unless(inside, s.value);
+      l1[part] += abs(Lanes::load(a.x + at) - Lanes::load(a.y + at));  // padding is 0 in both
     }
     a.row_ssim[y] = static_cast<double>(sum(total));
     a.row_l1[y] = static_cast<double>(sum(l1));

@@ -35,8 +35,8 @@ TEST(MetricMaps, TheLossOfPixelsIsTheLossOfTheImage) {
   const PlanarImage a = waves(53, 37, 0.3), b = waves(53, 37, 0.33);
   const Threads threads(2);
   const PhotometricSums sums = PhotometricLoss(threads).run(a, b, 0.2);
-  EXPECT_NEAR(mean(loss_map(a, b, ScoreLoss::l1_dssim, 0.2)), sums.loss(0.2), 1e-6);
-  EXPECT_NEAR(mean(loss_map(a, b, ScoreLoss::l1, 0.2)), sums.l1, 1e-6);
+  EXPECT_NEAR(mean(loss_map(a, b, 0.2, threads)), sums.loss(0.2), 1e-6);
+  EXPECT_NEAR(mean(loss_map(a, b, 0, threads)), sums.l1, 1e-6);
 }
 
 TEST(MetricMaps, ThresholdsAreMultiplesOfAPercentileOrPlain) {

@@ -36,25 +36,30 @@ void load_state(const TileArgs& args, State& s) {
   });
 }
 
-/// Sums over the pixels of a splat–tile pair, still spread over lanes.
+/// Sums over the pixels of a splat–tile pair that lie in a pack of their blocks.
 struct Sums {
   Lanes u{0.0f}, v{0.0f}, uu{0.0f}, uv{0.0f}, vv{0.0f}, h{0.0f}, r{0.0f}, g{0.0f}, b{0.0f};
 };
 
-/// The sums of four packs of lanes.
-hn::Vec<Quad> sums_of(Lanes a, Lanes b, Lanes c, Lanes d) {
+/// One of the sums over all packs, in four parts.
+hn::Vec<Quad> quad_of(const Sums (&sums)[kPacks], Lanes Sums::* member) {
+  Lanes packs[kPacks];
+  for (int p = 0; p < kPacks; ++p) packs[p] = sums[p].*member;
+  return quad_sum(packs);
+}
+
+void write(const Sums (&s)[kPacks], PairGradient& out) {
   const auto pair = [](hn::Vec<Quad> x, hn::Vec<Quad> y) {
     return hn::Add(hn::InterleaveLower(kQuad, x, y), hn::InterleaveUpper(kQuad, x, y));
   };
-  const auto quad = [](Lanes x) { return quad_sum(kTag, x.v); };
-  return pair(pair(quad(a), quad(c)), pair(quad(b), quad(d)));
-}
-
-void write(const Sums& s, PairGradient& out) {
-  hn::Store(sums_of(s.u, s.v, s.uu, s.uv), kQuad, &out.u);
-  hn::Store(sums_of(s.vv, s.h, s.r, s.g), kQuad, &out.vv);
-  const Lanes zero(0.0f);
-  hn::Store(sums_of(s.b, zero, zero, zero), kQuad, &out.b);
+  const auto four = [&](hn::Vec<Quad> a, hn::Vec<Quad> b, hn::Vec<Quad> c, hn::Vec<Quad> d) {
+    return pair(pair(a, c), pair(b, d));
+  };
+  const auto of = [&](Lanes Sums::* member) { return quad_of(s, member); };
+  const auto zero = hn::Zero(kQuad);
+  hn::Store(four(of(&Sums::u), of(&Sums::v), of(&Sums::uu), of(&Sums::uv)), kQuad, &out.u);
+  hn::Store(four(of(&Sums::vv), of(&Sums::h), of(&Sums::r), of(&Sums::g)), kQuad, &out.vv);
+  hn::Store(four(of(&Sums::b), zero, zero, zero), kQuad, &out.b);
 }
 
 }  // namespace
@@ -76,7 +81,7 @@ void backward(const TileArgs& args) {
     const ProjectedSplat& s = args.splats[entry.splat];
     const SplatInTile splat(s, args);
     const Lanes cr(s.r), cg(s.g), cb(s.b);
-    Sums sums;
+    Sums sums[kPacks];
     for (; blocks; blocks &= blocks - 1) {
       const int block = lowest_bit(blocks);
       bool open = false;
@@ -101,15 +106,15 @@ void backward(const TileArgs& args) {
         const Lanes odds = alpha / (Lanes(1.0f) - alpha);
         const Lanes h = zero_unless(moves, fnma(behind, odds, passed));
         const Lanes hu = h * u, hv = h * v;
-        sums.h += h;
-        sums.u += hu;
-        sums.v += hv;
-        sums.uu = fma(hu, u, sums.uu);
-        sums.uv = fma(hu, v, sums.uv);
-        sums.vv = fma(hv, v, sums.vv);
-        sums.r = fma(weight, gr, sums.r);
-        sums.g = fma(weight, gg, sums.g);
-        sums.b = fma(weight, gb, sums.b);
+        sums[p].h += h;
+        sums[p].u += hu;
+        sums[p].v += hv;
+        sums[p].uu = fma(hu, u, sums[p].uu);
+        sums[p].uv = fma(hu, v, sums[p].uv);
+        sums[p].vv = fma(hv, v, sums[p].vv);
+        sums[p].r = fma(weight, gr, sums[p].r);
+        sums[p].g = fma(weight, gg, sums[p].g);
+        sums[p].b = fma(weight, gb, sums[p].b);
         open |= any(after >= Lanes(k.transmittance_min));
       }
       if (!open) alive &= ~(1u << block);

@@ -37,7 +37,8 @@ void score(const ScoreArgs& args) {
     const TileEntry entry = tile.entries[e];
     const ProjectedSplat& s = tile.splats[entry.splat];
     const SplatInTile splat(s, tile);
-    Lanes first(0.0f), second(0.0f), contribution(0.0f);
+    Lanes first[kPacks], second[kPacks], contribution[kPacks];
+    for (int p = 0; p < kPacks; ++p) first[p] = second[p] = contribution[p] = Lanes(0.0f);
     unsigned pixels = 0;
     for (std::uint32_t blocks = entry.blocks & alive; blocks; blocks &= blocks - 1) {
       const int block = lowest_bit(blocks);
@@ -52,9 +53,9 @@ void score(const ScoreArgs& args) {
             args.masked ? inside & (state.counts.load(block, p) > Lanes(0.0f)) : inside;
         const Lanes weight =
             zero_unless(counted, args.weight == ScoreWeight::alpha ? alpha : share);
-        first = fma(weight, state.first.load(block, p), first);
-        second = fma(weight, state.second.load(block, p), second);
-        contribution += zero_unless(counted, share);
+        first[p] = fma(weight, state.first.load(block, p), first[p]);
+        second[p] = fma(weight, state.second.load(block, p), second[p]);
+        contribution[p] += zero_unless(counted, share);
         pixels += static_cast<unsigned>(__builtin_popcount(bits(counted)));
         state.t.store(block, p, after);
         open |= any(after >= Lanes(k.transmittance_min));

@@ -7,8 +7,6 @@
 
 namespace fluxgs::FLUXGS_ISA {
 
-/// Packs of lanes per 4×4 block.
-inline constexpr int kPacks = 16 / kLanes;
 inline constexpr int kRowsPerPack = 4 / kPacks;
 
 /// Tile pixels are stored block by block, 16 pixels (row-major) each: index 16·block + 4·y + x.
@@ -98,17 +96,6 @@ inline LaneMask contributes(Lanes exponent, Lanes transmittance, const RasterCon
 inline void prefetch_splat(const TileArgs& args, std::uint32_t e) {
   constexpr std::uint32_t kAhead = 4;
   if (e + kAhead < args.count) __builtin_prefetch(args.splats + args.entries[e + kAhead].splat);
-}
-
-/// Lanes i, i + 4, i + 8, … of a pack added up, for i = 0…3.
-template <class D>
-inline hn::Vec<Quad> quad_sum(D d, hn::Vec<D> v) {
-  if constexpr (hn::MaxLanes(d) == 4) {
-    return v;
-  } else {
-    const hn::Half<D> half;
-    return quad_sum(half, hn::Add(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));
-  }
 }
 
 /// Floats from one colour plane to the next.
