@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include "trainer/core/clock.h"
 #include "trainer/core/median.h"
@@ -22,7 +23,21 @@ namespace {
 struct Settings {
   std::string data, checkpoint;
   int downscale = 2, warmup = 20, iterations = 200, threads = 0;
+  bool json = false;
 };
+
+/// Milliseconds of each timed iteration, by stage.
+using StageTimes = std::map<std::string, std::vector<double>>;
+
+void add_times(const Profiler::Entries& entries, StageTimes& all) {
+  for (const auto& [name, seconds] : entries) all[name].push_back(1e3 * seconds);
+}
+
+nlohmann::json medians(const StageTimes& times) {
+  nlohmann::json result = nlohmann::json::object();
+  for (const auto& [name, ms] : times) result[name] = *median(ms);
+  return result;
+}
 
 /// Contributing splat–pixel pairs per pixel, over the training views, counted by a pass of its own.
 double pairs_per_pixel(const Dataset& data, const TrainState& state, const TrainOptions& options,
@@ -71,18 +86,33 @@ Expected<void> run(const Settings& settings) {
   for (int i = 0; i < settings.warmup; ++i) trainer.step();
 
   std::vector<double> wall_ms, cpu_ms;
-  std::map<std::string, std::vector<double>> stage_ms;
+  StageTimes stage_ms, stage_cpu_ms;
   for (int i = 0; i < settings.iterations; ++i) {
     profiler.clear();
     const double wall = wall_seconds(), cpu = cpu_seconds();
     trainer.step();
     wall_ms.push_back(1e3 * (wall_seconds() - wall));
     cpu_ms.push_back(1e3 * (cpu_seconds() - cpu));
-    for (const auto& [name, seconds] : profiler.entries()) stage_ms[name].push_back(1e3 * seconds);
+    add_times(profiler.entries(), stage_ms);
+    add_times(profiler.cpu_entries(), stage_cpu_ms);
   }
 
   const Camera& camera = data->train.front().camera;
   const double pairs = density * camera.width * camera.height;
+  if (settings.json) {
+    fmt::print("{}\n", nlohmann::json{{"width", camera.width},
+                                      {"height", camera.height},
+                                      {"splats", trainer.state.parameters.size()},
+                                      {"pairs_per_pixel", density},
+                                      {"instruction_set", name_of(best_isa())},
+                                      {"threads", threads.count()},
+                                      {"wall_ms", *median(wall_ms)},
+                                      {"cpu_ms", *median(cpu_ms)},
+                                      {"stages", medians(stage_ms)},
+                                      {"stages_cpu", medians(stage_cpu_ms)}}
+                           .dump());
+    return {};
+  }
   fmt::print("{}x{}, {} splats, {:.1f} contributing pairs a pixel, {}, {} threads\n", camera.width,
              camera.height, trainer.state.parameters.size(), density, name_of(best_isa()),
              threads.count());
@@ -113,6 +143,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--iterations", settings.iterations, "iterations timed")->capture_default_str();
   app.add_option("--threads", settings.threads, "0: all cores")->capture_default_str();
+  app.add_flag("--json", settings.json, "the last line is one object; stages_cpu: processor time");
   CLI11_PARSE(app, argc, argv);
   spdlog::set_pattern("%v");
   if (const auto done = fluxgs::run(settings); !done) {

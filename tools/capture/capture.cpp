@@ -11,6 +11,7 @@
 #include "fluxgs/io/file.h"
 #include "tools/capture/occluder.h"
 #include "tools/capture/shading.h"
+#include "tools/capture/surface_points.h"
 #include "trainer/data/image_io.h"
 
 namespace fluxgs::capture {
@@ -19,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kBounces = 3;
+constexpr const char* kPointsFile = "points3d.ply";
 
 /// The light through sample i of the n×n of a pixel, in the display's linear range.
 glm::vec3 sample_color(const Scene& scene, const Camera& camera, int x, int y, int i, int n) {
@@ -63,7 +65,7 @@ nlohmann::json transform_matrix(const Camera& camera) {
 
 /// A list of frames, which may be empty; `c` has the intrinsics of all.
 Expected<void> write_transforms(const fs::path& folder, const std::string& split, const Camera& c,
-                                const std::vector<Camera>& cameras) {
+                                const std::vector<Camera>& cameras, bool points = false) {
   nlohmann::ordered_json json{{"camera_angle_x", 2 * std::atan(0.5 * c.width / c.fx)},
                               {"fl_x", c.fx},
                               {"fl_y", c.fy},
@@ -71,6 +73,7 @@ Expected<void> write_transforms(const fs::path& folder, const std::string& split
                               {"cy", c.cy},
                               {"w", c.width},
                               {"h", c.height}};
+  if (points) json["ply_file_path"] = kPointsFile;
   json["frames"] = nlohmann::ordered_json::array();
   for (const Camera& camera : cameras)
     json["frames"].push_back({{"file_path", fmt::format("./{}/{}", split, camera.name)},
@@ -118,9 +121,10 @@ Expected<void> check(const CaptureOptions& o) {
     if (value >= low && value <= high) return {};
     return fail("", name, fmt::format("{}, expected {} to {}", value, low, high));
   };
-  for (const auto& result : {range("width", o.width, 1, 8192), range("height", o.height, 1, 8192),
-                             range("train", o.train, 1, 999), range("test", o.test, 0, 999),
-                             range("samples", o.samples, 1, 16)})
+  for (const auto& result :
+       {range("width", o.width, 1, 8192), range("height", o.height, 1, 8192),
+        range("train", o.train, 1, 999), range("test", o.test, 0, 999),
+        range("samples", o.samples, 1, 16), range("points", o.points, 0, 5'000'000)})
     if (!result) return result;
   return {};
 }
@@ -149,10 +153,15 @@ Expected<void> write_capture(const fs::path& folder, const CaptureOptions& optio
   if (!train) return train;
   if (const auto ok = write_views(folder / "test", scene, cameras.test, options.samples); !ok)
     return ok;
+  if (options.points > 0) {
+    const std::string ply = surface_points_ply(scene, cameras.train, options.points, options.seed);
+    if (auto ok = write_file_atomic(folder / kPointsFile, std::as_bytes(std::span(ply))); !ok)
+      return ok;
+  }
   // Last, so that an interrupted run leaves no folder that looks complete.
   if (const auto ok = write_transforms(folder, "test", cameras.train[0], cameras.test); !ok)
     return ok;
-  return write_transforms(folder, "train", cameras.train[0], cameras.train);
+  return write_transforms(folder, "train", cameras.train[0], cameras.train, options.points > 0);
 }
 
 }  // namespace fluxgs::capture

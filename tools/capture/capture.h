@@ -17,6 +17,7 @@ struct CaptureOptions {
   int train = 40, test = 8;       ///< views, train ≥ 1
   std::uint64_t seed = 1;         ///< of the poses and the textures' noise
   int samples = 4;                ///< n×n rays a pixel, 1…16
+  int points = 0;                 ///< on the surfaces, 0…5,000,000; the data set's sparse points
   bool occluder = false;          ///< something moves through the training views; masks show where
   SceneKind scene = SceneKind::kSpheres;
 };
@@ -34,8 +35,8 @@ CaptureCameras capture_cameras(const CaptureOptions& options);
 Image<std::uint8_t> render_view(const Scene& scene, const Camera& camera, int samples);
 
 /// Write train/, test/, transforms_train.json and transforms_test.json into a folder, which is
-/// created, and with an occluder masks/train/. Errors: options out of range, the folder cannot be
-/// written.
+/// created, with an occluder masks/train/, and with points points3d.ply. Errors: options out of
+/// range, the folder cannot be written.
 Expected<void> write_capture(const std::filesystem::path& folder, const CaptureOptions& options);
 
 }  // namespace fluxgs::capture

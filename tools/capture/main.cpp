@@ -47,6 +47,9 @@ int run(int argc, char** argv) {
   app.add_option("--seed", options.seed, "Seed of poses and textures")->capture_default_str();
   app.add_flag("--occluder", options.occluder,
                "Something moves through the training views; masks/train/ shows where");
+  app.add_option("--points", options.points,
+                 "So many points on the surfaces, which a training then begins with")
+      ->capture_default_str();
   app.add_option("--samples", options.samples, "NxN rays a pixel")->capture_default_str();
   try {
     app.parse(argc, argv);

@@ -1,11 +1,12 @@
-// Wall-clock time by named part of the program, without double counting.
+// Time by named part of the program, without double counting: wall clock and processor.
 #pragma once
 
-#include <chrono>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "trainer/core/clock.h"
 
 namespace fluxgs {
 
@@ -17,20 +18,25 @@ class Profiler {
  public:
   using Entries = std::vector<std::pair<std::string, double>>;
 
-  /// The time of a part, 0 before its first scope.
-  double& operator[](std::string_view name) {
-    for (auto& [known, seconds] : entries_)
-      if (known == name) return seconds;
-    return entries_.emplace_back(name, 0.0).second;
-  }
-  const Entries& entries() const { return entries_; }
+  /// The wall-clock time of a part, 0 before its first scope.
+  double& operator[](std::string_view name) { return of(entries_, name); }
+  const Entries& entries() const { return entries_; }  ///< wall clock
+  /// Processor time of all threads, which says more on a machine that others use, too.
+  const Entries& cpu_entries() const { return cpu_entries_; }
   void clear() {
-    for (auto& entry : entries_) entry.second = 0;
+    for (Entries* all : {&entries_, &cpu_entries_})
+      for (auto& entry : *all) entry.second = 0;
   }
 
  private:
   friend class ProfileScope;
-  Entries entries_;
+  static double& of(Entries& entries, std::string_view name) {
+    for (auto& [known, seconds] : entries)
+      if (known == name) return seconds;
+    return entries.emplace_back(name, 0.0).second;
+  }
+
+  Entries entries_, cpu_entries_;
   ProfileScope* running_ = nullptr;
 };
 
@@ -46,19 +52,22 @@ class ProfileScope {
   ~ProfileScope() {
     stop();
     profiler_.running_ = outer_;
-    if (outer_) outer_->start_ = Clock::now();
+    if (outer_) outer_->start();
   }
   ProfileScope(const ProfileScope&) = delete;
   ProfileScope& operator=(const ProfileScope&) = delete;
 
  private:
-  using Clock = std::chrono::steady_clock;
-  void stop() { profiler_[name_] += std::chrono::duration<double>(Clock::now() - start_).count(); }
+  void start() { start_ = wall_seconds(), cpu_start_ = cpu_seconds(); }
+  void stop() {
+    Profiler::of(profiler_.entries_, name_) += wall_seconds() - start_;
+    Profiler::of(profiler_.cpu_entries_, name_) += cpu_seconds() - cpu_start_;
+  }
 
   Profiler& profiler_;
   ProfileScope* outer_;
   std::string_view name_;
-  Clock::time_point start_ = Clock::now();
+  double start_ = wall_seconds(), cpu_start_ = cpu_seconds();
 };
 
 }  // namespace fluxgs

@@ -188,6 +188,7 @@ TEST(Command, ATrainingWhoseSceneCannotBeWrittenIsSaved) {
   EXPECT_EQ(report["curves"]["iteration"].back(), 300);
   EXPECT_GT(report["cpu_ms_per_iteration"], 0.01);
   EXPECT_GT(report["stages"]["backward"], 0);
+  EXPECT_GT(report["stages_cpu"]["backward"], 0);
   EXPECT_TRUE(std::filesystem::is_regular_file(scene));
 }
 

@@ -111,6 +111,7 @@ std::string text_of(const TrainHistory& history) {
               {"cpu_seconds", history.cpu_seconds},
               {"rejected_gradients", history.rejected_gradients},
               {"stages", history.stages},
+              {"stages_cpu", history.stages_cpu},
               {"curves", history.curves}}
       .dump();
 }
@@ -123,6 +124,7 @@ TrainHistory history_of(const std::string& text) {
     all.at("cpu_seconds").get_to(history.cpu_seconds);
     all.at("rejected_gradients").get_to(history.rejected_gradients);
     all.at("stages").get_to(history.stages);
+    history.stages_cpu = all.value("stages_cpu", history.stages_cpu);  // newer than the others
     history.curves = all.at("curves");
     const bool known = history.curves.is_object() || history.curves.is_null();
     return known ? history : TrainHistory{};
@@ -137,6 +139,7 @@ TrainHistory joined(const TrainHistory& before, const TrainHistory& after) {
   all.cpu_seconds += before.cpu_seconds;
   all.rejected_gradients += before.rejected_gradients;
   for (const auto& [name, seconds] : before.stages) all.stages[name] += seconds;
+  for (const auto& [name, seconds] : before.stages_cpu) all.stages_cpu[name] += seconds;
   all.curves = joined(before.curves, after.curves);
   return all;
 }

@@ -46,9 +46,10 @@ class TrainLog {
 /// Time and curves of a training so far, over all parts that interruptions cut it into.
 struct TrainHistory {
   double seconds = 0, cpu_seconds = 0;
-  std::uint64_t rejected_gradients = 0;  ///< that were not finite
-  std::map<std::string, double> stages;  ///< seconds by name
-  nlohmann::json curves;                 ///< TrainLog::to_json(); null: none yet
+  std::uint64_t rejected_gradients = 0;      ///< that were not finite
+  std::map<std::string, double> stages;      ///< seconds by name
+  std::map<std::string, double> stages_cpu;  ///< seconds of processor time by name
+  nlohmann::json curves;                     ///< TrainLog::to_json(); null: none yet
 };
 
 /// The history as text, for a checkpoint.

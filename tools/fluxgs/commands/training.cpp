@@ -181,6 +181,7 @@ TrainHistory TrainWork::history() const {
                                cpu_seconds() - cpu_start_ - log_.measuring_cpu_seconds(),
                                trainer_.rejected_gradients(),
                                {profiler_.entries().begin(), profiler_.entries().end()},
+                               {profiler_.cpu_entries().begin(), profiler_.cpu_entries().end()},
                                log_.to_json()});
 }
 
@@ -188,8 +189,11 @@ void TrainWork::make_report() {
   whole_ = history();
   const TrainHistory& all = *whole_;
   const int steps = std::max(trainer_.state.iteration, 1);
-  json stages = json::object();
-  for (const auto& [name, seconds] : all.stages) stages[name] = 1e3 * seconds / steps;
+  const auto ms_per_iteration = [steps](const std::map<std::string, double>& seconds) {
+    json ms = json::object();
+    for (const auto& [name, all_seconds] : seconds) ms[name] = 1e3 * all_seconds / steps;
+    return ms;
+  };
   json rates = all.curves.at("iterations_per_second");
   if (rates.empty()) rates = {0.0};
   report_ = {
@@ -212,7 +216,8 @@ void TrainWork::make_report() {
       {"iterations_per_second", {{"start", rates.front()}, {"end", rates.back()}}},
       {"splats", trainer_.state.parameters.size()},
       {"rejected_gradients", all.rejected_gradients},
-      {"stages", stages},
+      {"stages", ms_per_iteration(all.stages)},
+      {"stages_cpu", ms_per_iteration(all.stages_cpu)},
       {"curves", all.curves},
       {"versions",
        {{"fluxgs", FLUXGS_VERSION}, {"opencv", CV_VERSION}, {"compiler", __VERSION__}}}};
@@ -302,8 +307,11 @@ Expected<std::optional<SplatCloud>> TrainWork::write_trained(const std::string& 
 Expected<std::optional<SplatCloud>> TrainWork::write_out() {
   const std::string_view format = (*scene_format_for(settings_.out))->name;
   if (format == "glb") {
+    const double start = wall_seconds(), cpu_start = cpu_seconds();
     auto stored = store();
     if (!stored) return std::unexpected(stored.error());
+    report_["storing"] = {{"seconds", wall_seconds() - start},
+                          {"cpu_seconds", cpu_seconds() - cpu_start}};
     const HoldInterrupts hold;
     const auto bytes = write_glb(settings_.out, stored->file, initial_view_of(run_.data.train));
     if (!bytes) return std::unexpected(bytes.error());

@@ -42,6 +42,43 @@ TEST(Capture, RoundTrip) {
     }
 }
 
+TEST(Capture, PointsLieOnTheSurfacesAndShowTheirColours) {
+  const TempFolder folder;
+  CaptureOptions options = kSmall;
+  options.points = 300;
+  ASSERT_TRUE(write_capture(folder.path(), options));
+  const auto data = load_dataset(folder.path(), {});
+  ASSERT_TRUE(data) << data.error().message();
+  ASSERT_EQ(data->points.size(), 300U);
+  const Scene scene = make_scene(1);
+  std::size_t seen = 0, alike = 0,
+              by_chance = 0;  // of those that some training view sees where it projects
+  for (std::size_t i = 0; i < data->points.size(); ++i)
+    for (const View& view : data->train) {
+      const glm::vec3 origin(view.camera.center()), towards = data->points[i] - origin;
+      const auto hit = intersect(scene, origin, glm::normalize(towards));
+      if (!hit || glm::distance(hit->position, data->points[i]) > 1e-3F * glm::length(towards))
+        continue;
+      const glm::dvec3 p =
+          view.camera.rotation * glm::dvec3(data->points[i]) + view.camera.translation;
+      const int x = static_cast<int>(view.camera.fx * p.x / p.z + view.camera.cx);
+      const int y = static_cast<int>(view.camera.fy * p.y / p.z + view.camera.cy);
+      if (p.z <= 0 || x < 0 || y < 0 || x >= view.rgb.width || y >= view.rgb.height) continue;
+      const auto difference = [&](std::size_t point) {
+        int sum = 0;
+        for (int c = 0; c < 3; ++c)
+          sum += std::abs(view.rgb.at(x, y)[c] - data->point_colors[point][c]);
+        return sum;
+      };
+      ++seen, alike += difference(i) < 60, by_chance += difference((i + 1) % 300) < 60;
+      break;
+    }
+  EXPECT_EQ(seen, 300U);
+  // Reflections differ from view to view, and fine texture within a pixel
+  EXPECT_GT(alike, 150U);
+  EXPECT_GT(alike, by_chance + 50);
+}
+
 TEST(Capture, MasksCoverTheOccluderAndNothingElse) {
   const TempFolder folder, bare;
   CaptureOptions options = kSmall;

@@ -101,6 +101,9 @@ TEST(Profiler, NoSecondIsInTwoStages) {
   EXPECT_GE(times["forward"], 0.050);
   EXPECT_GE(times["sort"], 0.010);
   EXPECT_LE(times["densify"] + times["forward"] + times["sort"], all);
+  // Asleep, a program takes no processor time
+  ASSERT_EQ(times.cpu_entries().size(), 3U);
+  for (const auto& [name, seconds] : times.cpu_entries()) EXPECT_LT(seconds, 0.010) << name;
 }
 
 TEST(Train, LatePruningSeesOpacitiesBeforeTheyAreReset) {
