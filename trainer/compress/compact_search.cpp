@@ -22,6 +22,7 @@ constexpr double kCloseEnough = 0.003;         // the same
 constexpr float kExactly = 0x1p-8f;            // of a step, where an error is not to count
 constexpr double kInvisible = 1e-8;            // 80 dB: more bytes are of no use
 constexpr double kExcessThatIsNone = 1e-3;     // 0.1% of the size or of the error
+constexpr double kCloseAtFirst = 0.01;         // the same for a first look
 
 /// An attribute of the codec: its name in AttributeBits, its step, and its array. Rounding
 /// SH coefficients changes the constant colours (codec/sh.h): the error of either is
@@ -182,7 +183,7 @@ Expected<std::optional<CompactTrial>> CompactSearch::solve(const QuantizationSte
     } else {
       low = at, low_excess = excess, has_low = true;
       if (!best || goal.cost(*tried) < goal.cost(*best)) best = std::move(*tried);
-      if (excess > -kExcessThatIsNone || best->mse <= goal.enough) break;
+      if (excess > -goal.close || best->mse <= goal.enough) break;
     }
     if (has_low && has_high) {
       // Along the straight line between the ends, now and then halving, so as not to get stuck
@@ -201,14 +202,14 @@ Expected<CompactTrial> CompactSearch::reach(const Goal& goal, CompactTrial& last
   const ProgressParts parts(progress_, {kUsualTrials, 8, kUsualTrials, 8, kUsualTrials});
   QuantizationSteps steps = options_.steps;
   std::optional<CompactTrial> best;
-  for (int round = 0; round <= kBalances; ++round) {
+  for (int round = 0; round <= goal.balances; ++round) {
     const auto part = static_cast<std::size_t>(2 * round);
     auto found = solve(steps, goal, last, parts.part(part));
     if (!found) return std::unexpected(found.error());
     if (!*found) break;
     const QuantizationSteps from = (*found)->options.steps;
     if (!best || goal.cost(**found) < goal.cost(*best)) best = std::move(**found);
-    if (round == kBalances || best->mse <= goal.enough) break;
+    if (round == goal.balances || best->mse <= goal.enough) break;
     if (progress_) parts.part(part)(1, 1);
     const auto balance = balanced(from);
     if (!balance) return std::unexpected(balance.error());
@@ -225,6 +226,8 @@ Expected<CompactTrial> CompactSearch::within_loss(double decibels) const {
   const Goal goal{
       .coarser_fits = false,
       .enough = 0,
+      .balances = kBalances,
+      .close = kExcessThatIsNone,
       .excess = [most](const CompactTrial& t) { return std::log(std::max(t.mse, 1e-30) / most); },
       .cost = [](const CompactTrial& t) { return static_cast<double>(t.file.size()); }};
   CompactTrial last;
@@ -236,9 +239,21 @@ Expected<CompactTrial> CompactSearch::within_loss(double decibels) const {
 }
 
 Expected<CompactTrial> CompactSearch::within_bytes(std::size_t bytes, std::size_t beside) const {
+  return search_bytes(bytes, beside, kBalances, kExcessThatIsNone);
+}
+
+Expected<CompactTrial> CompactSearch::first_within_bytes(std::size_t bytes,
+                                                         std::size_t beside) const {
+  return search_bytes(bytes, beside, 0, kCloseAtFirst);
+}
+
+Expected<CompactTrial> CompactSearch::search_bytes(std::size_t bytes, std::size_t beside,
+                                                   int balances, double close) const {
   const auto most = static_cast<double>(std::max(bytes, beside + 1) - beside);
   const Goal goal{.coarser_fits = true,
                   .enough = kInvisible,
+                  .balances = balances,
+                  .close = close,
                   .excess =
                       [most](const CompactTrial& t) {
                         return std::log(static_cast<double>(t.file.size()) / most);

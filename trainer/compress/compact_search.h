@@ -64,10 +64,16 @@ class CompactSearch {
   /// needed.
   Expected<CompactTrial> within_bytes(std::size_t bytes, std::size_t beside = 0) const;
 
+  /// A first look at that, in a fifth of the time: the proportions of the first steps stay, and the
+  /// file may be 1% smaller than it might be.
+  Expected<CompactTrial> first_within_bytes(std::size_t bytes, std::size_t beside = 0) const;
+
  private:
   struct Goal {
     bool coarser_fits = false;  ///< whether excess falls as steps grow
     double enough = 0;          ///< the mse at which images tell nothing more
+    int balances = 0;           ///< of the steps, each with another search
+    double close = 0;           ///< excess that is none, as a logarithm
     std::function<double(const CompactTrial&)> excess;  ///< > 0: too much
     std::function<double(const CompactTrial&)> cost;    ///< to be made small
   };
@@ -75,6 +81,8 @@ class CompactSearch {
                                               CompactTrial& last,
                                               const ProgressReport& progress) const;
   Expected<CompactTrial> reach(const Goal& goal, CompactTrial& last) const;
+  Expected<CompactTrial> search_bytes(std::size_t bytes, std::size_t beside, int balances,
+                                      double close) const;
   Expected<double> error_of(std::size_t part, const QuantizationSteps& steps,
                             const SplatCloud& stored) const;
 

@@ -63,6 +63,12 @@ class Rasterizer {
   /// which add nothing. Zero for splats that are not visible; valid until the next call.
   virtual const PlanarFloats& score(const PlanarImage& maps, ScoreWeight weight) = 0;
 
+  /// The exact cost of removing each splat alone from the last forward pass's image, rows as in
+  /// raster/score.h. `target`: 3 channels, the size of the image; a fourth, if there is one, is 1
+  /// at pixels that count and 0 at others. Zero for splats that are not visible; valid until the
+  /// next call.
+  virtual const PlanarFloats& removal(const PlanarImage& target) = 0;
+
   virtual RasterCounts counts() const = 0;
   virtual std::uint64_t rejected_gradients() const = 0;  ///< not finite, since the beginning
 };

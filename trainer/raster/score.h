@@ -17,4 +17,11 @@ inline constexpr int pixels = 3;        // how many there are
 inline constexpr int count = 4;
 }  // namespace score
 
+/// Rows of what the removal of each splat alone would do to one image.
+namespace removal {
+inline constexpr int change = 0;  // of Σ |C − target|² over pixels and channels; may be negative
+inline constexpr int pixels = 1;  // that the splat contributes to
+inline constexpr int count = 2;
+}  // namespace removal
+
 }  // namespace fluxgs

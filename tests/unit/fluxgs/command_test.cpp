@@ -204,7 +204,7 @@ TEST(Command, UnknownNamesSuggestTheNearest) {
       {"eval --dta x y.glb", "did you mean --data?"},
       {"info x.glb y.glb", "unknown argument y.glb (see --help)"},
       {"frobnicate", "unknown sub-command frobnicate (see --help)"},
-      {"report", "expected a sub-command: codec, render, phone"}};
+      {"report", "expected a sub-command: codec, render, phone, sizes"}};
   for (const auto& [words, expected] : cases) {
     const Outcome outcome = fluxgs(words);
     EXPECT_EQ(outcome.status, 2) << words;

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -386,6 +388,7 @@ TEST(Command, CompactScenesAreSearchedForAndReportedOn) {
   EXPECT_LT(std::filesystem::file_size(folder / "c.glb"), standard);
   const Outcome bytes = run("--max-bytes 5000" + data);
   EXPECT_EQ(bytes.status, 0) << bytes.err;
+  EXPECT_THAT(bytes.out, HasSubstr(" of 500 splats, ")) << "fewer, with more bits each";
   EXPECT_LE(std::filesystem::file_size(folder / "c.glb"), 5000u);
   const auto from_start = folder / "start.glb";
   const auto glb = encode_glb(test::random_cloud(500, 1), "start.glb");
@@ -428,6 +431,33 @@ TEST(Command, CompactScenesAreSearchedForAndReportedOn) {
   }
   EXPECT_GE(curve, 7);
   expect_error(fluxgs(fmt::format("report codec {} --plot x.pdf", quoted(scene))),
+               {"x.pdf: --plot", ".png or .svg"});
+}
+
+TEST(ReportSizes, HasErrorsOfEachSize) {
+  const test::TempFolder folder;
+  const auto scene = folder / "scene.ply";
+  ASSERT_TRUE(write_scene(scene, test::random_cloud(400, 1, 9)));
+  const Outcome report = fluxgs(fmt::format("report sizes {} --counts 3 --data {} --json -",
+                                            quoted(scene), quoted(capture_folder())));
+  ASSERT_EQ(report.status, 0) << report.err;
+  const json rows = json::parse(report.out).at("rows");
+  ASSERT_EQ(rows.size(), 9U);
+  std::size_t smallest = 1000000;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_EQ(rows[i].at("splats"), (std::array{400, 280, 196})[i / 3]);
+    EXPECT_TRUE(rows[i].at("view_psnr").is_number());
+    if (i % 3 > 0) {
+      EXPECT_LT(rows[i].at("bytes"), rows[i - 1].at("bytes"));
+    }
+    smallest = std::min(smallest, rows[i].at("bytes").get<std::size_t>());
+  }
+  for (const json& row : rows)
+    if (row.at("bytes") == smallest) {
+      EXPECT_TRUE(row.at("on_front"));
+    }
+  EXPECT_EQ(fluxgs(fmt::format("report sizes {} --counts 0", quoted(scene))).status, 2);
+  expect_error(fluxgs(fmt::format("report sizes {} --plot x.pdf", quoted(scene))),
                {"x.pdf: --plot", ".png or .svg"});
 }
 

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "camera/initial_view.h"
 #include "camera/scene_fit.h"
 #include "camera/up_axis.h"
 #include "trainer/compress/scene_error.h"
@@ -79,7 +81,9 @@ Circle circle_along(const std::vector<View>& views) {
   return c;
 }
 
-Circle circle_around(const SplatCloud& cloud, const ImageSize& size) {
+/// `height`: of the eye above the middle, as a part of the distance.
+Circle circle_around(const SplatCloud& cloud, const ImageSize& size,
+                     double height = camera::kInitialHeight) {
   // Sizes of compact scenes are measured over these views: they stay what they are
   const camera::SceneBounds bounds = camera::robust_bounds(cloud, camera::SplatWeight::equal);
   Circle c;
@@ -88,7 +92,7 @@ Circle circle_around(const SplatCloud& cloud, const ImageSize& size) {
   const double across = std::min(1.0, static_cast<double>(size.width) / size.height);
   const double shorter = 2 * std::atan(across * std::tan(0.5 * c.fov_y));
   const double distance = camera::fitting_distance(bounds.radius, shorter);
-  c.height = camera::kInitialHeight * distance;
+  c.height = height * distance;
   c.radius = std::sqrt(distance * distance - c.height * c.height);
   return c;
 }
@@ -140,6 +144,35 @@ std::vector<Camera> orbit_through(const camera::Navigation& start, int count,
 std::vector<Camera> evaluation_cameras(const SplatCloud& cloud, const Dataset* data) {
   if (data == nullptr) return orbit_around(cloud, kEvaluationCameras, {640, 480});
   return spread_cameras(cameras_of(data->train), kEvaluationCameras);
+}
+
+std::vector<Camera> reduction_cameras(const SplatCloud& cloud,
+                                      const std::optional<InitialView>& start,
+                                      const Dataset* data) {
+  constexpr std::size_t kMost = 48;
+  constexpr int kLongerSide = 640, kAround = 12;
+  constexpr double kHeights[] = {0.1, -0.2, 0.7};
+  std::vector<Camera> cameras;
+  if (data != nullptr) {
+    for (const Camera& camera : spread_cameras(cameras_of(data->train), kMost)) {
+      const double factor =
+          std::min(1.0, double{kLongerSide} / std::max(camera.width, camera.height));
+      const auto side = [&](int pixels) {
+        return std::max(1, static_cast<int>(std::lround(factor * pixels)));
+      };
+      cameras.push_back(resized(camera, {side(camera.width), side(camera.height)}));
+    }
+    return cameras;
+  }
+  const ImageSize size{640, 480};
+  for (const double height : kHeights)
+    std::ranges::copy(cameras_on(circle_around(cloud, size, height), kAround, size),
+                      std::back_inserter(cameras));
+  if (start)
+    std::ranges::copy(
+        orbit_through(camera::initial_navigation(cloud, start, {640, 480}), kAround, size),
+        std::back_inserter(cameras));
+  return cameras;
 }
 
 }  // namespace fluxgs::cli

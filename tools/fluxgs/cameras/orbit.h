@@ -1,10 +1,12 @@
 // Cameras around a scene.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "camera/navigation.h"
 #include "fluxgs/camera.h"
+#include "fluxgs/io/initial_view.h"
 #include "fluxgs/splat_cloud.h"
 #include "tools/fluxgs/cameras/cameras.h"
 #include "trainer/data/dataset.h"
@@ -30,5 +32,11 @@ std::vector<Camera> orbit_through(const camera::Navigation& start, int count,
 /// kEvaluationCameras, evenly spread over the training views; without `data`, on an orbit around
 /// the scene, 640x480.
 std::vector<Camera> evaluation_cameras(const SplatCloud& cloud, const Dataset* data);
+
+/// Cameras whose images a scene keeps when it loses splats: at most 48, of up to 640 pixels, evenly
+/// spread over the training views; without `data` on circles around the scene at three heights and,
+/// where the scene has a start view, through that.
+std::vector<Camera> reduction_cameras(const SplatCloud& cloud,
+                                      const std::optional<InitialView>& start, const Dataset* data);
 
 }  // namespace fluxgs::cli

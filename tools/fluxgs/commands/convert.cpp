@@ -22,12 +22,13 @@
 #include "tools/fluxgs/commands/inner_box.h"
 #include "tools/fluxgs/commands/scene_crop.h"
 #include "tools/fluxgs/commands/scene_map.h"
-#include "tools/fluxgs/commands/scene_thinning.h"
 #include "tools/fluxgs/options/data_options.h"
 #include "tools/fluxgs/terminal/console.h"
 #include "tools/fluxgs/terminal/files.h"
 #include "tools/fluxgs/terminal/progress.h"
 #include "trainer/compress/compact_search.h"
+#include "trainer/compress/scene_reduction.h"
+#include "trainer/compress/size_search.h"
 #include "trainer/compress/view_sensitivity.h"
 
 namespace fluxgs::cli {
@@ -158,27 +159,46 @@ std::vector<std::uint32_t> order_in(const SceneFormat& format, const ConvertSett
   return format.order ? format.order(cloud) : std::vector<std::uint32_t>();
 }
 
-/// Leaves no more splats than asked for. PSNR, where it is measured, is then to what is left.
-void thin_out(const ConvertSettings& s, const Dataset* data, SplatCloud& cloud) {
-  const std::size_t before = cloud.size();
-  if (!s.max_splats || before <= *s.max_splats) return;
-  const Threads threads(s.data.threads);
-  const std::vector<Camera> cameras = data ? cameras_of(data->train) : std::vector<Camera>();
-  keep_most_contributing(cloud, *s.max_splats, cameras, {}, threads, show_progress("views"));
-  spdlog::info("{}: {} of {} splats are left out, those that add least{}", shown(s.in),
-               before - cloud.size(), before,
-               data ? " to the images of the data set" : "; --data counts what hides what");
+ReductionOptions reduction_options(const ConvertSettings& s) {
+  ReductionOptions options;
+  options.render.background = s.data.background_color();
+  return options;
 }
 
-Expected<CompactTrial> search(const ConvertSettings& s, const SceneFile& scene,
-                              const Dataset* data) {
-  const SplatCloud& cloud = scene.cloud;
+/// Leaves no more splats than asked for. PSNR, where it is measured, is then to what is left.
+void thin_out(const ConvertSettings& s, const Dataset* data, SceneFile& scene) {
+  const std::size_t before = scene.cloud.size();
+  if (!s.max_splats || before <= *s.max_splats) return;
   const Threads threads(s.data.threads);
-  RenderOptions options;
-  options.background = s.data.background_color();
-  const std::vector<Camera> cameras = evaluation_cameras(cloud, data);
-  const SceneError error(cloud, cameras, options, threads);
-  CompactOptions start = compact_options(s, cloud);
+  SceneReduction reduction(scene.cloud, reduction_cameras(scene.cloud, scene.start, data),
+                           reduction_options(s), threads);
+  reduction.reduce(*s.max_splats, {.progress = show_work("fewer splats")});
+  scene.cloud = reduction.cloud();
+  spdlog::info("{}: {} of {} splats are left out, those that change images least{}", shown(s.in),
+               before - scene.cloud.size(), before,
+               data ? "" : "; --data looks at those of a capture");
+}
+
+/// Number of splats and steps for --max-bytes.
+Expected<SizedScene> size_down(const ConvertSettings& s, const SceneFile& scene,
+                               const Dataset* data, const SceneError& error,
+                               const Threads& threads) {
+  SceneReduction reduction(scene.cloud, reduction_cameras(scene.cloud, scene.start, data),
+                           reduction_options(s), threads);
+  const SizeLimit limit{*s.max_bytes, scene.start ? kMaxInitialViewBytes : 0};
+  auto sized = splats_within_bytes(reduction, error, compact_options(s, scene.cloud), limit,
+                                   {.progress = show_work("splats")});
+  if (!sized) return fail(s.out, sized.error().field, sized.error().what);
+  return sized;
+}
+
+/// The steps of a cloud, whose number of splats is settled.
+Expected<CompactTrial> search_steps(const ConvertSettings& s, const SceneFile& scene,
+                                    const Dataset* data, CompactOptions start,
+                                    const Threads& threads) {
+  const RenderOptions options = reduction_options(s).render;
+  const SplatCloud& cloud = scene.cloud;
+  const SceneError error(cloud, evaluation_cameras(cloud, data), options, threads);
   if (data != nullptr)
     start.sensitivity = view_sensitivity(cameras_of(data->train), cloud, false, options, threads,
                                          {.progress = show_work("views")});
@@ -190,18 +210,42 @@ Expected<CompactTrial> search(const ConvertSettings& s, const SceneFile& scene,
   return found;
 }
 
-Expected<void> write_searched(const ConvertSettings& s, const SceneFile& scene, const Dataset* data,
+/// For --max-bytes `scene` loses splats; the error is to all that it had.
+Expected<CompactTrial> search(const ConvertSettings& s, SceneFile& scene, const Dataset* data) {
+  const Threads threads(s.data.threads);
+  const CompactOptions start = compact_options(s, scene.cloud);
+  if (!s.max_bytes) return search_steps(s, scene, data, start, threads);
+  const SceneError error(scene.cloud, evaluation_cameras(scene.cloud, data),
+                         reduction_options(s).render, threads);
+  auto sized = size_down(s, scene, data, error, threads);
+  if (!sized) return std::unexpected(sized.error());
+  scene.cloud = std::move(sized->cloud);
+  CompactOptions from = start;
+  from.steps = sized->steps;
+  auto found = search_steps(s, scene, data, from, threads);
+  if (!found) return found;
+  const auto stored = read_scene(found->file, s.out);
+  if (!stored) return std::unexpected(stored.error());
+  const auto mse = error.mse(stored->cloud);
+  if (!mse) return std::unexpected(mse.error());
+  found->mse = *mse;
+  return found;
+}
+
+Expected<void> write_searched(const ConvertSettings& s, SceneFile& scene, const Dataset* data,
                               int full_degree) {
-  const SplatCloud& cloud = scene.cloud;
-  if (cloud.size() == 0) return write_compact(s, scene);
+  if (scene.cloud.size() == 0) return write_compact(s, scene);
+  const std::size_t before = scene.cloud.size();
   const auto found = search(s, scene, data);
   if (!found) return std::unexpected(found.error());
   const auto bytes = write_glb(s.out, found->file, scene.start);
   if (!bytes) return std::unexpected(bytes.error());
+  const SplatCloud& cloud = scene.cloud;
   const std::string error =
       found->mse > 0 ? fmt::format("{:.2f} dB from", found->psnr()) : "exactly";
-  fmt::print("{}: {} splats, {} bytes, {} the images of {}{}\n", shown(s.out), cloud.size(), *bytes,
-             error, shown(s.in),
+  const std::string of_all = cloud.size() < before ? fmt::format(" of {}", before) : "";
+  fmt::print("{}: {}{} splats, {} bytes, {} the images of {}{}\n", shown(s.out), cloud.size(),
+             of_all, *bytes, error, shown(s.in),
              cloud.sh_degree < full_degree ? fmt::format(" at degree {}", cloud.sh_degree) : "");
   return {};
 }
@@ -257,7 +301,7 @@ Expected<void> write_out(const ConvertSettings& s) {
       needs_views ? load_if_given(s.data) : Expected<std::optional<Dataset>>(std::nullopt);
   if (!loaded) return std::unexpected(loaded.error());
   const Dataset* data = *loaded ? &**loaded : nullptr;
-  thin_out(s, data, scene->cloud);
+  thin_out(s, data, *scene);
   map_scene(s.map, *scene);
   warn_of_lost_degrees(s.out, **format, scene->cloud.sh_degree);
   const bool compact = s.compact || s.searches() || stays_compact;
@@ -296,8 +340,9 @@ Expected<void> convert(const ConvertSettings& s) {
 
 /// Refuses options that would do nothing.
 void check_use(const ConvertSettings& s, const CLI::App& command) {
-  if (command.count("--background") > 0 && !s.searches())
-    throw CLI::ValidationError("--background", "is used only by --min-psnr and --max-bytes");
+  if (command.count("--background") > 0 && !s.searches() && !s.max_splats)
+    throw CLI::ValidationError("--background",
+                               "is used only by --max-splats, --min-psnr and --max-bytes");
   if (command.count("--spz-version") > 0 && !s.out.ends_with(".spz"))
     throw CLI::ValidationError("--spz-version", "is used only for a .spz");
   if (command.count("--downscale") > 0 && s.data.folder.empty())
@@ -323,7 +368,8 @@ void add_compact_options(CLI::App& command, ConvertSettings& s) {
       "with --compact: factor of the quantization steps; 0.5 is finer, 2 is smaller");
   step_scale->check(in_range(0.001, 1000))->capture_default_str()->needs(compact);
   CLI::Option* bytes = command.add_option("--max-bytes", s.max_bytes,
-                                          "search for the least error in a file of this size");
+                                          "search for the least error in a file of this size, with "
+                                          "fewer splats where that is better");
   bytes->check(whole_in(1, std::int64_t{1} << 50));
   CLI::Option* loss = command.add_option(
       "--min-psnr", s.min_psnr, "search for the smallest file whose renders have this PSNR (dB)");
@@ -356,6 +402,7 @@ void add_convert(CLI::App& app, Action& action) {
       "compact\n"
       "as a .glb. What a format cannot hold is said in a line each.\n"
       "Example: fluxgs convert garden.ply garden.glb --min-psnr 40\n"
+      "         fluxgs convert garden.ply small.glb --max-bytes 500000\n"
       "         fluxgs convert garden.glb upright.glb --up z --scale 0.5\n"
       "         fluxgs convert garden.ply light.glb --max-splats 50000 --data captures/garden\n"
       "         fluxgs convert garden.ply table.glb --crop-sphere 0,0.4,2,1.5");
@@ -367,8 +414,9 @@ void add_convert(CLI::App& app, Action& action) {
       ->capture_default_str();
   command
       ->add_option("--max-splats", settings->max_splats,
-                   "keep no more splats than this, those that add most to images: of the data set "
-                   "where --data is given, otherwise by opacity and size")
+                   "keep no more splats than this: those whose removal changes images least go, a "
+                   "few at a time, and the others are fitted to the images of IN (from views of "
+                   "the data set where --data is given, otherwise around the scene)")
       ->check(whole_in(1, std::int64_t{1} << 40));
   command
       ->add_option("--spz-version", settings->spz_version,

@@ -28,6 +28,7 @@ void add_report(CLI::App& app, Action& action) {
   add_report_codec(*command, action);
   add_report_render(*command, action);
   add_report_phone(*command, action);
+  add_report_sizes(*command, action);
 }
 
 }  // namespace fluxgs::cli

@@ -15,5 +15,6 @@ Expected<void> check_report_outputs(const std::string& plot, const std::string& 
 void add_report_codec(CLI::App& app, Action& action);
 void add_report_render(CLI::App& app, Action& action);
 void add_report_phone(CLI::App& app, Action& action);
+void add_report_sizes(CLI::App& app, Action& action);
 
 }  // namespace fluxgs::cli

@@ -73,6 +73,21 @@ class CpuRasterizer final : public Rasterizer {
     return scores_;
   }
 
+  const PlanarFloats& removal(const PlanarImage& target) override {
+    ProfileScope scope(profiler_, "score");
+    pair_removals_.resize(lists_.entries.size());
+    threads_.for_pieces(lists_.tiles(), 1, [&](std::size_t tile, std::size_t) {
+      RemovalArgs args{tile_args(tile), target.plane(0), target.channels() > 3,
+                       pair_removals_.data()};
+      for (std::uint32_t e = used_[tile]; e < args.tile.count; ++e)
+        pair_removals_[args.tile.entries[e].slot] = {};
+      args.tile.count = used_[tile];
+      kernels_.removal(args);
+    });
+    sum_removals();
+    return removals_;
+  }
+
   const PlanarImage& color() const override { return color_; }
   const PlanarImage& transmittance() const override { return transmittance_; }
   const PlanarFloats& gradient() const override { return gradient_; }
@@ -197,6 +212,21 @@ class CpuRasterizer final : public Rasterizer {
     });
   }
 
+  void sum_removals() {
+    removals_ = PlanarFloats(removal::count, splats_.size());
+    threads_.for_pieces(lists_.order.size(), kSplatPiece, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        PairRemoval total{};
+        for (std::uint32_t slot = lists_.first_slot[k]; slot < lists_.first_slot[k + 1]; ++slot) {
+          total.change += pair_removals_[slot].change;
+          total.pixels += pair_removals_[slot].pixels;
+        }
+        removals_.row(removal::change)[lists_.order[k]] = total.change;
+        removals_.row(removal::pixels)[lists_.order[k]] = total.pixels;
+      }
+    });
+  }
+
   void chain_rule(const PlanarFloats& parameters) {
     if (gradient_.size() != parameters.size() || gradient_.rows() != parameters.rows()) {
       gradient_ = PlanarFloats(parameters.rows(), parameters.size());
@@ -240,6 +270,10 @@ class CpuRasterizer final : public Rasterizer {
   // Of the last score
   std::vector<PairScore> pair_scores_;
   PlanarFloats scores_;
+
+  // Of the last removal()
+  std::vector<PairRemoval> pair_removals_;
+  PlanarFloats removals_;
 
   // Of the last backward pass
   std::vector<PairGradient> pairs_;

@@ -93,6 +93,19 @@ struct ScoreArgs {
   PairScore* scores;  ///< indexed by TileEntry::slot
 };
 
+/// The removal of one splat, as one tile sees it: the change of the tile's squared error, and how
+/// many pixels the splat reached.
+struct PairRemoval {
+  float change, pixels;
+};
+
+struct RemovalArgs {
+  TileArgs tile;        ///< with the color of the forward pass; gradients are not used
+  const float* target;  ///< 3 planes of pitch·height, or 4
+  bool masked;          ///< the fourth plane is 0 where a pixel adds nothing
+  PairRemoval* costs;   ///< indexed by TileEntry::slot
+};
+
 struct GradientArgs {
   const float* parameters;
   std::size_t stride, size;
@@ -118,6 +131,8 @@ struct RasterKernels {
   void (*backward)(const TileArgs&);
   /// Replays the first `count` entries of a tile and writes their pairs' scores.
   void (*score)(const ScoreArgs&);
+  /// Replays the first `count` entries of a tile and writes what removing each splat would cost.
+  void (*removal)(const RemovalArgs&);
   /// Chain rule from the summed pair gradients to the parameters, for splats [begin, end).
   /// Returns how many visible splats had a gradient that is not finite (they become invisible).
   std::uint32_t (*gradient)(const GradientArgs&, std::size_t begin, std::size_t end);

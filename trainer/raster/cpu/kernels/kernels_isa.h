@@ -11,6 +11,7 @@ std::uint32_t bin(const ProjectedSplat& splat, const RasterConstants& constants,
 std::uint32_t forward(const TileArgs& args);
 void backward(const TileArgs& args);
 void score(const ScoreArgs& args);
+void removal(const RemovalArgs& args);
 std::uint32_t gradient(const GradientArgs& args, std::size_t begin, std::size_t end);
 
 }  // namespace fluxgs::FLUXGS_ISA

@@ -3,6 +3,6 @@
 namespace fluxgs::FLUXGS_ISA {
 
 extern const RasterKernels kRasterKernels;
-const RasterKernels kRasterKernels{project, bin, forward, backward, score, gradient};
+const RasterKernels kRasterKernels{project, bin, forward, backward, score, removal, gradient};
 
 }  // namespace fluxgs::FLUXGS_ISA
