@@ -116,7 +116,10 @@ Expected<void> decode_positions(ByteReader& in, std::span<glm::vec3> positions) 
   // Not draco::Decoder, which would bring the decoders of all other kinds into the app
   draco::PointCloudSequentialDecoder decoder;
   draco::PointCloud cloud;
-  if (const auto status = decoder.Decode({}, &buffer, &cloud); !status.ok())
+  // The integers as they are decoded: Draco would copy them to others of the same type one by one
+  draco::DecoderOptions options;
+  options.SetAttributeBool(draco::GeometryAttribute::POSITION, "skip_attribute_transform", true);
+  if (const auto status = decoder.Decode(options, &buffer, &cloud); !status.ok())
     return fail("", "positions", fmt::format("Draco cannot decode them: {}", status.error_msg()));
   const draco::PointAttribute* attribute =
       cloud.GetNamedAttribute(draco::GeometryAttribute::POSITION);
