@@ -12,6 +12,7 @@
 #include "codec/prediction.h"
 #include "codec/rans.h"
 #include "fluxgs/byte_reader.h"
+#include "fluxgs/math/finite.h"
 
 namespace fluxgs::codec {
 namespace {
@@ -68,16 +69,6 @@ Expected<ChannelPlanes> in_steps(const Channels& input, const Layout& t) {
     }
   }
   return planes;
-}
-
-void undo_differences(std::span<std::int32_t> values) {
-  Prediction prediction;
-  for (std::int32_t& value : values) {
-    // Damaged streams may leave the range: wraps instead of overflowing
-    value = static_cast<std::int32_t>(static_cast<std::uint32_t>(value) +
-                                      static_cast<std::uint32_t>(prediction.next()));
-    prediction.add(value);
-  }
 }
 
 /// Tells if differences from the prediction take fewer bits, and the bits of the channel, rounded
@@ -258,13 +249,13 @@ Expected<float> decode_channels(ByteReader& in, std::size_t channels,
   for (std::size_t c = 0; c < channels; ++c) {
     if (auto ok = decoder->next(plane); !ok)
       return fail("", fmt::format("channel {}", c), ok.error().what);
-    if (layout->predicted[c] != 0) undo_differences(plane);
+    if (layout->predicted[c] != 0) add_predictions(plane);
     std::ranges::transform(plane, values.begin() + static_cast<std::ptrdiff_t>(c * splats),
                            [](std::int32_t k) { return static_cast<float>(k); });
   }
   restore(*layout, step_scale, values, splats);
+  if (math::all_finite(values)) return layout->step;
   const auto bad = std::ranges::find_if_not(values, [](float x) { return std::isfinite(x); });
-  if (bad == values.end()) return layout->step;
   return fail("", "",
               fmt::format("splat {} is not finite",
                           static_cast<std::size_t>(bad - values.begin()) % splats));

@@ -11,6 +11,7 @@
 #include "cloud/cloud_memory.h"
 #include "cloud/gather.h"
 #include "codec/channels.h"
+#include "codec/deterministic_math.h"
 #include "codec/perceptual_weight.h"
 #include "codec/positions.h"
 #include "codec/quantization.h"
@@ -30,9 +31,9 @@ namespace {
 constexpr double kMinOpacity = 1e-3, kMaxOpacity = 1 - 1e-3;
 
 float opacity_logit(float scale) {
-  const double root = std::sin(std::clamp(double{scale}, 0.0, 1.0) * std::numbers::pi / 2);
+  const double root = portable_sin(std::clamp(double{scale}, 0.0, 1.0) * std::numbers::pi / 2);
   const double opacity = std::clamp(root * root, kMinOpacity, kMaxOpacity);
-  return io::logit_of(opacity);
+  return static_cast<float>(portable_log(opacity) - portable_log(1 - opacity));
 }
 
 // Each attribute may rest on those before it: their decoded values tell how exactly it is stored.
@@ -110,7 +111,7 @@ std::vector<float> values_of(Attribute attribute, Content& content) {
 
 /// Values that lie channel by channel.
 struct AttributePlanes {
-  const std::vector<float>& values;
+  std::span<const float> values;
   std::size_t splats;
 
   float at(std::size_t channel, std::size_t splat) const {
@@ -176,10 +177,13 @@ void put_section(Bytes& out, const Bytes& section) {
 }
 
 /// Decodes a section into the content, in which the attributes before it are decoded already.
+/// `room` is used again for each.
 Expected<void> decode_section(Attribute attribute, std::span<const std::byte> section,
-                              Content& content) {
+                              Content& content, std::vector<float>& room) {
   const std::size_t channels = channels_of(attribute, content.cloud.sh_degree);
-  std::vector<float> values(channels * content.cloud.size());
+  const std::size_t count = channels * content.cloud.size();
+  if (room.size() < count) room = std::vector<float>(count);
+  const auto values = std::span(room).first(count);
   ByteReader in(section);
   const auto step = decode_channels(in, channels, content.step_scale_of(attribute), values);
   if (!step) return in_attribute(attribute, step.error());
@@ -223,6 +227,7 @@ class Encoder {
 
   Expected<Bytes> run() {
     Bytes out, section;
+    std::vector<float> room;
     if (auto ok = encode_positions(source_.cloud.positions, options_.steps.position, section); !ok)
       return std::unexpected(ok.error());
     put_section(out, section);
@@ -231,7 +236,7 @@ class Encoder {
       if (!encoded) return std::unexpected(encoded.error());
       put_section(out, *encoded);
       if (attribute != kScale && attribute != kOpacity) continue;  // nothing rests on it
-      if (auto ok = decode_section(attribute, *encoded, decoded_); !ok)
+      if (auto ok = decode_section(attribute, *encoded, decoded_, room); !ok)
         return std::unexpected(ok.error());
     }
     while (source_.cloud.size() > max_splats(out.size())) out.push_back(std::byte{0});
@@ -326,6 +331,7 @@ Expected<SplatCloud> decode_compact(std::span<const std::byte> bytes, std::size_
   auto cloud = io::allocate_cloud(count, sh_degree, "");
   if (!cloud || count == 0) return cloud;
   Content content{std::move(*cloud), energy != nullptr};
+  std::vector<float> room;
   ByteReader in(bytes);
   const auto positions = take_section(in, kPosition);
   if (!positions) return std::unexpected(positions.error());
@@ -336,7 +342,7 @@ Expected<SplatCloud> decode_compact(std::span<const std::byte> bytes, std::size_
   for (const Attribute attribute : attributes_of(content.has_energy, sh_degree)) {
     const auto section = take_section(in, attribute);
     if (!section) return std::unexpected(section.error());
-    if (auto ok = decode_section(attribute, *section, content); !ok)
+    if (auto ok = decode_section(attribute, *section, content, room); !ok)
       return std::unexpected(ok.error());
   }
   const auto padding = *in.take_bytes(in.left());

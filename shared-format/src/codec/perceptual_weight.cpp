@@ -6,7 +6,6 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "cloud/activation.h"
 #include "codec/deterministic_math.h"
 
 namespace fluxgs::codec {
@@ -14,7 +13,23 @@ namespace {
 
 constexpr float kFlattest = 6.5f;            // thinner ones look the same
 constexpr float kMinVisible = 1e-3f;         // splats of lower opacity are not drawn
+constexpr double kLargestLogit = 700;        // within what portable_exp() takes
 constexpr float kFinest = 6, kCoarsest = 2;  // logarithms of the step over the mean one
+
+double average(std::span<const float> values) {
+  double sum = 0;
+  for (const float value : values) sum += double{value};
+  return sum / static_cast<double>(values.size());
+}
+
+/// Logarithms of 1/step.
+std::vector<float> log_inverse_steps(const PerceptualWeight& perceptual_weight,
+                                     std::span<const LogExtents> extents) {
+  std::vector<float> result;
+  result.reserve(extents.size());
+  for (const LogExtents& extent : extents) result.push_back(glm::dot(perceptual_weight, extent));
+  return result;
+}
 
 }  // namespace
 
@@ -32,24 +47,24 @@ std::vector<LogExtents> extents_of(std::span<const glm::vec3> log_scales) {
 }
 
 void set_opacities(std::span<LogExtents> extents, std::span<const float> opacity_logits) {
-  for (std::size_t i = 0; i < extents.size(); ++i)
-    extents[i].w = portable_log(std::max(io::opacity_of(opacity_logits[i]), kMinVisible));
+  for (std::size_t i = 0; i < extents.size(); ++i) {
+    const double logit = std::clamp(double{opacity_logits[i]}, -kLargestLogit, kLargestLogit);
+    const auto opacity = static_cast<float>(1 / (1 + portable_exp(-logit)));
+    extents[i].w = static_cast<float>(portable_log(double{std::max(opacity, kMinVisible)}));
+  }
 }
 
 double mean_perceptual_weight(const PerceptualWeight& perceptual_weight,
                               std::span<const LogExtents> extents) {
-  double sum = 0;
-  for (const LogExtents& extent : extents) sum += double{glm::dot(perceptual_weight, extent)};
-  return sum / static_cast<double>(extents.size());
+  return average(log_inverse_steps(perceptual_weight, extents));
 }
 
 std::vector<float> step_scale_of(const PerceptualWeight& perceptual_weight,
                                  std::span<const LogExtents> extents) {
-  std::vector<float> result;
-  result.reserve(extents.size());
-  for (const LogExtents& extent : extents) result.push_back(glm::dot(perceptual_weight, extent));
-  const auto mean = static_cast<float>(mean_perceptual_weight(perceptual_weight, extents));
-  for (float& x : result) x = portable_exp(std::clamp(mean - x, -kFinest, kCoarsest));
+  std::vector<float> result = log_inverse_steps(perceptual_weight, extents);
+  const auto mean = static_cast<float>(average(result));
+  for (float& x : result)
+    x = static_cast<float>(portable_exp(double{std::clamp(mean - x, -kFinest, kCoarsest)}));
   return result;
 }
 

@@ -17,6 +17,10 @@ namespace {
 // Draco's encoder counts every value up to the largest: 2²⁴ steps take it 130 MB for a moment, 2³⁰
 // would take 8 GB.
 constexpr double kMaxSteps = 0x1p24;
+// 0 is the slowest and should take the fewest bytes. Measured: 2 takes as many (±0.02%), and is
+// read in half the time, because its tables fit into the caches; 3 takes up to 0.05% more, 5 up to
+// 0.7%.
+constexpr int kDracoSpeed = 2;
 constexpr std::size_t kMinSplats = 1, kMaxSplats = std::size_t{1} << 30;
 
 using Cell = std::array<std::int32_t, 3>;
@@ -91,7 +95,7 @@ Expected<void> encode_positions(const std::vector<glm::vec3>& positions, double 
   const auto cloud = builder->Finalize(false);  // true would merge points and change their order
   draco::ExpertEncoder encoder(*cloud);
   encoder.SetEncodingMethod(draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
-  encoder.SetSpeedOptions(0, 0);
+  encoder.SetSpeedOptions(kDracoSpeed, kDracoSpeed);
   draco::EncoderBuffer buffer;
   if (const draco::Status status = encoder.EncodeToBuffer(&buffer); !status.ok())
     return fail("", "positions", fmt::format("Draco cannot encode them: {}", status.error_msg()));
@@ -116,7 +120,10 @@ Expected<void> decode_positions(ByteReader& in, std::span<glm::vec3> positions) 
   // Not draco::Decoder, which would bring the decoders of all other kinds into the app
   draco::PointCloudSequentialDecoder decoder;
   draco::PointCloud cloud;
-  if (const auto status = decoder.Decode({}, &buffer, &cloud); !status.ok())
+  // The integers as they are decoded: Draco would copy them to others of the same type one by one
+  draco::DecoderOptions options;
+  options.SetAttributeBool(draco::GeometryAttribute::POSITION, "skip_attribute_transform", true);
+  if (const auto status = decoder.Decode(options, &buffer, &cloud); !status.ok())
     return fail("", "positions", fmt::format("Draco cannot decode them: {}", status.error_msg()));
   const draco::PointAttribute* attribute =
       cloud.GetNamedAttribute(draco::GeometryAttribute::POSITION);

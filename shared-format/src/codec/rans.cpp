@@ -86,21 +86,58 @@ void put_raw_bits(Values values, const Split& split, Bytes& out) {
   bits.finish();
 }
 
-struct Slot {
-  std::uint16_t symbol, frequency, offset;  // offset: position inside the symbol's interval
-};
-using Table = std::array<Slot, kFrequencySum>;
+/// Decoding of one channel. A table of slots with all that is known of a symbol would not fit into
+/// the first cache; one of symbols does.
+class SymbolTable {
+ public:
+  explicit SymbolTable(const std::vector<std::uint32_t>& frequencies)
+      : intervals_(frequencies.size()) {
+    std::uint32_t start = 0;
+    for (std::size_t s = 0; s < frequencies.size(); ++s) {
+      intervals_[s] = {static_cast<std::uint16_t>(start),
+                       static_cast<std::uint16_t>(frequencies[s])};
+      std::fill_n(symbols_.begin() + start, frequencies[s], static_cast<std::uint16_t>(s));
+      start += frequencies[s];
+    }
+  }
 
-std::unique_ptr<Table> table_of(const std::vector<std::uint32_t>& frequencies) {
-  auto table = std::make_unique<Table>();
-  std::size_t filled = 0;
-  for (std::size_t s = 0; s < frequencies.size(); ++s)
-    for (std::uint32_t k = 0; k < frequencies[s]; ++k)
-      (*table)[filled++] = {static_cast<std::uint16_t>(s),
-                            static_cast<std::uint16_t>(frequencies[s]),
-                            static_cast<std::uint16_t>(k)};
-  return table;
-}
+  /// The symbol of a state, which moves on, except for the word that it may need.
+  std::int32_t take(std::uint32_t& x) const {
+    const std::uint32_t slot = x % kFrequencySum, symbol = symbols_[slot];
+    const Interval& interval = intervals_[symbol];
+    x = interval.frequency * (x >> kScaleBits) + (slot - interval.start);
+    return static_cast<std::int32_t>(symbol);
+  }
+
+ private:
+  struct Interval {
+    std::uint16_t start, frequency;
+  };
+  std::array<std::uint16_t, kFrequencySum> symbols_;
+  std::vector<Interval> intervals_;
+};
+
+/// Words on their way into the states.
+class CodedWords {
+ public:
+  explicit CodedWords(std::span<const std::byte> words)
+      : at_(words.data()), end_(words.data() + words.size()) {}
+
+  std::size_t left() const { return static_cast<std::size_t>(end_ - at_) / sizeof(std::uint16_t); }
+
+  /// Gives the state a word if it needs one. Precondition: one is left. Without a branch, which
+  /// processors would often foresee wrongly.
+  void refill(std::uint32_t& x) {
+    std::uint16_t next;
+    std::memcpy(&next, at_, sizeof next);
+    const std::uint32_t needs = x < kLow ? 1 : 0;
+    x = (x << (16 * needs)) | (next & (0 - needs));
+    at_ += needs * sizeof next;
+  }
+
+ private:
+  const std::byte *at_, *end_;
+};
 
 std::unexpected<Error> damaged(const char* what) { return fail("", "", what); }
 
@@ -120,6 +157,10 @@ void put_split(const Split& split, BitWriter& out) {
   out.put_golomb(static_cast<std::uint32_t>(zigzag(split.lowest)), kLowestOrder);
   out.put(split.raw_bits, kRawBitsBits);
   out.put(split.symbols - 1, kSymbolsBits);
+}
+
+void add_lowest(std::int64_t lowest, std::span<std::int32_t> values) {
+  for (std::int32_t& value : values) value += static_cast<std::int32_t>(lowest);
 }
 
 void add_raw_bits(std::span<const std::byte> raw, const Split& split,
@@ -195,24 +236,26 @@ Expected<ValueDecoder> ValueDecoder::open(ByteReader& in, std::size_t channels, 
 
 Expected<void> ValueDecoder::decode_symbols(const Channel& channel,
                                             std::span<std::int32_t> values) {
-  const auto table = table_of(channel.frequencies);
-  const std::byte* word = words_.data();
-  const std::byte* const end = word + words_.size();
+  const SymbolTable table(channel.frequencies);
+  CodedWords words(words_);
   std::array<std::uint32_t, kStates> states = states_;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    std::uint32_t& x = states[i % kStates];
-    const Slot& slot = (*table)[x % kFrequencySum];
-    x = slot.frequency * (x >> kScaleBits) + slot.offset;
-    if (x < kLow) {
-      if (word == end) return damaged("the coded values are cut off or damaged");
-      std::uint16_t next;
-      std::memcpy(&next, word, sizeof next);
-      word += sizeof next;
-      x = (x << 16) | next;
+  for (std::size_t i = 0; i < values.size();) {
+    // A symbol takes a word at most
+    const std::size_t safe = i + std::min(values.size() - i, words.left()) / kStates * kStates;
+    for (; i < safe; i += kStates)
+      for (std::size_t k = 0; k < kStates; ++k) {
+        values[i + k] = table.take(states[k]);
+        words.refill(states[k]);
+      }
+    // A few, near the end of the words or of the values
+    for (std::size_t k = 0; k < kStates && i < values.size(); ++k, ++i) {
+      values[i] = table.take(states[k]);
+      if (states[k] >= kLow) continue;
+      if (words.left() == 0) return damaged("the coded values are cut off or damaged");
+      words.refill(states[k]);
     }
-    values[i] = slot.symbol;
   }
-  words_ = words_.last(static_cast<std::size_t>(end - word));
+  words_ = words_.last(sizeof(std::uint16_t) * words.left());
   states_ = states;
   return {};
 }
@@ -229,7 +272,10 @@ Expected<void> ValueDecoder::next(std::span<std::int32_t> values) {
     std::ranges::fill(values, 0);
   else if (auto ok = decode_symbols(channel, values); !ok)
     return ok;
-  add_raw_bits(channel.raw, channel.split, values);
+  if (channel.split.raw_bits == 0)
+    add_lowest(channel.split.lowest, values);
+  else
+    add_raw_bits(channel.raw, channel.split, values);
   if (next_ == channels_.size() && !is_sound_at_the_end())
     return damaged("the coded values are damaged");
   return {};

@@ -35,7 +35,7 @@ Stepped roots_of(std::span<const glm::vec3> log_scales, float log_step) {
 
 void roots_to_logs(std::span<float> roots, float step) {
   const float least = std::max(static_cast<float>(kMinRootSteps * double{step}), 1e-30f);
-  for (float& x : roots) x = 2 * portable_log(std::max(x, least));
+  for (float& x : roots) x = 2 * static_cast<float>(portable_log(double{std::max(x, least)}));
 }
 
 }  // namespace fluxgs::codec
