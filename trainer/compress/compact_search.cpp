@@ -16,13 +16,15 @@ namespace {
 
 constexpr double kFinest = 0x1p-12, kCoarsest = 0x1p12;  // of the steps that the search begins with
 constexpr int kBalances = 2, kMaxTrials = 24;
-constexpr int kUsualTrials = 9;                // of one solve(), for the progress
-constexpr double kStride = std::numbers::ln2;  // of the logarithm of the step scale
-constexpr double kCloseEnough = 0.003;         // the same
-constexpr float kExactly = 0x1p-8f;            // of a step, where an error is not to count
-constexpr double kInvisible = 1e-8;            // 80 dB: more bytes are of no use
-constexpr double kExcessThatIsNone = 1e-3;     // 0.1% of the size or of the error
-constexpr double kCloseAtFirst = 0.01;         // the same for a first look
+constexpr int kUsualTrials = 4;           // of one solve(), for the progress
+constexpr double kStride = 1;             // at most, of the logarithm of the step scale
+constexpr double kCloseEnough = 0.003;    // the same
+constexpr float kExactly = 0x1p-8f;       // of a step, where an error is not to count
+constexpr double kInvisible = 1e-8;       // 80 dB: more bytes are of no use
+constexpr double kErrorTolerance = 0.01;  // 0.04 dB: other views differ by more
+constexpr double kSizeTolerance = 1e-3;
+constexpr double kSizeToleranceAtFirst = 0.01;
+constexpr double kRoughTolerance = 0.1;
 
 /// An attribute of the codec: its name in AttributeBits, its step, and its array. Rounding
 /// SH coefficients changes the constant colours (codec/sh.h): the error of either is
@@ -183,15 +185,17 @@ Expected<std::optional<CompactTrial>> CompactSearch::solve(const QuantizationSte
     } else {
       low = at, low_excess = excess, has_low = true;
       if (!best || goal.cost(*tried) < goal.cost(*best)) best = std::move(*tried);
-      if (excess > -goal.close || best->mse <= goal.enough) break;
+      if (excess > -goal.tolerance || best->mse <= goal.enough) break;
     }
+    const double aim = -goal.tolerance / 2;
     if (has_low && has_high) {
       // Along the straight line between the ends, now and then halving, so as not to get stuck
       const double part =
-          i % 3 == 2 ? 0.5 : std::clamp(low_excess / (low_excess - high_excess), 0.05, 0.95);
+          i % 4 == 3 ? 0.5
+                     : std::clamp((aim - low_excess) / (high_excess - low_excess), 0.02, 0.98);
       at = low + part * (high - low);
     } else {
-      at = std::clamp(at + (excess > 0 ? -1 : 1) * kStride, low, high);
+      at = std::clamp(at + std::clamp((aim - excess) / goal.slope, -kStride, kStride), low, high);
     }
   }
   return best;
@@ -200,16 +204,19 @@ Expected<std::optional<CompactTrial>> CompactSearch::solve(const QuantizationSte
 Expected<CompactTrial> CompactSearch::reach(const Goal& goal, CompactTrial& last) const {
   // A balance renders and stores about as often as so many trials
   const ProgressParts parts(progress_, {kUsualTrials, 8, kUsualTrials, 8, kUsualTrials});
+  Goal rough = goal;  // for steps that are balanced next
+  rough.tolerance = kRoughTolerance;
   QuantizationSteps steps = options_.steps;
   std::optional<CompactTrial> best;
   for (int round = 0; round <= goal.balances; ++round) {
     const auto part = static_cast<std::size_t>(2 * round);
-    auto found = solve(steps, goal, last, parts.part(part));
+    const bool is_last = round == goal.balances;
+    auto found = solve(steps, is_last ? goal : rough, last, parts.part(part));
     if (!found) return std::unexpected(found.error());
     if (!*found) break;
     const QuantizationSteps from = (*found)->options.steps;
     if (!best || goal.cost(**found) < goal.cost(*best)) best = std::move(**found);
-    if (round == goal.balances || best->mse <= goal.enough) break;
+    if (is_last || best->mse <= goal.enough) break;
     if (progress_) parts.part(part)(1, 1);
     const auto balance = balanced(from);
     if (!balance) return std::unexpected(balance.error());
@@ -227,7 +234,8 @@ Expected<CompactTrial> CompactSearch::within_loss(double decibels) const {
       .coarser_fits = false,
       .enough = 0,
       .balances = kBalances,
-      .close = kExcessThatIsNone,
+      .tolerance = kErrorTolerance,
+      .slope = 2,  // mse ∝ step²
       .excess = [most](const CompactTrial& t) { return std::log(std::max(t.mse, 1e-30) / most); },
       .cost = [](const CompactTrial& t) { return static_cast<double>(t.file.size()); }};
   CompactTrial last;
@@ -239,21 +247,22 @@ Expected<CompactTrial> CompactSearch::within_loss(double decibels) const {
 }
 
 Expected<CompactTrial> CompactSearch::within_bytes(std::size_t bytes, std::size_t beside) const {
-  return search_bytes(bytes, beside, kBalances, kExcessThatIsNone);
+  return search_bytes(bytes, beside, kBalances, kSizeTolerance);
 }
 
 Expected<CompactTrial> CompactSearch::first_within_bytes(std::size_t bytes,
                                                          std::size_t beside) const {
-  return search_bytes(bytes, beside, 0, kCloseAtFirst);
+  return search_bytes(bytes, beside, 0, kSizeToleranceAtFirst);
 }
 
 Expected<CompactTrial> CompactSearch::search_bytes(std::size_t bytes, std::size_t beside,
-                                                   int balances, double close) const {
+                                                   int balances, double tolerance) const {
   const auto most = static_cast<double>(std::max(bytes, beside + 1) - beside);
   const Goal goal{.coarser_fits = true,
                   .enough = kInvisible,
                   .balances = balances,
-                  .close = close,
+                  .tolerance = tolerance,
+                  .slope = 0.4,  // log₂ of the step's inverse is a quarter of the bits of a value
                   .excess =
                       [most](const CompactTrial& t) {
                         return std::log(static_cast<double>(t.file.size()) / most);

@@ -73,7 +73,8 @@ class CompactSearch {
     bool coarser_fits = false;  ///< whether excess falls as steps grow
     double enough = 0;          ///< the mse at which images tell nothing more
     int balances = 0;           ///< of the steps, each with another search
-    double close = 0;           ///< excess that is none, as a logarithm
+    double tolerance = 0;       ///< excess below 0 by this much is not worth another trial
+    double slope = 1;           ///< about by how much excess changes with the logarithm of steps
     std::function<double(const CompactTrial&)> excess;  ///< > 0: too much
     std::function<double(const CompactTrial&)> cost;    ///< to be made small
   };
@@ -82,7 +83,7 @@ class CompactSearch {
                                               const ProgressReport& progress) const;
   Expected<CompactTrial> reach(const Goal& goal, CompactTrial& last) const;
   Expected<CompactTrial> search_bytes(std::size_t bytes, std::size_t beside, int balances,
-                                      double close) const;
+                                      double tolerance) const;
   Expected<double> error_of(std::size_t part, const QuantizationSteps& steps,
                             const SplatCloud& stored) const;
 

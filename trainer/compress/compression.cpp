@@ -38,13 +38,13 @@ struct SearchViews {
 };
 
 constexpr double kSensitivityRenders = 5;  // of a view: one and its scores, forward and backward
-constexpr double kTrials = 40;             // and balances, each over all images and with a file
+constexpr double kTrials = 20;             // and balances, each over all images and with a file
 constexpr double kFewestEvaluated = 4, kMostEvaluated = kEvaluationCameras;
 
 SearchViews search_views(std::size_t views, int iterations) {
-  // Half of what a run affords is for the one, half for the other
+  // Half of what a run affords is for the one, a quarter for the other, whose files take as long
   const std::size_t affordable = affordable_views(iterations, 2 * kSensitivityRenders);
-  const double evaluated = affordable_renders(iterations) / (2 * kTrials);
+  const double evaluated = affordable_renders(iterations) / (4 * kTrials);
   return {.sensitivity = std::min({views, kSensitivityViews, affordable}),
           .evaluation = std::min(views, static_cast<std::size_t>(std::clamp(
                                             evaluated, kFewestEvaluated, kMostEvaluated)))};

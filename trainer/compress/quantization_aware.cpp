@@ -214,7 +214,7 @@ OptionFields QuantizationAwareOptions::fields(const TrainOptions&) {
               .only_if(on, "--quantize-aware on"),
           whole("quantize-interval",
                 "iterations until values are quantized anew (0: a thousandth of the "
-                "iterations, at least 20)",
+                "iterations, at least 40)",
                 interval, 0, kUnlimited)
               .only_if(on, "--quantize-aware on")};
 }
@@ -267,7 +267,7 @@ std::unique_ptr<Phase> make_quantization_aware(TrainOptions& options, int settle
   if (own.mode == QuantizeAware::automatic && !options.compact_output) return nullptr;
   const int asked = own.from;
   resolve(own.from, options.iterations / 10 * 9);
-  resolve(own.interval, std::max(options.iterations / 1000, 20));
+  resolve(own.interval, std::max(options.iterations / 1000, 40));
   own.from = std::max(own.from, settled + 1);
   options.get<CompressionOptions>().used = true;
   return std::make_unique<QuantizationAware>(own, asked, options.iterations,

@@ -23,7 +23,7 @@ struct QuantizationAwareOptions {
   static constexpr const char* kTitle = "Quantization-aware training";
   QuantizeAware mode = QuantizeAware::off;  ///< automatic: where the result is a compact file
   int from = 0;                             ///< iteration; 0: after 9/10 of the run
-  int interval = 0;  ///< iterations until quantized anew; 0: a thousandth of the run, at least 20
+  int interval = 0;  ///< iterations until quantized anew; 0: a thousandth of the run, at least 40
   bool has_networks = false;  ///< make colours, which are not quantized; set by the schedule
 
   OptionFields fields(const TrainOptions& all);

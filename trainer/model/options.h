@@ -109,6 +109,8 @@ struct CommonOptions {
   // Learning rates of Adam, per iteration
   double position_lr = 1.6e-4;         ///< × scene extent, at the start
   double position_lr_final = 1.6e-6;   ///< × scene extent, after position_lr_iterations; log-linear
+  double cooldown = 0;       ///< 0…1: share of the run, at its end, in which all rates fall
+  double cooldown_to = 0.1;  ///< 0…1: the factor that they fall to, log-linear
   int position_lr_iterations = 30000;  ///< fixed in 3DGS, so that short runs end with a higher rate
   double sh_dc_lr = 2.5e-3;            ///< of SH coefficients
   double sh_rest_lr = 2.5e-3 / 20;

@@ -97,6 +97,8 @@ TrainOptions flux() {
   o.iterations = 45000;
   o.position_lr_iterations = 45000;
   o.sh_rest_lr = 5e-4;
+  // Values settle where several views want them: +0.25 dB and +0.003 SSIM on snowmiku after 7,000
+  o.cooldown = 0.3;
   // As it will be drawn: no veils (the glossy capture: +1.3 dB in the views of its test)
   o.depth_spread = RenderOptions().depth_spread_max;
   // Scenes are seen from nearer and farther than their photos: at half the resolution of the
@@ -123,6 +125,8 @@ TrainOptions flux() {
   // A quarter of the splats hardly shows
   o.get<LatePruningOptions>().mode = LatePrune::contribution;
   o.get<LatePruningOptions>().share = 0.003;
+  // Opacities that have not come back cost good splats: +0.05 dB after 7,000 iterations
+  o.get<OpacityResetOptions>().settle = 1000;
   // Each splat its own degree, once they know what they look like; then the values of the file
   o.get<ShReductionOptions>().target = ShTarget::adaptive;
   o.get<ShReductionOptions>().max_psnr_drop = 1;

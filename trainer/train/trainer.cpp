@@ -33,6 +33,13 @@ double scene_extent(const std::vector<View>& views) {
   return radius > kRounding * (1 + glm::length(mean)) ? 1.1 * radius : 1.0;
 }
 
+double cooldown_factor(const CommonOptions& options, int iteration) {
+  const double length = options.cooldown * options.iterations;
+  const double passed = iteration - (options.iterations - length);
+  if (passed <= 0) return 1;
+  return std::pow(options.cooldown_to, std::min(passed / length, 1.0));
+}
+
 TrainState initial_state(const Dataset& data, const PointCloud& points, const TrainOptions& options,
                          const Threads& threads) {
   TrainState state;
@@ -113,8 +120,9 @@ void Trainer::complete_colors() {
 void Trainer::optimize() {
   ProfileScope scope(profiler, "adam");
   const AdamConstants constants{options.beta1, options.beta2, options.epsilon};
-  const LearningRates rates{position_lr(),      options.scale_lr, options.rotation_lr,
-                            options.opacity_lr, options.sh_dc_lr, options.sh_rest_lr};
+  const double f = cooldown_factor(options, state.iteration);
+  const LearningRates rates{f * position_lr(),      f * options.scale_lr, f * options.rotation_lr,
+                            f * options.opacity_lr, f * options.sh_dc_lr, f * options.sh_rest_lr};
   const AdamStep adam(constants, state.iteration, adam_kernels(best_isa()));
   const auto rows = [&](int first, int end, const std::vector<std::uint8_t>& of) {
     adam_step(state.parameters, state.adam, rasterizer.gradient(), of, rates, adam, {first, end},

@@ -28,6 +28,9 @@ struct IterationReport {
   bool stopped = false;             ///< an event was not done: the state is that of no iteration
 };
 
+/// The factor of all learning rates at an iteration (1, 2, …): 1 before the cooldown.
+double cooldown_factor(const CommonOptions& options, int iteration);
+
 /// The scene's size: 1.1 × the largest distance of a camera from their mean (3DGS).
 double scene_extent(const std::vector<View>& views);
 

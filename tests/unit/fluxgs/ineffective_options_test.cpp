@@ -63,15 +63,16 @@ TEST(IneffectiveOptions, OfThePresets) {
                  of_antialiasing,
                  of_late,
                  of_quantization,
-                 {"sh-max-psnr-drop", "resolution-until", "growth-rank"}}));
-  const Names vanilla = all({of_energy,
-                             of_mcmc,
-                             of_antialiasing,
-                             of_late,
-                             of_scores,
-                             of_quantization,
-                             {"sh-max-psnr-drop", "phi-lr", "resolution-until", "growth-rank",
-                              "quantile-plus", "tau-plus", "quantile-minus", "tau-minus"}});
+                 {"sh-max-psnr-drop", "resolution-until", "growth-rank", "cooldown-to"}}));
+  const Names vanilla =
+      all({of_energy,
+           of_mcmc,
+           of_antialiasing,
+           of_late,
+           of_scores,
+           of_quantization,
+           {"sh-max-psnr-drop", "phi-lr", "resolution-until", "growth-rank", "quantile-plus",
+            "tau-plus", "quantile-minus", "tau-minus", "cooldown-to"}});
   EXPECT_EQ(ineffective_in("3dgs-sh1"), vanilla);
   EXPECT_EQ(ineffective_in("3dgs"), all({vanilla, {"sh-reduce", "sh-reduce-iter"}}));
 }

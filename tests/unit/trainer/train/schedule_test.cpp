@@ -252,9 +252,20 @@ TEST(Options, LatePruningByContributionDoesNotWaitForTheLastDensification) {
   EXPECT_EQ(resolved(o).get<LatePruningOptions>().until, 20000);
 }
 
+TEST(Options, ResetOpacitiesHaveTimeToComeBack) {
+  TrainOptions o = preset("flux").value();
+  for (const auto& [iterations, resets] : {std::pair(7000, false), {15000, true}, {45000, true}}) {
+    o.iterations = iterations;
+    EXPECT_EQ(resets_opacity(resolved(o)), resets) << iterations;
+  }
+  o = preset("3dgs").value();
+  o.iterations = 7000;
+  EXPECT_TRUE(resets_opacity(resolved(o)));
+}
+
 TEST(Options, QuantizationTakesTheSameShareOfLongRuns) {
   TrainOptions o = preset("flux").value();
-  for (const auto& [iterations, interval] : {std::pair(7000, 20), {30000, 30}, {45000, 45}}) {
+  for (const auto& [iterations, interval] : {std::pair(7000, 40), {45000, 45}, {60000, 60}}) {
     o.iterations = iterations;
     EXPECT_EQ(resolved(o).get<QuantizationAwareOptions>().interval, interval);
   }

@@ -51,6 +51,21 @@ TEST(Train, CamerasInOnePlaceHaveAnExtent) {
   EXPECT_EQ(scene_extent(views), 1.0);
 }
 
+TEST(Cooldown, RatesFallLogLinearlyAtTheEnd) {
+  CommonOptions o;
+  o.iterations = 1000;
+  EXPECT_EQ(cooldown_factor(o, 1000), 1);  // off
+  o.cooldown = 0.4;
+  o.cooldown_to = 0.01;
+  EXPECT_EQ(cooldown_factor(o, 1), 1);
+  EXPECT_EQ(cooldown_factor(o, 600), 1);
+  EXPECT_NEAR(cooldown_factor(o, 800), 0.1, 1e-12);
+  EXPECT_NEAR(cooldown_factor(o, 1000), 0.01, 1e-12);
+  EXPECT_NEAR(cooldown_factor(o, 1200), 0.01, 1e-12);  // resumed beyond its length
+  o.cooldown = 1;
+  EXPECT_NEAR(cooldown_factor(o, 500), 0.1, 1e-12);
+}
+
 TEST(Train, SeedsChangeTheResult) {
   const Dataset& data = small_capture();
   TrainOptions options = short_run(10);
