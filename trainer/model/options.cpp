@@ -34,8 +34,8 @@ OptionFields own_fields(TrainOptions& o) {
       real("opacity-lr", "learning rate of opacity logits", o.opacity_lr, 0, 10),
       real("scale-lr", "learning rate of log-scales", o.scale_lr, 0, 1),
       real("rotation-lr", "learning rate of quaternions", o.rotation_lr, 0, 1),
-      real("cooldown", "share of the run, at its end, in which all learning rates fall",
-           o.cooldown, 0, 1),
+      real("cooldown", "share of the run, at its end, in which all learning rates fall", o.cooldown,
+           0, 1),
       real("cooldown-to", "factor that learning rates fall to in the cooldown", o.cooldown_to, 1e-6,
            1)
           .only_if(o.cooldown > 0, "a --cooldown of more than 0"),
