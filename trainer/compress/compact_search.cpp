@@ -20,7 +20,6 @@ constexpr int kUsualTrials = 4;           // of one solve(), for the progress
 constexpr double kStride = 1;             // at most, of the logarithm of the step scale
 constexpr double kCloseEnough = 0.003;    // the same
 constexpr float kExactly = 0x1p-8f;       // of a step, where an error is not to count
-constexpr double kInvisible = 1e-8;       // 80 dB: more bytes are of no use
 constexpr double kErrorTolerance = 0.01;  // 0.04 dB: other views differ by more
 constexpr double kSizeTolerance = 1e-3;
 constexpr double kSizeToleranceAtFirst = 0.01;
@@ -259,7 +258,7 @@ Expected<CompactTrial> CompactSearch::search_bytes(std::size_t bytes, std::size_
                                                    int balances, double tolerance) const {
   const auto most = static_cast<double>(std::max(bytes, beside + 1) - beside);
   const Goal goal{.coarser_fits = true,
-                  .enough = kInvisible,
+                  .enough = kInvisibleMse,
                   .balances = balances,
                   .tolerance = tolerance,
                   .slope = 0.4,  // log₂ of the step's inverse is a quarter of the bits of a value

@@ -22,6 +22,9 @@ namespace fluxgs {
 /// Name of compact files that exist in memory only, in error messages.
 inline constexpr const char* kCompactFileName = "compact .glb";
 
+/// A mean square error that no image shows, 80 dB: more bytes are of no use.
+inline constexpr double kInvisibleMse = 1e-8;
+
 /// A scene stored once.
 struct CompactTrial {
   CompactOptions options;

@@ -10,12 +10,11 @@
 namespace fluxgs {
 namespace {
 
-constexpr double kFewestBits = 12;        // of a splat: with fewer, fewer splats are better
-constexpr double kFewer = 0.8;            // splats of the next look
-constexpr double kMuchFewer = 0.5;        // the same, where nothing fits
-constexpr int kWorseLooks = 2;            // after the best, one behind the other
-constexpr double kInvisibleError = 1e-8;  // 80 dB
-constexpr std::size_t kUsualLooks = 7;    // for the progress
+constexpr double kFewestBits = 12;      // of a splat: with fewer, fewer splats are better
+constexpr double kFewer = 0.8;          // splats of the next look
+constexpr double kMuchFewer = 0.5;      // the same, where nothing fits
+constexpr int kWorseLooks = 2;          // after the best, one behind the other
+constexpr std::size_t kUsualLooks = 7;  // for the progress
 
 std::size_t part_of(std::size_t count, double share) {
   return std::max<std::size_t>(1, static_cast<std::size_t>(static_cast<double>(count) * share));
@@ -50,7 +49,7 @@ Expected<SizedScene> splats_within_bytes(SceneReduction& reduction, const SceneE
     } else if (best) {
       ++worse;
     }
-    if (best && (worse == kWorseLooks || best->mse <= kInvisibleError || count == 1)) break;
+    if (best && (worse == kWorseLooks || best->mse <= kInvisibleMse || count == 1)) break;
     if (!found && count == 1) return std::unexpected(found.error());
     count = part_of(count, found ? kFewer : kMuchFewer);
   }

@@ -1,5 +1,7 @@
 // Project → sort → bin → blend tiles, and back: the CPU backend of Rasterizer.
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 
 #include "trainer/raster/cpu/binning.h"
@@ -60,31 +62,21 @@ class CpuRasterizer final : public Rasterizer {
 
   const PlanarFloats& score(const PlanarImage& maps, ScoreWeight weight) override {
     ProfileScope scope(profiler_, "score");
-    pair_scores_.resize(lists_.entries.size());
-    threads_.for_pieces(lists_.tiles(), 1, [&](std::size_t tile, std::size_t) {
-      ScoreArgs args{tile_args(tile), maps.plane(0), maps.channels() > 2, weight,
-                     pair_scores_.data()};
-      for (std::uint32_t e = used_[tile]; e < args.tile.count; ++e)
-        pair_scores_[args.tile.entries[e].slot] = {};
-      args.tile.count = used_[tile];
-      kernels_.score(args);
+    replay_tiles(pair_scores_, [&](const TileArgs& tile) {
+      kernels_.score({tile, maps.plane(0), maps.channels() > 2, weight, pair_scores_.data()});
     });
-    sum_scores();
+    scores_ = PlanarFloats(score::count, splats_.size());
+    sum_fields(pair_scores_, scores_);
     return scores_;
   }
 
   const PlanarFloats& removal(const PlanarImage& target) override {
     ProfileScope scope(profiler_, "score");
-    pair_removals_.resize(lists_.entries.size());
-    threads_.for_pieces(lists_.tiles(), 1, [&](std::size_t tile, std::size_t) {
-      RemovalArgs args{tile_args(tile), target.plane(0), target.channels() > 3,
-                       pair_removals_.data()};
-      for (std::uint32_t e = used_[tile]; e < args.tile.count; ++e)
-        pair_removals_[args.tile.entries[e].slot] = {};
-      args.tile.count = used_[tile];
-      kernels_.removal(args);
+    replay_tiles(pair_removals_, [&](const TileArgs& tile) {
+      kernels_.removal({tile, target.plane(0), target.channels() > 3, pair_removals_.data()});
     });
-    sum_removals();
+    removals_ = PlanarFloats(removal::count, splats_.size());
+    sum_fields(pair_removals_, removals_);
     return removals_;
   }
 
@@ -159,15 +151,23 @@ class CpuRasterizer final : public Rasterizer {
     for (std::uint64_t p : pairs) pixel_pairs_ += p;
   }
 
+  /// Calls replay(arguments of a tile) for the entries of each tile that the last forward pass
+  /// blended; it fills their `pairs`. Entries behind finished pixels were never blended: zeros.
+  template <class Pair, class Replay>
+  void replay_tiles(std::vector<Pair>& pairs, const Replay& replay) {
+    pairs.resize(lists_.entries.size());
+    threads_.for_pieces(lists_.tiles(), 1, [&](std::size_t tile, std::size_t) {
+      TileArgs args = tile_args(tile);
+      for (std::uint32_t e = used_[tile]; e < args.count; ++e) pairs[args.entries[e].slot] = {};
+      args.count = used_[tile];
+      replay(args);
+    });
+  }
+
   void backpropagate_tiles(const PlanarImage& color_gradient,
                            const PlanarImage* transmittance_gradient) {
     ProfileScope scope(profiler_, "backward");
-    pairs_.resize(lists_.entries.size());
-    threads_.for_pieces(lists_.tiles(), 1, [&](std::size_t tile, std::size_t) {
-      TileArgs args = tile_args(tile);
-      // Entries behind finished pixels were never blended
-      for (std::uint32_t e = used_[tile]; e < args.count; ++e) pairs_[args.entries[e].slot] = {};
-      args.count = used_[tile];
+    replay_tiles(pairs_, [&](TileArgs args) {
       args.color_gradient = color_gradient.plane(0);
       if (transmittance_gradient) args.transmittance_gradient = transmittance_gradient->plane(0);
       args.gradients = pairs_.data();
@@ -191,38 +191,18 @@ class CpuRasterizer final : public Rasterizer {
     });
   }
 
-  void sum_scores() {
-    scores_ = PlanarFloats(score::count, splats_.size());
+  /// Adds up each splat's pairs, which consist of floats: one row for each.
+  template <class Pair>
+  void sum_fields(const std::vector<Pair>& pairs, PlanarFloats& rows) {
+    constexpr std::size_t kFields = sizeof(Pair) / sizeof(float);
     threads_.for_pieces(lists_.order.size(), kSplatPiece, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
-        PairScore total{};
+        std::array<float, kFields> total{};
         for (std::uint32_t slot = lists_.first_slot[k]; slot < lists_.first_slot[k + 1]; ++slot) {
-          const PairScore& p = pair_scores_[slot];
-          total.first += p.first;
-          total.second += p.second;
-          total.contribution += p.contribution;
-          total.pixels += p.pixels;
+          const auto fields = std::bit_cast<std::array<float, kFields>>(pairs[slot]);
+          for (std::size_t f = 0; f < kFields; ++f) total[f] += fields[f];
         }
-        const std::uint32_t splat = lists_.order[k];
-        scores_.row(score::first)[splat] = total.first;
-        scores_.row(score::second)[splat] = total.second;
-        scores_.row(score::contribution)[splat] = total.contribution;
-        scores_.row(score::pixels)[splat] = total.pixels;
-      }
-    });
-  }
-
-  void sum_removals() {
-    removals_ = PlanarFloats(removal::count, splats_.size());
-    threads_.for_pieces(lists_.order.size(), kSplatPiece, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) {
-        PairRemoval total{};
-        for (std::uint32_t slot = lists_.first_slot[k]; slot < lists_.first_slot[k + 1]; ++slot) {
-          total.change += pair_removals_[slot].change;
-          total.pixels += pair_removals_[slot].pixels;
-        }
-        removals_.row(removal::change)[lists_.order[k]] = total.change;
-        removals_.row(removal::pixels)[lists_.order[k]] = total.pixels;
+        for (std::size_t f = 0; f < kFields; ++f) rows.row(f)[lists_.order[k]] = total[f];
       }
     });
   }
@@ -271,7 +251,7 @@ class CpuRasterizer final : public Rasterizer {
   std::vector<PairScore> pair_scores_;
   PlanarFloats scores_;
 
-  // Of the last removal()
+  // Results of the last removal()
   std::vector<PairRemoval> pair_removals_;
   PlanarFloats removals_;
 

@@ -30,7 +30,7 @@ SplatCloud crowd(std::uint32_t seed) {
 
 Camera view() { return test::camera_at({1.0, -0.7, -2.4}, {0, 0, 0}, kWidth, kHeight); }
 
-/// Whether a pixel counts where there is a mask.
+/// The mask: true for pixels that count.
 bool counts(int x, int y) { return (x / 5 + y / 3) % 3 != 0; }
 
 double squared_error(const SplatCloud& cloud, const Image<double>& target, bool masked) {
