@@ -12,17 +12,16 @@
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/io/file.h"
 #include "fluxgs/io/spz.h"
-#include "tools/fluxgs/cameras/orbit.h"
 #include "tools/fluxgs/commands/command.h"
 #include "tools/fluxgs/commands/plot.h"
 #include "tools/fluxgs/commands/report.h"
+#include "tools/fluxgs/commands/report_scene.h"
 #include "tools/fluxgs/options/data_options.h"
 #include "tools/fluxgs/terminal/console.h"
 #include "tools/fluxgs/terminal/json_file.h"
 #include "tools/fluxgs/terminal/progress.h"
 #include "trainer/compress/compact_search.h"
 #include "trainer/compress/view_sensitivity.h"
-#include "trainer/train/evaluate.h"
 
 namespace fluxgs::cli {
 namespace {
@@ -62,12 +61,9 @@ class Bench {
  public:
   Bench(const SplatCloud& cloud, const Dataset* data, const RenderOptions& options,
         const Threads& threads)
-      : data_(data),
-        options_(options),
-        threads_(threads),
-        error_(cloud, evaluation_cameras(cloud, data), options, threads) {}
+      : quality_(cloud, data, options, threads) {}
 
-  const SceneError& error() const { return error_; }
+  const SceneError& error() const { return quality_.error(); }
 
   /// Reads the file, with its time, and looks at it.
   Expected<FormatRow> measure(std::string name, const std::vector<std::byte>& file,
@@ -86,14 +82,10 @@ class Bench {
 
   Expected<FormatRow> look(FormatRow row, const SplatCloud& cloud) const {
     row.splats = cloud.size();
-    const auto mse = error_.mse(cloud);
-    if (!mse) return std::unexpected(mse.error());
-    row.psnr = psnr_of_mse(*mse);
-    if (data_ == nullptr || data_->test.empty()) return row;
-    const auto score =
-        evaluate(data_->test, cpu_view_renderer(cloud, options_, threads_), threads_);
-    if (!score) return std::unexpected(score.error());
-    row.view_psnr = score->psnr;
+    const auto quality = quality_.measure(cloud);
+    if (!quality) return std::unexpected(quality.error());
+    row.psnr = quality->psnr;
+    row.view_psnr = quality->view_psnr;
     return row;
   }
 
@@ -104,10 +96,7 @@ class Bench {
   }
 
  private:
-  const Dataset* data_;
-  RenderOptions options_;
-  const Threads& threads_;
-  SceneError error_;
+  QualityBench quality_;
 };
 
 using Encoder = std::function<Expected<std::vector<std::byte>>()>;
@@ -258,14 +247,10 @@ Plot plot_of(const CodecReport& s, const std::vector<FormatRow>& rows) {
 
 Expected<void> report(const CodecReport& s) {
   if (auto ok = check_report_outputs(s.plot, s.report); !ok) return ok;
-  auto scene = load_scene(s.scene);
-  if (!scene) return std::unexpected(scene.error());
-  SplatCloud& cloud = scene->cloud;
-  if (cloud.size() == 0) return fail(s.scene, "", "has no splats; expected a scene to measure");
-  limit_sh_degree(cloud, s.sh_degree);
-  auto data = load_if_given(s.data);
-  if (!data) return std::unexpected(data.error());
-  const Dataset* views = *data ? &**data : nullptr;
+  auto loaded = load_report_scene(s.scene, s.sh_degree, s.data);
+  if (!loaded) return std::unexpected(loaded.error());
+  const SplatCloud& cloud = loaded->scene.cloud;
+  const Dataset* views = loaded->views();
   const Threads threads(s.data.threads);
   RenderOptions render;
   render.background = s.data.background_color();

@@ -18,15 +18,12 @@
 #include "tools/fluxgs/commands/command.h"
 #include "tools/fluxgs/commands/plot.h"
 #include "tools/fluxgs/commands/report.h"
+#include "tools/fluxgs/commands/report_scene.h"
 #include "tools/fluxgs/options/data_options.h"
 #include "tools/fluxgs/terminal/console.h"
 #include "tools/fluxgs/terminal/json_file.h"
 #include "tools/fluxgs/terminal/progress.h"
-#include "trainer/compress/scene_error.h"
 #include "trainer/compress/scene_reduction.h"
-#include "trainer/core/psnr.h"
-#include "trainer/raster/view_renderer.h"
-#include "trainer/train/evaluate.h"
 
 namespace fluxgs::cli {
 namespace {
@@ -51,43 +48,24 @@ struct SizeRow {
   bool on_front = false;            ///< no file is smaller and as near to the whole scene
 };
 
-/// Measures files of one scene.
-class SizeBench {
- public:
-  SizeBench(const SplatCloud& whole, const Dataset* data, const RenderOptions& options,
-            const Threads& threads)
-      : data_(data),
-        options_(options),
-        threads_(threads),
-        error_(whole, evaluation_cameras(whole, data), options, threads) {}
-
-  Expected<SizeRow> measure(const SplatCloud& cloud, double step_scale) const {
-    const CompactOptions options{.steps = default_quantization_steps(cloud, step_scale)};
-    const auto file = encode_compact_glb(cloud, options, "scene");
-    if (!file) return std::unexpected(file.error());
-    const auto stored = read_scene(*file, "scene");
-    if (!stored) return std::unexpected(stored.error());
-    const auto mse = error_.mse(stored->cloud);
-    if (!mse) return std::unexpected(mse.error());
-    SizeRow row;
-    row.splats = cloud.size();
-    row.bytes = file->size();
-    row.step_scale = step_scale;
-    row.psnr = psnr_of_mse(*mse);
-    if (data_ == nullptr || data_->test.empty()) return row;
-    const auto score =
-        evaluate(data_->test, cpu_view_renderer(stored->cloud, options_, threads_), threads_);
-    if (!score) return std::unexpected(score.error());
-    row.view_psnr = score->psnr;
-    return row;
-  }
-
- private:
-  const Dataset* data_;
-  RenderOptions options_;
-  const Threads& threads_;
-  SceneError error_;
-};
+/// Stores a cloud and looks at what the file shows.
+Expected<SizeRow> measure_file(const QualityBench& bench, const SplatCloud& cloud,
+                               double step_scale) {
+  const CompactOptions options{.steps = default_quantization_steps(cloud, step_scale)};
+  const auto file = encode_compact_glb(cloud, options, "scene");
+  if (!file) return std::unexpected(file.error());
+  const auto stored = read_scene(*file, "scene");
+  if (!stored) return std::unexpected(stored.error());
+  const auto quality = bench.measure(stored->cloud);
+  if (!quality) return std::unexpected(quality.error());
+  SizeRow row;
+  row.splats = cloud.size();
+  row.bytes = file->size();
+  row.step_scale = step_scale;
+  row.psnr = quality->psnr;
+  row.view_psnr = quality->view_psnr;
+  return row;
+}
 
 void mark_smallest(std::vector<SizeRow>& rows) {
   for (SizeRow& a : rows)
@@ -96,7 +74,7 @@ void mark_smallest(std::vector<SizeRow>& rows) {
     });
 }
 
-Expected<std::vector<SizeRow>> size_rows(const SizesReport& s, const SizeBench& bench,
+Expected<std::vector<SizeRow>> size_rows(const SizesReport& s, const QualityBench& bench,
                                          SceneReduction& reduction) {
   constexpr double kReductionShare = 3;  // of the time of a number of splats, to one of each file
   const auto whole = static_cast<double>(reduction.size());
@@ -115,7 +93,7 @@ Expected<std::vector<SizeRow>> size_rows(const SizesReport& s, const SizeBench& 
     const SplatCloud cloud = reduction.cloud();
     const ProgressReport progress = parts.part(2 * i + 1);
     for (std::size_t k = 0; k < std::size(kStepScales); ++k) {
-      const auto row = bench.measure(cloud, kStepScales[k]);
+      const auto row = measure_file(bench, cloud, kStepScales[k]);
       if (!row) return std::unexpected(row.error());
       rows.push_back(*row);
       if (progress) progress(k + 1, std::size(kStepScales));
@@ -173,19 +151,16 @@ Plot sizes_plot(const SizesReport& s, const std::vector<SizeRow>& rows) {
 
 Expected<void> report_scene_sizes(const SizesReport& s) {
   if (auto ok = check_report_outputs(s.plot, s.report); !ok) return ok;
-  auto scene = load_scene(s.scene);
-  if (!scene) return std::unexpected(scene.error());
-  SplatCloud& cloud = scene->cloud;
-  if (cloud.size() == 0) return fail(s.scene, "", "has no splats; expected a scene to measure");
-  limit_sh_degree(cloud, s.sh_degree);
-  auto data = load_if_given(s.data);
-  if (!data) return std::unexpected(data.error());
-  const Dataset* views = *data ? &**data : nullptr;
+  auto loaded = load_report_scene(s.scene, s.sh_degree, s.data);
+  if (!loaded) return std::unexpected(loaded.error());
+  const SplatCloud& cloud = loaded->scene.cloud;
+  const Dataset* views = loaded->views();
   const Threads threads(s.data.threads);
   ReductionOptions options;
   options.render.background = s.data.background_color();
-  const SizeBench bench(cloud, views, options.render, threads);
-  SceneReduction reduction(cloud, reduction_cameras(cloud, scene->start, views), options, threads);
+  const QualityBench bench(cloud, views, options.render, threads);
+  SceneReduction reduction(cloud, reduction_cameras(cloud, loaded->scene.start, views), options,
+                           threads);
   const auto rows = size_rows(s, bench, reduction);
   if (!rows) return std::unexpected(rows.error());
   auto given = give_report(s.report, sizes_json(s, cloud, *rows), [&] { print_sizes(*rows); });

@@ -9,6 +9,7 @@
 #include "fluxgs/render_options.h"
 #include "render/memory_estimate.h"
 #include "render/render_target.h"
+#include "render/renderer.h"
 #include "render/settings.h"
 
 namespace fluxgs::cli {
