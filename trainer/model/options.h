@@ -107,8 +107,8 @@ struct CommonOptions {
   int sh_degree = 3;  ///< 0…3
 
   // Learning rates of Adam, per iteration
-  double position_lr = 1.6e-4;         ///< × scene extent, at the start
-  double position_lr_final = 1.6e-6;   ///< × scene extent, after position_lr_iterations; log-linear
+  double position_lr = 1.6e-4;        ///< × scene extent, at the start
+  double position_lr_final = 1.6e-6;  ///< × scene extent, after position_lr_iterations; log-linear
   double cooldown = 0;       ///< 0…1: share of the run, at its end, in which all rates fall
   double cooldown_to = 0.1;  ///< 0…1: the factor that they fall to, log-linear
   int position_lr_iterations = 30000;  ///< fixed in 3DGS, so that short runs end with a higher rate
