@@ -23,6 +23,7 @@ METRICS = (
     ("ply_bytes", ".ply (MB)", 1e-6, 2),
     ("seconds", "time (min)", 1 / 60, 2),
     ("cpu_seconds", "CPU (min)", 1 / 60, 2),
+    ("peak_memory", "memory at most (MB)", 1e-6, 0),
     ("frame_ms", "frame (ms)", 1, 1),
 )
 PARTIAL = {"sh_reduction_psnr"}  # not every kind of training has it

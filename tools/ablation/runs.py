@@ -174,7 +174,8 @@ def at(tree, path):
 SOURCES = {
     "train.json": {"psnr": "psnr_before_compression", "ssim": "ssim_before_compression",
                    "splats": "splats", "stored_bytes": "bytes", "ply_bytes": "float_bytes",
-                   "seconds": "seconds", "cpu_seconds": "cpu_seconds", "threads": "threads"},
+                   "seconds": "seconds", "cpu_seconds": "cpu_seconds", "threads": "threads",
+                   "peak_memory": "peak_memory_bytes"},
     "score.json": {"stored_psnr": "psnr", "stored_ssim": "ssim", "stored_flip": "flip",
                    "stored_lpips": "lpips/vgg/zero_to_one"},
     "frames.json": {"frame_ms": "sort_to_display_ms/median"},

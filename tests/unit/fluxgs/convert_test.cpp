@@ -434,6 +434,28 @@ TEST(Command, CompactScenesAreSearchedForAndReportedOn) {
                {"x.pdf: --plot", ".png or .svg"});
 }
 
+TEST(Reports, MeasureLpipsOfEveryFile) {
+  const test::TempFolder folder;
+  const auto scene = folder / "scene.ply";
+  ASSERT_TRUE(write_scene(scene, test::random_cloud(200, 1, 9)));
+  const std::string data = " --data " + quoted(capture_folder());
+  for (const char* kind : {"codec", "sizes --counts 2"}) {
+    const std::string report = fmt::format("report {} {} --lpips alex", kind, quoted(scene));
+    expect_error(fluxgs(report), {"--lpips", "no test images", "expected --data"});
+    expect_error(fluxgs(report + data, "FLUXGS_LPIPS=" + quoted(folder / "none")),
+                 {"alex.onnx", "tools/deps/lpips"});
+    const Outcome measured = fluxgs(report + " --json -" + data);
+    if (measured.err.find("tools/deps/lpips") != std::string::npos) GTEST_SKIP() << measured.err;
+    ASSERT_EQ(measured.status, 0) << measured.err;
+    const json found = json::parse(measured.out);
+    EXPECT_EQ(found.at("lpips"), "alex");
+    for (const json& row : found.at("rows")) {
+      EXPECT_GT(row.at("view_lpips").at("zero_to_one").get<double>(), 0);
+      EXPECT_GT(row.at("view_lpips").at("minus_one_to_one").get<double>(), 0);
+    }
+  }
+}
+
 TEST(ReportSizes, HasErrorsOfEachSize) {
   const test::TempFolder folder;
   const auto scene = folder / "scene.ply";

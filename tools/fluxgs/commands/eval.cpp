@@ -32,15 +32,6 @@ double mean_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-LpipsError mean_of(const std::vector<LpipsError>& errors) {
-  LpipsError mean;
-  for (const LpipsError& error : errors) {
-    mean.zero_to_one += error.zero_to_one / static_cast<double>(errors.size());
-    mean.minus_one_to_one += error.minus_one_to_one / static_cast<double>(errors.size());
-  }
-  return mean;
-}
-
 /// Measures of each view beside PSNR and SSIM; those that were not asked for are empty.
 struct Perceived {
   std::vector<double> flip;

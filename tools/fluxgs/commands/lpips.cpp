@@ -166,4 +166,13 @@ Expected<std::vector<LpipsError>> lpips_errors(const std::vector<View>& views,
   return errors;
 }
 
+LpipsError mean_of(const std::vector<LpipsError>& errors) {
+  LpipsError mean;
+  for (const LpipsError& error : errors) {
+    mean.zero_to_one += error.zero_to_one / static_cast<double>(errors.size());
+    mean.minus_one_to_one += error.minus_one_to_one / static_cast<double>(errors.size());
+  }
+  return mean;
+}
+
 }  // namespace fluxgs::cli

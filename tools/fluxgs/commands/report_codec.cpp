@@ -29,7 +29,7 @@ namespace {
 using nlohmann::json;
 
 struct CodecReport {
-  std::string scene, plot, report;
+  std::string scene, plot, report, lpips;
   std::vector<std::string> compare;
   DataOptions data;
   int sh_degree = 3;
@@ -46,8 +46,7 @@ struct FormatRow {
   std::string name;
   bool compact = false;  ///< on the curve of the compact codec
   std::size_t splats = 0, bytes = 0;
-  double psnr = 0;                  ///< to the images of the uncompressed scene
-  std::optional<double> view_psnr;  ///< to the test images
+  SceneQuality quality;  ///< beside the uncompressed scene
   double encode_ms = 0, decode_ms = 0;
   AttributeBits attribute_bits;
 
@@ -59,9 +58,7 @@ struct FormatRow {
 /// Scene and renderer of every row.
 class Bench {
  public:
-  Bench(const SplatCloud& cloud, const Dataset* data, const RenderOptions& options,
-        const Threads& threads)
-      : quality_(cloud, data, options, threads) {}
+  explicit Bench(QualityBench quality) : quality_(std::move(quality)) {}
 
   const SceneError& error() const { return quality_.error(); }
 
@@ -84,8 +81,7 @@ class Bench {
     row.splats = cloud.size();
     const auto quality = quality_.measure(cloud);
     if (!quality) return std::unexpected(quality.error());
-    row.psnr = quality->psnr;
-    row.view_psnr = quality->view_psnr;
+    row.quality = *quality;
     return row;
   }
 
@@ -199,26 +195,28 @@ json to_json(const CodecReport& s, const SplatCloud& cloud, const std::vector<Fo
                     {"splats", row.splats},
                     {"bytes", row.bytes},
                     {"bits_per_splat", row.bits_per_splat()},
-                    {"psnr", finite_or_null(row.psnr)},
-                    {"view_psnr", row.view_psnr ? json(*row.view_psnr) : json(nullptr)},
                     {"encode_ms", row.encode_ms},
                     {"decode_ms", row.decode_ms},
                     {"attributes", row.attribute_bits}});
+    add_quality(row.quality, list.back());
   }
   return {{"scene", s.scene},
           {"splats", cloud.size()},
           {"sh_degree", cloud.sh_degree},
           {"data", s.data.folder},
+          {"lpips", s.lpips.empty() ? json(nullptr) : json(s.lpips)},
           {"rows", std::move(list)}};
 }
 
 void print_table(const std::vector<FormatRow>& rows) {
-  fmt::print("{:<34}{:>10}{:>8}{:>10}{:>10}{:>9}{:>9}\n", "file", "bytes", "bits", "PSNR", "images",
-             "encode", "decode");
-  for (const FormatRow& row : rows)
-    fmt::print("{:<34}{:>10}{:>8.1f}{:>10}{:>10}{:>7.0f}ms{:>7.0f}ms\n", row.name, row.bytes,
-               row.bits_per_splat(), decibels(row.psnr),
-               row.view_psnr ? decibels(*row.view_psnr) : "", row.encode_ms, row.decode_ms);
+  fmt::print("{:<34}{:>10}{:>8}{:>10}{:>10}{:>9}{:>9}{:>9}\n", "file", "bytes", "bits", "PSNR",
+             "images", "LPIPS", "encode", "decode");
+  for (const FormatRow& row : rows) {
+    const SceneQuality& q = row.quality;
+    fmt::print("{:<34}{:>10}{:>8.1f}{:>10}{:>10}{:>9}{:>7.0f}ms{:>7.0f}ms\n", row.name, row.bytes,
+               row.bits_per_splat(), decibels(q.psnr), q.view_psnr ? decibels(*q.view_psnr) : "",
+               q.lpips_cell(), row.encode_ms, row.decode_ms);
+  }
   fmt::print("\nbits a splat of each attribute\n");
   for (const FormatRow& row : rows) {
     fmt::print("{:<34}", row.name);
@@ -236,10 +234,10 @@ Plot plot_of(const CodecReport& s, const std::vector<FormatRow>& rows) {
             .log_x = true,
             .series = {{"compact .glb", {}}}};
   for (const FormatRow& row : rows) {
-    const std::pair point(row.bits_per_splat(), row.psnr);
+    const std::pair point(row.bits_per_splat(), row.quality.psnr);
     if (row.compact)
       plot.series[0].points.push_back(point);
-    else if (row.psnr < kMaxReportedPsnr)
+    else if (row.quality.psnr < kMaxReportedPsnr)
       plot.series.push_back({row.name, {point}, false});
   }
   return plot;
@@ -252,9 +250,11 @@ Expected<void> report(const CodecReport& s) {
   const SplatCloud& cloud = loaded->scene.cloud;
   const Dataset* views = loaded->views();
   const Threads threads(s.data.threads);
+  auto lpips = load_report_lpips(s.lpips, *loaded, s.data, threads);
+  if (!lpips) return std::unexpected(lpips.error());
   RenderOptions render;
   render.background = s.data.background_color();
-  const Bench bench(cloud, views, render, threads);
+  const Bench bench(QualityBench(cloud, views, std::move(*lpips), render, threads));
   CompactOptions options{.steps = default_quantization_steps(cloud)};
   if (views != nullptr)
     options.sensitivity = view_sensitivity(cameras_of(views->train), cloud, false, render, threads,
@@ -279,6 +279,7 @@ void add_report_codec(CLI::App& app, Action& action) {
       "Example: fluxgs report codec garden.ply --data captures/garden --plot codec.png");
   command->add_option("scene", s->scene, "the scene file")->required();
   command->add_option("--data", s->data.folder, "the data set with the images");
+  add_report_lpips(*command, s->lpips);
   command->add_option("--compare", s->compare, "other files of the same scene");
   command->add_option("--sh-degree", s->sh_degree, "highest SH degree to keep")
       ->check(whole_in(0, 3))

@@ -31,7 +31,7 @@ namespace {
 using nlohmann::json;
 
 struct SizesReport {
-  std::string scene, plot, report;
+  std::string scene, plot, report, lpips;
   DataOptions data;
   int counts = 9, sh_degree = 3;
 };
@@ -43,9 +43,8 @@ constexpr double kStepScales[] = {0.7, 1.4, 2.8};  // to the default steps
 struct SizeRow {
   std::size_t splats = 0, bytes = 0;
   double step_scale = 1;
-  double psnr = 0;                  ///< to the images of the whole scene
-  std::optional<double> view_psnr;  ///< to the test images
-  bool on_front = false;            ///< no file is smaller and as near to the whole scene
+  SceneQuality quality;
+  bool on_front = false;  ///< no file is smaller and as near to the whole scene
 };
 
 /// Stores a cloud and looks at what the file shows.
@@ -62,15 +61,15 @@ Expected<SizeRow> measure_file(const QualityBench& bench, const SplatCloud& clou
   row.splats = cloud.size();
   row.bytes = file->size();
   row.step_scale = step_scale;
-  row.psnr = quality->psnr;
-  row.view_psnr = quality->view_psnr;
+  row.quality = *quality;
   return row;
 }
 
 void mark_smallest(std::vector<SizeRow>& rows) {
   for (SizeRow& a : rows)
     a.on_front = std::ranges::none_of(rows, [&](const SizeRow& b) {
-      return (b.bytes < a.bytes && b.psnr >= a.psnr) || (b.bytes <= a.bytes && b.psnr > a.psnr);
+      return (b.bytes < a.bytes && b.quality.psnr >= a.quality.psnr) ||
+             (b.bytes <= a.bytes && b.quality.psnr > a.quality.psnr);
     });
 }
 
@@ -105,29 +104,31 @@ Expected<std::vector<SizeRow>> size_rows(const SizesReport& s, const QualityBenc
 
 json sizes_json(const SizesReport& s, const SplatCloud& whole, const std::vector<SizeRow>& rows) {
   json list = json::array();
-  for (const SizeRow& row : rows)
+  for (const SizeRow& row : rows) {
     list.push_back({{"splats", row.splats},
                     {"bytes", row.bytes},
                     {"step_scale", row.step_scale},
-                    {"psnr", finite_or_null(row.psnr)},
-                    {"view_psnr", row.view_psnr ? json(*row.view_psnr) : json(nullptr)},
                     {"on_front", row.on_front}});
+    add_quality(row.quality, list.back());
+  }
   return {{"scene", s.scene},
           {"splats", whole.size()},
           {"sh_degree", whole.sh_degree},
           {"data", s.data.folder},
+          {"lpips", s.lpips.empty() ? json(nullptr) : json(s.lpips)},
           {"rows", std::move(list)}};
 }
 
 void print_sizes(std::vector<SizeRow> rows) {
   std::ranges::sort(rows, std::greater(), &SizeRow::bytes);
-  fmt::print("{:>10}{:>10}{:>8}{:>8}{:>10}{:>10}\n", "bytes", "splats", "steps", "bits", "PSNR",
-             "images");
+  fmt::print("{:>10}{:>10}{:>8}{:>8}{:>10}{:>10}{:>9}\n", "bytes", "splats", "steps", "bits",
+             "PSNR", "images", "LPIPS");
   for (const SizeRow& row : rows)
-    fmt::print("{:>10}{:>10}{:>8g}{:>8.1f}{:>10}{:>10}{}\n", row.bytes, row.splats, row.step_scale,
-               8.0 * static_cast<double>(row.bytes) / static_cast<double>(row.splats),
-               decibels(row.psnr), row.view_psnr ? decibels(*row.view_psnr) : "",
-               row.on_front ? "  Pareto" : "");
+    fmt::print(
+        "{:>10}{:>10}{:>8g}{:>8.1f}{:>10}{:>10}{:>9}{}\n", row.bytes, row.splats, row.step_scale,
+        8.0 * static_cast<double>(row.bytes) / static_cast<double>(row.splats),
+        decibels(row.quality.psnr), row.quality.view_psnr ? decibels(*row.quality.view_psnr) : "",
+        row.quality.lpips_cell(), row.on_front ? "  Pareto" : "");
 }
 
 Plot sizes_plot(const SizesReport& s, const std::vector<SizeRow>& rows) {
@@ -140,8 +141,9 @@ Plot sizes_plot(const SizesReport& s, const std::vector<SizeRow>& rows) {
   PlotSeries photos{"to the test images", {}}, others{"other files", {}, false};
   for (const SizeRow& row : rows) {
     const auto bytes = static_cast<double>(row.bytes);
-    (row.on_front ? plot.series[0] : others).points.emplace_back(bytes, row.psnr);
-    if (row.on_front && row.view_psnr) photos.points.emplace_back(bytes, *row.view_psnr);
+    (row.on_front ? plot.series[0] : others).points.emplace_back(bytes, row.quality.psnr);
+    if (row.on_front && row.quality.view_psnr)
+      photos.points.emplace_back(bytes, *row.quality.view_psnr);
   }
   for (PlotSeries* series : {&plot.series[0], &photos}) std::ranges::sort(series->points);
   if (!photos.points.empty()) plot.series.push_back(std::move(photos));
@@ -158,7 +160,9 @@ Expected<void> report_scene_sizes(const SizesReport& s) {
   const Threads threads(s.data.threads);
   ReductionOptions options;
   options.render.background = s.data.background_color();
-  const QualityBench bench(cloud, views, options.render, threads);
+  auto lpips = load_report_lpips(s.lpips, *loaded, s.data, threads);
+  if (!lpips) return std::unexpected(lpips.error());
+  const QualityBench bench(cloud, views, std::move(*lpips), options.render, threads);
   SceneReduction reduction(cloud, reduction_cameras(cloud, loaded->scene.start, views), options,
                            threads);
   const auto rows = size_rows(s, bench, reduction);
@@ -183,6 +187,7 @@ void add_report_sizes(CLI::App& app, Action& action) {
       "sizes.json");
   command->add_option("scene", s->scene, "the scene file")->required();
   command->add_option("--data", s->data.folder, "the data set with the images");
+  add_report_lpips(*command, s->lpips);
   command->add_option("--counts", s->counts, "numbers of splats, the whole scene among them")
       ->check(whole_in(1, 30))
       ->capture_default_str();
