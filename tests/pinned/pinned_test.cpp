@@ -96,34 +96,50 @@ std::string hash_of(const std::filesystem::path& path) {
 /// Kernels with fused products give the same bits, whatever their lanes.
 std::string_view kernels_of(Isa isa) { return isa == Isa::baseline ? "separate" : "fused"; }
 
+bool same_surroundings(const std::map<std::string, std::string>& hashes) {
+  const auto found = hashes.find("");
+  return updates() || (found != hashes.end() && found->second == surroundings());
+}
+
+/// Trains into scene.glb and scene.ply of a folder.
+void train(const std::filesystem::path& capture, const std::filesystem::path& folder, Isa isa,
+           const std::string& options) {
+  const std::string command =
+      fmt::format("FLUXGS_ISA={} '{}' train '{}' -o '{}' --float-output '{}' {} >'{}' 2>&1",
+                  name_of(isa), FLUXGS_BINARY, capture.string(), (folder / "scene.glb").string(),
+                  (folder / "scene.ply").string(), options, (folder / "log").string());
+  ASSERT_EQ(std::system(command.c_str()), 0) << command;
+}
+
+void expect_pinned(std::map<std::string, std::string>& hashes, const std::string& key,
+                   const std::filesystem::path& file, bool may_be_missing = false) {
+  const std::string hash = hash_of(file);
+  if (updates())
+    hashes[key] = hash;
+  else if (const auto found = hashes.find(key); found != hashes.end())
+    EXPECT_EQ(hash, found->second) << key;
+  else
+    EXPECT_TRUE(may_be_missing) << "no hash of " << key;
+}
+
 class Pinned : public testing::TestWithParam<std::tuple<Case, Isa>> {};
 
 TEST_P(Pinned, TrainsTheSameScene) {
   const auto& [pinned, isa] = GetParam();
   auto hashes = read_hashes();
-  if (!updates() && hashes[""] != surroundings())
+  if (!same_surroundings(hashes))
     GTEST_SKIP() << "pinned with " << hashes[""] << "; this is " << surroundings();
   const test::TempFolder folder;
-  const std::string command = fmt::format(
-      "FLUXGS_ISA={} '{}' train '{}' -o '{}' --float-output '{}' --iterations 300 --initial-splats "
-      "4000 "
-      "{} >'{}' 2>&1",
-      name_of(isa), FLUXGS_BINARY, capture_folder().string(), (folder / "scene.glb").string(),
-      (folder / "scene.ply").string(), pinned.options, (folder / "log").string());
-  ASSERT_EQ(std::system(command.c_str()), 0) << command;
+  ASSERT_NO_FATAL_FAILURE(
+      train(capture_folder(), folder.path(), isa,
+            fmt::format("--iterations 300 --initial-splats 4000 {}", pinned.options)));
   for (const char* file : {"scene.ply", "scene.glb"}) {
     // onnxruntime decides what goes into this file, by sums whose order depends on the processor
     const bool networks = std::string(pinned.name) == "flux-paper" && file[6] == 'g';
     const std::string key =
         fmt::format("{} {} {}{}", pinned.name, kernels_of(isa), file,
                     networks ? fmt::format(" on {}", name_of(available_isas().back())) : "");
-    const std::string hash = hash_of(folder / file);
-    if (updates())
-      hashes[key] = hash;
-    else if (const auto found = hashes.find(key); found != hashes.end())
-      EXPECT_EQ(hash, found->second) << key;
-    else
-      EXPECT_TRUE(networks) << "no hash of " << key;
+    expect_pinned(hashes, key, folder / file, networks);
   }
   if (updates()) write_hashes(hashes);
 }
@@ -136,6 +152,33 @@ INSTANTIATE_TEST_SUITE_P(Trainings, Pinned,
                            std::ranges::replace(name, '-', '_');
                            return name + "_" + std::string(name_of(std::get<1>(pinned.param)));
                          });
+
+class QuickstartScene : public testing::TestWithParam<Isa> {};
+
+/// What tools/quickstart trains, at its whole length: README's numbers are of this file.
+TEST_P(QuickstartScene, IsTheSame) {
+  auto hashes = read_hashes();
+  if (!same_surroundings(hashes))
+    GTEST_SKIP() << "pinned with " << hashes[""] << "; this is " << surroundings();
+  const test::TempFolder capture, folder;
+  capture::CaptureOptions options;
+  options.width = 320, options.height = 240, options.train = 40, options.test = 8;
+  ASSERT_TRUE(capture::write_capture(capture.path(), options));
+  ASSERT_NO_FATAL_FAILURE(train(capture.path(), folder.path(), GetParam(), "--iterations 3000"));
+  expect_pinned(hashes, fmt::format("quickstart {} scene.glb", kernels_of(GetParam())),
+                folder / "scene.glb");
+  if (updates()) write_hashes(hashes);
+}
+
+std::vector<Isa> isas_with_fused_products() {
+  std::vector<Isa> isas = available_isas();
+  std::erase(isas, Isa::baseline);
+  return isas;
+}
+
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(QuickstartScene);
+INSTANTIATE_TEST_SUITE_P(Fused, QuickstartScene, testing::ValuesIn(isas_with_fused_products()),
+                         [](const auto& isa) { return std::string(name_of(isa.param)); });
 
 }  // namespace
 }  // namespace fluxgs
