@@ -14,11 +14,17 @@ using math::Vec3;
 constexpr float kFirst = 1.0f / (kFactorScale * kFactorScale);
 constexpr float kSecond = kFirst * kFirst;
 
+/// How many floats ahead a row is asked for: a pack's rows lie in some 120 pages, more than the
+/// processor follows by itself.
+constexpr std::size_t kAhead = 16;
+
 struct Rows {
   const float* base;
   std::size_t stride, i;
   Lanes operator()(int r) const {
-    return Lanes::load(base + static_cast<std::size_t>(r) * stride + i);
+    const float* at = base + static_cast<std::size_t>(r) * stride + i;
+    __builtin_prefetch(at + kAhead);
+    return Lanes::load(at);
   }
   Vec3<Lanes> vec3(int r) const { return {(*this)(r), (*this)(r + 1), (*this)(r + 2)}; }
 };
@@ -31,7 +37,9 @@ struct Out {
   Lanes total{0.0f};
   void operator()(int r, Lanes x) {
     const Lanes kept = zero_unless(visible, x);
-    kept.store(base + static_cast<std::size_t>(r) * stride + i);
+    float* at = base + static_cast<std::size_t>(r) * stride + i;
+    __builtin_prefetch(at + kAhead, 1);
+    kept.store(at);
     total += kept;
   }
   void vec3(int r, const Vec3<Lanes>& x) {
