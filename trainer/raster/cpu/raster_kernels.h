@@ -112,7 +112,7 @@ struct GradientArgs {
   int sh_degree;
   math::View<float> view;
   const ProjectedSplat* splats;
-  const float* sums;       ///< 9 rows (stride as above): u, v, uu, uv, vv, h, r, g, b by splat
+  const PairGradient* sums;  ///< [size]: over the pairs of each visible splat
   float* gradients;        ///< rows as the parameters; written for every pack with a visible splat
   float* center_gradient;  ///< one row: |∂L/∂centre| in normalised device coordinates
   std::uint8_t* visible;   ///< cleared where a gradient is not finite
