@@ -54,8 +54,9 @@ struct TileEntry {
   std::uint32_t splat, slot, blocks;
 };
 
-struct TileBins {
-  std::uint32_t tile, blocks;
+/// A splat that reaches a tile, before the tiles' entries are placed.
+struct TileBin {
+  std::uint32_t splat, tile, blocks;
 };
 
 /// The gradient of one splat–tile pair: moments (see math::FootprintMoments, in units of the scaled
@@ -121,10 +122,11 @@ struct GradientArgs {
 struct RasterKernels {
   /// Projects splats [begin, end); begin is a multiple of 16.
   void (*project)(const ProjectArgs&, std::size_t begin, std::size_t end);
-  /// Lists the tiles that a splat's ellipse {α ≥ α_min} reaches, in row-major order, with the
-  /// blocks inside each. `out` must hold every tile of the splat's box. Returns how many.
-  std::uint32_t (*bin)(const ProjectedSplat&, const RasterConstants&, int tiles_x, int tiles_y,
-                       TileBins* out);
+  /// Lists the tiles that the ellipse {α ≥ α_min} of splats[index] reaches, in row-major order,
+  /// with the blocks inside each. `out` must hold every tile of the splat's box and one more.
+  /// Returns how many.
+  std::uint32_t (*bin)(const ProjectedSplat* splats, std::uint32_t index, const RasterConstants&,
+                       int tiles_x, int tiles_y, TileBin* out);
   /// Renders a tile. Returns how many entries were used before every pixel was finished.
   std::uint32_t (*forward)(const TileArgs&);
   /// Replays the first `count` entries of a tile and writes their pairs' gradients.
