@@ -49,7 +49,8 @@ struct ProjectArgs {
 };
 
 /// One splat in one tile. Bit 4·row + column of `blocks` is set where the ellipse may reach the
-/// block. `slot` is where the backward pass leaves this pair's gradient.
+/// block; the forward pass clears those that are finished when the splat's turn comes. `slot` is
+/// where the backward pass leaves this pair's gradient.
 struct TileEntry {
   std::uint32_t splat, slot, blocks;
 };
@@ -67,7 +68,7 @@ struct alignas(16) PairGradient {
 
 struct TileArgs {
   const ProjectedSplat* splats;
-  const TileEntry* entries;
+  TileEntry* entries;
   std::uint32_t count;
   int x0, y0;         ///< the tile's corner, px
   int width, height;  ///< the image's size

@@ -69,11 +69,10 @@ void backward(const TileArgs& args) {
   State state;
   load_state(args, state);
 
-  std::uint32_t alive = blocks_inside(args);
   for (std::uint32_t e = 0; e < args.count; ++e) {
     prefetch_splat(args, e);
     const TileEntry entry = args.entries[e];
-    std::uint32_t blocks = entry.blocks & alive;
+    std::uint32_t blocks = entry.blocks;
     if (!blocks) {
       args.gradients[entry.slot] = {};
       continue;
@@ -84,7 +83,6 @@ void backward(const TileArgs& args) {
     Sums sums[kPacks];
     for (; blocks; blocks &= blocks - 1) {
       const int block = lowest_bit(blocks);
-      bool open = false;
       for (int p = 0; p < kPacks; ++p) {
         const Lanes before = state.t.load(block, p);
         const Lanes u = splat.u_at(block, p), v = splat.v_at(block, p);
@@ -115,9 +113,7 @@ void backward(const TileArgs& args) {
         sums[p].r = fma(weight, gr, sums[p].r);
         sums[p].g = fma(weight, gg, sums[p].g);
         sums[p].b = fma(weight, gb, sums[p].b);
-        open |= any(after >= Lanes(k.transmittance_min));
       }
-      if (!open) alive &= ~(1u << block);
     }
     write(sums, args.gradients[entry.slot]);
   }
