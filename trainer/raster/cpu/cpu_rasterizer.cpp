@@ -15,11 +15,9 @@ constexpr std::size_t kSplatPiece = 1024;  // splats per piece of parallel work
 
 RasterConstants constants_of(const RenderOptions& o) {
   const auto f = [](double v) { return static_cast<float>(v); };
-  return {f(o.alpha_max),
-          f(o.alpha_min),
-          f(std::log2(o.alpha_min)),
-          f(o.transmittance_min),
-          {f(o.background.x), f(o.background.y), f(o.background.z)}};
+  return {f(o.alpha_max),         f(std::log2(o.alpha_max)),
+          f(o.alpha_min),         f(std::log2(o.alpha_min)),
+          f(o.transmittance_min), {f(o.background.x), f(o.background.y), f(o.background.z)}};
 }
 
 class CpuRasterizer final : public Rasterizer {

@@ -33,7 +33,7 @@ struct alignas(64) ProjectedSplat {
 
 /// The image model's constants in the form the kernels use.
 struct RasterConstants {
-  float alpha_max, alpha_min, log2_alpha_min, transmittance_min;
+  float alpha_max, log2_alpha_max, alpha_min, log2_alpha_min, transmittance_min;
   float background[3];
 };
 
