@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <utility>
 
 namespace fluxgs {
@@ -44,8 +43,8 @@ std::size_t chunk_size(std::size_t count) {
 /// An upper bound of the tiles that a splat's box meets.
 std::size_t tiles_in_box(const ProjectedSplat& s, const TileLists& lists) {
   const auto span = [](float half, int tiles) {
-    const double wanted = std::ceil(2.0 * (static_cast<double>(half) + 1.0) / kTileSize) + 2.0;
-    return static_cast<std::size_t>(std::min(wanted, static_cast<double>(tiles)));
+    const float wanted = (half + 1.0f) * (2.0f / kTileSize) + 3.0f;
+    return static_cast<std::size_t>(std::min(wanted, static_cast<float>(tiles)));
   };
   return span(s.half_width, lists.tiles_x) * span(s.half_height, lists.tiles_y);
 }
@@ -71,14 +70,14 @@ void Binner::list_tiles(const RasterKernels& kernels, const std::vector<Projecte
   for (std::size_t k = begin; k < end; ++k) {
     if (k + kAhead < end) __builtin_prefetch(&splats[lists.order[k + kAhead]]);
     const ProjectedSplat& s = splats[lists.order[k]];
-    const std::size_t room = chunk.used + tiles_in_box(s, lists);
+    const std::size_t room = chunk.used + tiles_in_box(s, lists) + 1;
     if (chunk.bins.size() < room) chunk.bins.resize(room + room / 2);
-    const std::uint32_t count =
-        kernels.bin(s, constants, lists.tiles_x, lists.tiles_y, chunk.bins.data() + chunk.used);
-    for (std::uint32_t b = 0; b < count; ++b) ++chunk.next[chunk.bins[chunk.used + b].tile];
+    const std::uint32_t count = kernels.bin(splats.data(), lists.order[k], constants, lists.tiles_x,
+                                            lists.tiles_y, chunk.bins.data() + chunk.used);
     lists.first_slot[k + 1] = count;
     chunk.used += count;
   }
+  for (std::size_t b = 0; b < chunk.used; ++b) ++chunk.next[chunk.bins[b].tile];
 }
 
 void Binner::place_chunks(TileLists& lists) {
@@ -94,12 +93,12 @@ void Binner::place_chunks(TileLists& lists) {
   lists.entries.resize(next);
 }
 
-void Binner::fill(TileLists& lists, std::size_t begin, std::size_t end, Chunk& chunk) {
-  std::size_t at = 0;
-  for (std::size_t k = begin; k < end; ++k)
-    for (std::uint32_t slot = lists.first_slot[k]; slot < lists.first_slot[k + 1]; ++slot, ++at)
-      lists.entries[chunk.next[chunk.bins[at].tile]++] = {lists.order[k], slot,
-                                                          chunk.bins[at].blocks};
+void Binner::fill(TileLists& lists, std::uint32_t first_slot, Chunk& chunk) {
+  for (std::size_t b = 0; b < chunk.used; ++b) {
+    const TileBin& bin = chunk.bins[b];
+    lists.entries[chunk.next[bin.tile]++] = {bin.splat, first_slot + static_cast<std::uint32_t>(b),
+                                             bin.blocks};
+  }
 }
 
 void Binner::run(const Threads& threads, const RasterKernels& kernels,
@@ -115,8 +114,8 @@ void Binner::run(const Threads& threads, const RasterKernels& kernels,
     list_tiles(kernels, splats, constants, lists, begin, end, chunks_[begin / piece]);
   });
   place_chunks(lists);
-  threads.for_pieces(count, piece, [&](std::size_t begin, std::size_t end) {
-    fill(lists, begin, end, chunks_[begin / piece]);
+  threads.for_pieces(count, piece, [&](std::size_t begin, std::size_t) {
+    fill(lists, lists.first_slot[begin], chunks_[begin / piece]);
   });
 }
 

@@ -36,7 +36,7 @@ class Binner {
  private:
   /// A run of splats in depth order, with the tiles each reaches.
   struct Chunk {
-    std::vector<TileBins> bins;
+    std::vector<TileBin> bins;
     std::size_t used = 0;
     std::vector<std::uint32_t> next;  // per tile: count, then the next entry to fill
   };
@@ -44,7 +44,7 @@ class Binner {
                   const RasterConstants& constants, TileLists& lists, std::size_t begin,
                   std::size_t end, Chunk& chunk);
   void place_chunks(TileLists& lists);
-  static void fill(TileLists& lists, std::size_t begin, std::size_t end, Chunk& chunk);
+  static void fill(TileLists& lists, std::uint32_t first_slot, Chunk& chunk);
 
   std::vector<Chunk> chunks_;
 };

@@ -12,15 +12,12 @@ namespace fluxgs {
 namespace {
 
 constexpr std::size_t kSplatPiece = 1024;  // splats per piece of parallel work
-constexpr int kSums = 9;                   // fields of PairGradient in use
 
 RasterConstants constants_of(const RenderOptions& o) {
   const auto f = [](double v) { return static_cast<float>(v); };
-  return {f(o.alpha_max),
-          f(o.alpha_min),
-          f(std::log2(o.alpha_min)),
-          f(o.transmittance_min),
-          {f(o.background.x), f(o.background.y), f(o.background.z)}};
+  return {f(o.alpha_max),         f(std::log2(o.alpha_max)),
+          f(o.alpha_min),         f(std::log2(o.alpha_min)),
+          f(o.transmittance_min), {f(o.background.x), f(o.background.y), f(o.background.z)}};
 }
 
 class CpuRasterizer final : public Rasterizer {
@@ -175,35 +172,35 @@ class CpuRasterizer final : public Rasterizer {
     });
   }
 
-  /// Adds up each splat's pairs, in the fixed order of their slots.
-  void sum_pairs() {
-    if (sums_.size() != splats_.size()) sums_ = PlanarFloats(kSums, splats_.size());
+  /// Calls take(splat, sums) with the pairs of each visible splat, which consist of floats, added
+  /// up in the fixed order of their slots.
+  template <class Pair, class Take>
+  void add_pairs(const std::vector<Pair>& pairs, const Take& take) {
+    using Floats = std::array<float, sizeof(Pair) / sizeof(float)>;
     threads_.for_pieces(lists_.order.size(), kSplatPiece, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
-        float total[kSums] = {};
+        Floats total{};
         for (std::uint32_t slot = lists_.first_slot[k]; slot < lists_.first_slot[k + 1]; ++slot) {
-          const PairGradient& p = pairs_[slot];
-          const float fields[kSums] = {p.u, p.v, p.uu, p.uv, p.vv, p.h, p.r, p.g, p.b};
-          for (int f = 0; f < kSums; ++f) total[f] += fields[f];
+          const auto fields = std::bit_cast<Floats>(pairs[slot]);
+          for (std::size_t f = 0; f < total.size(); ++f) total[f] += fields[f];
         }
-        for (int f = 0; f < kSums; ++f) sums_.row(f)[lists_.order[k]] = total[f];
+        take(lists_.order[k], total);
       }
     });
   }
 
-  /// Adds up each splat's pairs, which consist of floats: one row for each.
+  void sum_pairs() {
+    sums_.resize(splats_.size());
+    add_pairs(pairs_, [&](std::uint32_t splat, const auto& total) {
+      sums_[splat] = std::bit_cast<PairGradient>(total);
+    });
+  }
+
+  /// Adds up each splat's pairs: one row for each of their floats.
   template <class Pair>
   void sum_fields(const std::vector<Pair>& pairs, PlanarFloats& rows) {
-    constexpr std::size_t kFields = sizeof(Pair) / sizeof(float);
-    threads_.for_pieces(lists_.order.size(), kSplatPiece, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) {
-        std::array<float, kFields> total{};
-        for (std::uint32_t slot = lists_.first_slot[k]; slot < lists_.first_slot[k + 1]; ++slot) {
-          const auto fields = std::bit_cast<std::array<float, kFields>>(pairs[slot]);
-          for (std::size_t f = 0; f < kFields; ++f) total[f] += fields[f];
-        }
-        for (std::size_t f = 0; f < kFields; ++f) rows.row(f)[lists_.order[k]] = total[f];
-      }
+    add_pairs(pairs, [&](std::uint32_t splat, const auto& total) {
+      for (std::size_t f = 0; f < total.size(); ++f) rows.row(f)[splat] = total[f];
     });
   }
 
@@ -257,7 +254,8 @@ class CpuRasterizer final : public Rasterizer {
 
   // Of the last backward pass
   std::vector<PairGradient> pairs_;
-  PlanarFloats sums_, gradient_, center_gradient_;
+  std::vector<PairGradient> sums_;
+  PlanarFloats gradient_, center_gradient_;
   std::uint64_t rejected_ = 0;
 };
 

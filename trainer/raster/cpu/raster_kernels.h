@@ -33,7 +33,7 @@ struct alignas(64) ProjectedSplat {
 
 /// The image model's constants in the form the kernels use.
 struct RasterConstants {
-  float alpha_max, alpha_min, log2_alpha_min, transmittance_min;
+  float alpha_max, log2_alpha_max, alpha_min, log2_alpha_min, transmittance_min;
   float background[3];
 };
 
@@ -49,13 +49,15 @@ struct ProjectArgs {
 };
 
 /// One splat in one tile. Bit 4·row + column of `blocks` is set where the ellipse may reach the
-/// block. `slot` is where the backward pass leaves this pair's gradient.
+/// block; the forward pass clears those that are finished when the splat's turn comes. `slot` is
+/// where the backward pass leaves this pair's gradient.
 struct TileEntry {
   std::uint32_t splat, slot, blocks;
 };
 
-struct TileBins {
-  std::uint32_t tile, blocks;
+/// A splat that reaches a tile, before the tiles' entries are placed.
+struct TileBin {
+  std::uint32_t splat, tile, blocks;
 };
 
 /// The gradient of one splat–tile pair: moments (see math::FootprintMoments, in units of the scaled
@@ -66,7 +68,7 @@ struct alignas(16) PairGradient {
 
 struct TileArgs {
   const ProjectedSplat* splats;
-  const TileEntry* entries;
+  TileEntry* entries;
   std::uint32_t count;
   int x0, y0;         ///< the tile's corner, px
   int width, height;  ///< the image's size
@@ -112,7 +114,7 @@ struct GradientArgs {
   int sh_degree;
   math::View<float> view;
   const ProjectedSplat* splats;
-  const float* sums;       ///< 9 rows (stride as above): u, v, uu, uv, vv, h, r, g, b by splat
+  const PairGradient* sums;  ///< [size]: over the pairs of each visible splat
   float* gradients;        ///< rows as the parameters; written for every pack with a visible splat
   float* center_gradient;  ///< one row: |∂L/∂centre| in normalised device coordinates
   std::uint8_t* visible;   ///< cleared where a gradient is not finite
@@ -121,10 +123,11 @@ struct GradientArgs {
 struct RasterKernels {
   /// Projects splats [begin, end); begin is a multiple of 16.
   void (*project)(const ProjectArgs&, std::size_t begin, std::size_t end);
-  /// Lists the tiles that a splat's ellipse {α ≥ α_min} reaches, in row-major order, with the
-  /// blocks inside each. `out` must hold every tile of the splat's box. Returns how many.
-  std::uint32_t (*bin)(const ProjectedSplat&, const RasterConstants&, int tiles_x, int tiles_y,
-                       TileBins* out);
+  /// Lists the tiles that the ellipse {α ≥ α_min} of splats[index] reaches, in row-major order,
+  /// with the blocks inside each. `out` must hold every tile of the splat's box and one more.
+  /// Returns how many.
+  std::uint32_t (*bin)(const ProjectedSplat* splats, std::uint32_t index, const RasterConstants&,
+                       int tiles_x, int tiles_y, TileBin* out);
   /// Renders a tile. Returns how many entries were used before every pixel was finished.
   std::uint32_t (*forward)(const TileArgs&);
   /// Replays the first `count` entries of a tile and writes their pairs' gradients.

@@ -62,63 +62,69 @@ void write(const Sums (&s)[kPacks], PairGradient& out) {
   hn::Store(four(of(&Sums::b), zero, zero, zero), kQuad, &out.b);
 }
 
+/// Passes a splat over blocks and adds to its sums. Inline, so that the sums stay in registers.
+/// kLimited: α may have to be limited.
+template <bool kLimited>
+HWY_INLINE void replay(const ProjectedSplat& s, std::uint32_t blocks, const TileArgs& args,
+                       State& state, Sums (&sums)[kPacks]) {
+  const RasterConstants& k = args.constants;
+  const SplatInTile splat(s, args);
+  const Lanes cr(s.r), cg(s.g), cb(s.b);
+  for (; blocks; blocks &= blocks - 1) {
+    const int block = lowest_bit(blocks);
+    for (int p = 0; p < kPacks; ++p) {
+      const Lanes before = state.t.load(block, p);
+      const Lanes u = splat.u_at(block, p), v = splat.v_at(block, p);
+      const Lanes exponent = splat.exponent(u, v);
+      const LaneMask inside = contributes(exponent, before, k);
+      const Lanes raw = exp2(exponent);
+      const Lanes alpha = kLimited ? min(raw, Lanes(k.alpha_max)) : raw;
+      const Lanes weight = zero_unless(inside, alpha * before);
+      const Lanes after = before - weight;
+      const Lanes gr = state.gr.load(block, p), gg = state.gg.load(block, p),
+                  gb = state.gb.load(block, p);
+      const Lanes passed = weight * fma(cr, gr, fma(cg, gg, cb * gb));  // αT·(c·g)
+      const Lanes behind = state.behind.load(block, p) - passed;
+      state.t.store(block, p, after);
+      state.behind.store(block, p, behind);
+
+      // ∂L/∂α = T·(c·g) − behind/(1 − α);  h = α·∂L/∂α
+      const LaneMask moves = kLimited ? inside & (raw <= Lanes(k.alpha_max)) : inside;
+      const Lanes odds = alpha / (Lanes(1.0f) - alpha);
+      const Lanes h = zero_unless(moves, fnma(behind, odds, passed));
+      const Lanes hu = h * u, hv = h * v;
+      sums[p].h += h;
+      sums[p].u += hu;
+      sums[p].v += hv;
+      sums[p].uu = fma(hu, u, sums[p].uu);
+      sums[p].uv = fma(hu, v, sums[p].uv);
+      sums[p].vv = fma(hv, v, sums[p].vv);
+      sums[p].r = fma(weight, gr, sums[p].r);
+      sums[p].g = fma(weight, gg, sums[p].g);
+      sums[p].b = fma(weight, gb, sums[p].b);
+    }
+  }
+}
+
 }  // namespace
 
 void backward(const TileArgs& args) {
-  const RasterConstants& k = args.constants;
   State state;
   load_state(args, state);
 
-  std::uint32_t alive = blocks_inside(args);
   for (std::uint32_t e = 0; e < args.count; ++e) {
     prefetch_splat(args, e);
     const TileEntry entry = args.entries[e];
-    std::uint32_t blocks = entry.blocks & alive;
-    if (!blocks) {
+    if (!entry.blocks) {
       args.gradients[entry.slot] = {};
       continue;
     }
     const ProjectedSplat& s = args.splats[entry.splat];
-    const SplatInTile splat(s, args);
-    const Lanes cr(s.r), cg(s.g), cb(s.b);
     Sums sums[kPacks];
-    for (; blocks; blocks &= blocks - 1) {
-      const int block = lowest_bit(blocks);
-      bool open = false;
-      for (int p = 0; p < kPacks; ++p) {
-        const Lanes before = state.t.load(block, p);
-        const Lanes u = splat.u_at(block, p), v = splat.v_at(block, p);
-        const Lanes exponent = splat.exponent(u, v);
-        const LaneMask inside = contributes(exponent, before, k);
-        const Lanes raw = exp2(exponent);
-        const Lanes alpha = min(raw, Lanes(k.alpha_max));
-        const Lanes weight = zero_unless(inside, alpha * before);
-        const Lanes after = before - weight;
-        const Lanes gr = state.gr.load(block, p), gg = state.gg.load(block, p),
-                    gb = state.gb.load(block, p);
-        const Lanes passed = weight * fma(cr, gr, fma(cg, gg, cb * gb));  // αT·(c·g)
-        const Lanes behind = state.behind.load(block, p) - passed;
-        state.t.store(block, p, after);
-        state.behind.store(block, p, behind);
-
-        // ∂L/∂α = T·(c·g) − behind/(1 − α);  h = α·∂L/∂α
-        const LaneMask moves = inside & (raw <= Lanes(k.alpha_max));
-        const Lanes odds = alpha / (Lanes(1.0f) - alpha);
-        const Lanes h = zero_unless(moves, fnma(behind, odds, passed));
-        const Lanes hu = h * u, hv = h * v;
-        sums[p].h += h;
-        sums[p].u += hu;
-        sums[p].v += hv;
-        sums[p].uu = fma(hu, u, sums[p].uu);
-        sums[p].uv = fma(hu, v, sums[p].uv);
-        sums[p].vv = fma(hv, v, sums[p].vv);
-        sums[p].r = fma(weight, gr, sums[p].r);
-        sums[p].g = fma(weight, gg, sums[p].g);
-        sums[p].b = fma(weight, gb, sums[p].b);
-        open |= any(after >= Lanes(k.transmittance_min));
-      }
-      if (!open) alive &= ~(1u << block);
-    }
+    if (may_exceed_limit(s, args.constants))
+      replay<true>(s, entry.blocks, args, state, sums);
+    else
+      replay<false>(s, entry.blocks, args, state, sums);
     write(sums, args.gradients[entry.slot]);
   }
 }

@@ -60,8 +60,9 @@ TileRange tile_range(float center, float half, int tiles) {
 
 }  // namespace
 
-std::uint32_t bin(const ProjectedSplat& s, const RasterConstants& k, int tiles_x, int tiles_y,
-                  TileBins* out) {
+std::uint32_t bin(const ProjectedSplat* splats, std::uint32_t index, const RasterConstants& k,
+                  int tiles_x, int tiles_y, TileBin* out) {
+  const ProjectedSplat& s = splats[index];
   const TileRange xs = tile_range(s.x, s.half_width, tiles_x);
   const TileRange ys = tile_range(s.y, s.half_height, tiles_y);
   const float reach = s.log2_opacity - k.log2_alpha_min;
@@ -70,7 +71,8 @@ std::uint32_t bin(const ProjectedSplat& s, const RasterConstants& k, int tiles_x
     const Spans rows = spans(s, reach, ty * kTileSize);
     for (int tx = xs.first; tx <= xs.last; ++tx) {
       const std::uint32_t blocks = blocks_of(rows, static_cast<float>(tx * kTileSize));
-      if (blocks) out[count++] = {static_cast<std::uint32_t>(ty * tiles_x + tx), blocks};
+      out[count] = {index, static_cast<std::uint32_t>(ty * tiles_x + tx), blocks};
+      count += blocks != 0;  // no branch, which would be mispredicted
     }
   }
   return count;

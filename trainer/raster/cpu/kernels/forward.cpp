@@ -40,6 +40,7 @@ std::uint32_t forward(const TileArgs& args) {
     prefetch_splat(args, used);
     const TileEntry entry = args.entries[used];
     std::uint32_t blocks = entry.blocks & alive;
+    args.entries[used].blocks = blocks;
     if (!blocks) continue;
     const ProjectedSplat& s = args.splats[entry.splat];
     const SplatInTile splat(s, args);

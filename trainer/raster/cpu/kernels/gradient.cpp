@@ -14,11 +14,17 @@ using math::Vec3;
 constexpr float kFirst = 1.0f / (kFactorScale * kFactorScale);
 constexpr float kSecond = kFirst * kFirst;
 
+/// How many floats ahead a row is asked for: a pack's rows lie in some 120 pages, more than the
+/// processor follows by itself.
+constexpr std::size_t kAhead = 16;
+
 struct Rows {
   const float* base;
   std::size_t stride, i;
   Lanes operator()(int r) const {
-    return Lanes::load(base + static_cast<std::size_t>(r) * stride + i);
+    const float* at = base + static_cast<std::size_t>(r) * stride + i;
+    __builtin_prefetch(at + kAhead);
+    return Lanes::load(at);
   }
   Vec3<Lanes> vec3(int r) const { return {(*this)(r), (*this)(r + 1), (*this)(r + 2)}; }
 };
@@ -31,7 +37,9 @@ struct Out {
   Lanes total{0.0f};
   void operator()(int r, Lanes x) {
     const Lanes kept = zero_unless(visible, x);
-    kept.store(base + static_cast<std::size_t>(r) * stride + i);
+    float* at = base + static_cast<std::size_t>(r) * stride + i;
+    __builtin_prefetch(at + kAhead, 1);
+    kept.store(at);
     total += kept;
   }
   void vec3(int r, const Vec3<Lanes>& x) {
@@ -58,29 +66,38 @@ Vec3<Lanes> shade_gradient(const Rows& parameters, const Vec3<Lanes>& direction,
   return d;
 }
 
-/// One field of the lanes' ProjectedSplats.
-Lanes field(const GradientArgs& args, std::size_t i, unsigned visible,
-            float ProjectedSplat::* member) {
-  alignas(64) float values[kLanes];
-  for (int lane = 0; lane < kLanes; ++lane)
-    values[lane] =
-        (visible >> lane) & 1u ? args.splats[i + static_cast<std::size_t>(lane)].*member : 1.0f;
-  return Lanes::load(values);
-}
+/// The structs of a pack of splats. Lanes beyond the last splat get its fields; lanes that are not
+/// visible may get anything, which Out drops.
+template <class T>
+struct Fields {
+  const T* first;
+  hn::Vec<TagI> lanes;
+  Fields(const T* items, std::size_t i, std::size_t size)
+      : first(items + i),
+        lanes(hn::Min(hn::Iota(kTagI, 0), hn::Set(kTagI, static_cast<int>(size - 1 - i)))) {}
+  Lanes operator()(float T::* member) const {
+    constexpr int kFloats = sizeof(T) / sizeof(float);
+    return hn::GatherIndex(kTag, &(first->*member), hn::Mul(lanes, hn::Set(kTagI, kFloats)));
+  }
+};
 
 unsigned gradient_pack(const GradientArgs& args, const math::View<Lanes>& view, std::size_t i,
                        LaneMask visible) {
   const unsigned mask = bits(visible);
-  const Rows parameters{args.parameters, args.stride, i}, sums{args.sums, args.stride, i};
-  const auto get = [&](float ProjectedSplat::* m) { return field(args, i, mask, m); };
+  const Rows parameters{args.parameters, args.stride, i};
+  const Fields splats(args.splats, i, args.size);
+  const Fields sums(args.sums, i, args.size);
+  using Sum = PairGradient;
+  using Splat = ProjectedSplat;
   Out out{args.gradients, args.stride, i, visible};
 
   const Lanes first(kFirst), second(kSecond);
-  const math::FootprintMoments<Lanes> moments{sums(0) * first, sums(1) * first, sums(2) * second,
-                                              sums(3) * second, sums(4) * second};
-  const auto footprint =
-      math::footprint_gradient(moments, sums(5), get(&ProjectedSplat::xx), get(&ProjectedSplat::xy),
-                               get(&ProjectedSplat::yy));
+  const math::FootprintMoments<Lanes> moments{sums(&Sum::u) * first, sums(&Sum::v) * first,
+                                              sums(&Sum::uu) * second, sums(&Sum::uv) * second,
+                                              sums(&Sum::vv) * second};
+  const Lanes h = sums(&Sum::h);
+  const auto footprint = math::footprint_gradient(moments, h, splats(&Splat::xx),
+                                                  splats(&Splat::xy), splats(&Splat::yy));
   const Vec3<Lanes> position = parameters.vec3(row::position);
   const Vec3<Lanes> p = view.rotation * position + view.translation;
   const Vec3<Lanes> s = parameters.vec3(row::log_scale);
@@ -90,11 +107,11 @@ unsigned gradient_pack(const GradientArgs& args, const math::View<Lanes>& view, 
       math::geometry_gradient(footprint, p, q, Vec3<Lanes>{exp(s.x), exp(s.y), exp(s.z)}, view);
 
   // A colour cut off at 0 does not move
-  const auto open = [&](float ProjectedSplat::* m, int r) {
-    return zero_unless(get(m) > Lanes(0.0f), sums(r));
+  const auto open = [&](float Splat::* value, float Sum::* sum) {
+    return zero_unless(splats(value) > Lanes(0.0f), sums(sum));
   };
-  const Vec3<Lanes> color{open(&ProjectedSplat::r, 6), open(&ProjectedSplat::g, 7),
-                          open(&ProjectedSplat::b, 8)};
+  const Vec3<Lanes> color{open(&Splat::r, &Sum::r), open(&Splat::g, &Sum::g),
+                          open(&Splat::b, &Sum::b)};
   const Vec3<Lanes> ray = position - view.center;
   const Lanes inverse_length = Lanes(1.0f) / sqrt(max(dot(ray, ray), Lanes(1e-30f)));
   const Vec3<Lanes> d =
@@ -106,7 +123,7 @@ unsigned gradient_pack(const GradientArgs& args, const math::View<Lanes>& view, 
   out(row::rotation + 1, g.rotation.x);
   out(row::rotation + 2, g.rotation.y);
   out(row::rotation + 3, g.rotation.z);
-  out(row::opacity, sums(5) * (Lanes(1.0f) - get(&ProjectedSplat::opacity)));
+  out(row::opacity, h * (Lanes(1.0f) - splats(&Splat::opacity)));
 
   // The densification threshold of 3DGS is in normalised device coordinates: px × half the size
   const Lanes nx = footprint.x * view.width * Lanes(0.5f),

@@ -6,8 +6,8 @@
 namespace fluxgs::FLUXGS_ISA {
 
 void project(const ProjectArgs& args, std::size_t begin, std::size_t end);
-std::uint32_t bin(const ProjectedSplat& splat, const RasterConstants& constants, int tiles_x,
-                  int tiles_y, TileBins* out);
+std::uint32_t bin(const ProjectedSplat* splats, std::uint32_t index,
+                  const RasterConstants& constants, int tiles_x, int tiles_y, TileBin* out);
 std::uint32_t forward(const TileArgs& args);
 void backward(const TileArgs& args);
 void score(const ScoreArgs& args);

@@ -42,7 +42,6 @@ void removal(const RemovalArgs& args) {
   State state;
   load_state(args, state);
 
-  std::uint32_t alive = blocks_inside(tile);
   for (std::uint32_t e = 0; e < tile.count; ++e) {
     prefetch_splat(tile, e);
     const TileEntry entry = tile.entries[e];
@@ -52,9 +51,8 @@ void removal(const RemovalArgs& args) {
     Lanes change[kPacks];
     for (Lanes& part : change) part = Lanes(0.0f);
     unsigned pixels = 0;
-    for (std::uint32_t blocks = entry.blocks & alive; blocks; blocks &= blocks - 1) {
+    for (std::uint32_t blocks = entry.blocks; blocks; blocks &= blocks - 1) {
       const int block = lowest_bit(blocks);
-      bool open = false;
       for (int p = 0; p < kPacks; ++p) {
         const Lanes before = state.t.load(block, p);
         const Lanes exponent = splat.exponent(splat.u_at(block, p), splat.v_at(block, p));
@@ -73,9 +71,7 @@ void removal(const RemovalArgs& args) {
         }
         pixels += static_cast<unsigned>(__builtin_popcount(bits(counted)));
         state.t.store(block, p, after);
-        open |= any(after >= Lanes(k.transmittance_min));
       }
-      if (!open) alive &= ~(1u << block);
     }
     args.costs[entry.slot] = {sum(change), static_cast<float>(pixels)};
   }

@@ -31,7 +31,6 @@ void score(const ScoreArgs& args) {
   State state;
   load_state(args, state);
 
-  std::uint32_t alive = blocks_inside(tile);
   for (std::uint32_t e = 0; e < tile.count; ++e) {
     prefetch_splat(tile, e);
     const TileEntry entry = tile.entries[e];
@@ -40,9 +39,8 @@ void score(const ScoreArgs& args) {
     Lanes first[kPacks], second[kPacks], contribution[kPacks];
     for (int p = 0; p < kPacks; ++p) first[p] = second[p] = contribution[p] = Lanes(0.0f);
     unsigned pixels = 0;
-    for (std::uint32_t blocks = entry.blocks & alive; blocks; blocks &= blocks - 1) {
+    for (std::uint32_t blocks = entry.blocks; blocks; blocks &= blocks - 1) {
       const int block = lowest_bit(blocks);
-      bool open = false;
       for (int p = 0; p < kPacks; ++p) {
         const Lanes before = state.t.load(block, p);
         const Lanes exponent = splat.exponent(splat.u_at(block, p), splat.v_at(block, p));
@@ -58,9 +56,7 @@ void score(const ScoreArgs& args) {
         contribution[p] += zero_unless(counted, share);
         pixels += static_cast<unsigned>(__builtin_popcount(bits(counted)));
         state.t.store(block, p, after);
-        open |= any(after >= Lanes(k.transmittance_min));
       }
-      if (!open) alive &= ~(1u << block);
     }
     args.scores[entry.slot] = {sum(first), sum(second), sum(contribution),
                                static_cast<float>(pixels)};
