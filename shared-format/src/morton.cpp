@@ -12,7 +12,6 @@ namespace fluxgs {
 namespace {
 
 constexpr double kCells = 0x1p21;
-constexpr int kKeyBits = 63;
 
 /// abc… becomes a00b00c00…
 std::uint64_t spread(std::uint64_t v) {
@@ -29,7 +28,14 @@ struct Keyed {
   std::vector<std::uint32_t> indices;
 };
 
-constexpr int kDigitBits = 11;
+std::uint64_t key_of(const glm::ivec3& cell) {
+  const auto part = [&](int axis) {
+    return spread(static_cast<std::uint64_t>(cell[axis])) << axis;
+  };
+  return part(0) | part(1) | part(2);
+}
+
+constexpr int kDigitBits = 11, kKeyBits = 63;
 
 std::size_t digit(std::uint64_t key, int shift) {
   return (key >> shift) & ((std::size_t{1} << kDigitBits) - 1);
@@ -50,6 +56,19 @@ bool sort_by_digit(const Keyed& from, int shift, Keyed& to) {
   return true;
 }
 
+/// Sorts by the keys; equal ones keep their order. `other` is room.
+void sort(Keyed& sorted, Keyed& other) {
+  other = sorted;
+  for (int shift = 0; shift < kKeyBits; shift += kDigitBits)
+    if (sort_by_digit(sorted, shift, other)) std::swap(sorted, other);
+}
+
+Keyed keyed(std::size_t count) {
+  Keyed result{std::vector<std::uint64_t>(count), std::vector<std::uint32_t>(count)};
+  std::iota(result.indices.begin(), result.indices.end(), 0U);
+  return result;
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> morton_order(const std::vector<glm::vec3>& positions) {
@@ -61,18 +80,23 @@ std::vector<std::uint32_t> morton_order(const std::vector<glm::vec3>& positions)
   }
   const glm::dvec3 extent = high - low;
   const double side = std::max({extent.x, extent.y, extent.z, 1e-300});
-  Keyed sorted{std::vector<std::uint64_t>(positions.size()),
-               std::vector<std::uint32_t>(positions.size())};
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    const glm::dvec3 cell = (glm::dvec3(positions[i]) - low) * ((kCells - 1) / side);
-    sorted.keys[i] = spread(static_cast<std::uint64_t>(cell.x)) |
-                     spread(static_cast<std::uint64_t>(cell.y)) << 1 |
-                     spread(static_cast<std::uint64_t>(cell.z)) << 2;
-  }
-  std::iota(sorted.indices.begin(), sorted.indices.end(), 0U);
-  Keyed other = sorted;
-  for (int shift = 0; shift < kKeyBits; shift += kDigitBits)
-    if (sort_by_digit(sorted, shift, other)) std::swap(sorted, other);
+  Keyed sorted = keyed(positions.size()), other;
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    sorted.keys[i] = key_of(glm::ivec3((glm::dvec3(positions[i]) - low) * ((kCells - 1) / side)));
+  sort(sorted, other);
+  return std::move(sorted.indices);
+}
+
+std::vector<std::uint32_t> morton_order(std::span<const glm::ivec3> cells) {
+  if (cells.empty()) return {};
+  // A key has no room for all bits: first by the low ones, then by the others
+  constexpr int kLowBits = 12, kLowest = (1 << kLowBits) - 1;
+  Keyed sorted = keyed(cells.size()), other;
+  for (std::size_t i = 0; i < cells.size(); ++i) sorted.keys[i] = key_of(cells[i] & kLowest);
+  sort(sorted, other);
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    sorted.keys[i] = key_of(cells[sorted.indices[i]] >> kLowBits);
+  sort(sorted, other);
   return std::move(sorted.indices);
 }
 

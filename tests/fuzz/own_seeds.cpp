@@ -14,6 +14,7 @@
 #include "fluxgs/networks/appearance.h"
 #include "io/spz/spz_layout.h"
 #include "seeds.h"
+#include "support/draco_cells.h"
 #include "unit/shared-format/compressed_ply_support.h"
 #include "unit/shared-format/glb_support.h"
 #include "unit/shared-format/networks/support.h"
@@ -420,8 +421,16 @@ void add_codec(Seeds& seeds) {
     }
     const SplatCloud cloud = random_cloud(count, 1);
     Bytes positions;
-    require(codec::encode_positions(cloud.positions, 1e-3, positions).has_value(), "positions");
+    require(codec::encode_positions(
+                in_order(cloud, codec::position_order(cloud.positions, 1e-3)).positions, 1e-3,
+                positions)
+                .has_value(),
+            "positions");
     seeds["positions"][fmt::format("{}", count)] = with_count(count, {}, positions);
+    std::vector<codec::Cell> cells;
+    for (const glm::vec3& p : cloud.positions) cells.emplace_back(100.0f * (p + 50.0f));
+    seeds["draco_positions"][fmt::format("{}", count)] =
+        with_count(count, {}, test::draco_positions(cells, 0.01));
     for (const std::size_t channels : {1u, 3u}) {
       codec::Channels list{channels, {}};
       for (std::size_t i = 0; i < count * channels; ++i)

@@ -162,7 +162,7 @@ CoderCost rans_cost(const Numbers& original) {
   codec::encode_values({&original, 1}, out);
   const double ms = milliseconds([&] {
     ByteReader in(out);
-    auto decoder = codec::ValueDecoder::open(in, 1, numbers.size());
+    auto decoder = codec::ValueDecoder::open(in, 1);
     if (!decoder || !decoder->next(numbers)) std::abort();
   });
   return {8.0 * static_cast<double>(out.size()), ms};

@@ -90,7 +90,7 @@ CompactSearch::CompactSearch(const SplatCloud& cloud, const SplatCloud& shown,
                              const SceneError& error, CompactOptions options,
                              ProgressReport progress)
     : cloud_(cloud),
-      ordered_(in_order(shown, compact_order(cloud, options))),
+      shown_(shown),
       error_(error),
       options_(std::move(options)),
       progress_(std::move(progress)),
@@ -109,11 +109,12 @@ Expected<CompactTrial> CompactSearch::trial(const QuantizationSteps& steps) cons
   return result;
 }
 
-/// With only attribute `part` quantized, of a scene that is `stored` with these steps.
+/// With only attribute `part` quantized, of a scene that is `stored` with these steps; `exact` is
+/// what is shown, as in that file.
 Expected<double> CompactSearch::error_of(std::size_t part, const QuantizationSteps& steps,
-                                         const SplatCloud& stored) const {
+                                         const SplatCloud& exact, const SplatCloud& stored) const {
   const Part& own = kParts[part];
-  SplatCloud one = ordered_;
+  SplatCloud one = exact;
   if (own.exactly == nullptr) {
     own.take(one, stored);
     return error_.mse(one);
@@ -133,6 +134,7 @@ Expected<QuantizationSteps> CompactSearch::balanced(const QuantizationSteps& ste
   options.steps = steps;
   const auto stored = store(cloud_, options);
   if (!stored) return std::unexpected(stored.error());
+  const SplatCloud exact = in_order(shown_, compact_order(cloud_, options));
   options.steps = at_least(scaled(steps, std::numbers::sqrt2 / 2), finest_position_);
   const auto finer = store(cloud_, options);
   if (!finer) return std::unexpected(finer.error());
@@ -146,7 +148,7 @@ Expected<QuantizationSteps> CompactSearch::balanced(const QuantizationSteps& ste
     if (!stored->scene.attribute_bits.contains(part.name)) continue;
     bits[p] = 2 * (finer->scene.attribute_bits.at(part.name) -
                    stored->scene.attribute_bits.at(part.name));
-    const auto mse = error_of(p, steps, stored->scene.cloud);
+    const auto mse = error_of(p, steps, exact, stored->scene.cloud);
     if (!mse) return std::unexpected(mse.error());
     if (!(bits[p] > 1e-3 && *mse > 0)) continue;
     gain[p] = *mse / bits[p];

@@ -88,10 +88,10 @@ class CompactSearch {
   Expected<CompactTrial> search_bytes(std::size_t bytes, std::size_t beside, int balances,
                                       double tolerance) const;
   Expected<double> error_of(std::size_t part, const QuantizationSteps& steps,
-                            const SplatCloud& stored) const;
+                            const SplatCloud& exact, const SplatCloud& stored) const;
 
   const SplatCloud& cloud_;
-  SplatCloud ordered_;  ///< what is shown, as in the file
+  SplatCloud shown_;
   const SceneError& error_;
   CompactOptions options_;
   ProgressReport progress_;

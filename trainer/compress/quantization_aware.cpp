@@ -252,7 +252,7 @@ Expected<std::vector<std::byte>> quantize_parameters(TrainState& state,
   if (stored->cloud.size() != cloud.size())
     return fail(kCompactFileName, "splats", "not all of them are finite");
   follow_rotations(exact, cloud.rotations, state.adam);
-  const std::vector<std::uint32_t> order = compact_order(cloud);
+  const std::vector<std::uint32_t> order = compact_order(cloud, options);
   rearrange(state, order, order);
   state.parameters = to_parameters(stored->cloud, degree);
   PlanarFloats offsets = state.parameters;

@@ -243,7 +243,7 @@ Expected<float> decode_channels(ByteReader& in, std::size_t channels,
   if (splats == 0) return 0.0f;
   const auto layout = take_layout(in, channels);
   if (!layout) return std::unexpected(layout.error());
-  auto decoder = ValueDecoder::open(in, channels, splats);
+  auto decoder = ValueDecoder::open(in, channels);
   if (!decoder) return std::unexpected(decoder.error());
   std::vector<std::int32_t> plane(splats);
   for (std::size_t c = 0; c < channels; ++c) {

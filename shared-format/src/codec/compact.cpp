@@ -21,7 +21,6 @@
 #include "codec/stored_sensitivity.h"
 #include "codec/vectors.h"
 #include "fluxgs/byte_reader.h"
-#include "fluxgs/morton.h"
 
 namespace fluxgs::codec {
 namespace {
@@ -223,7 +222,8 @@ class Encoder {
  public:
   Encoder(const SplatCloud& cloud, const CompactOptions& options, std::span<const float> energy,
           const RateFactors& rates)
-      : Encoder(cloud, options, energy, rates, morton_order(cloud.positions)) {}
+      : Encoder(cloud, options, energy, rates,
+                position_order(cloud.positions, options.steps.position)) {}
 
   Expected<Bytes> run() {
     Bytes out, section;
@@ -321,7 +321,7 @@ Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactOptions& op
 }
 
 Expected<SplatCloud> decode_compact(std::span<const std::byte> bytes, std::size_t count,
-                                    int sh_degree, std::vector<float>* energy) {
+                                    int sh_degree, std::vector<float>* energy, CellCoding cells) {
   if (count > max_splats(bytes.size()))
     return fail("", "",
                 fmt::format("{} splats in {} bytes, expected {} at most", count, bytes.size(),
@@ -336,7 +336,7 @@ Expected<SplatCloud> decode_compact(std::span<const std::byte> bytes, std::size_
   const auto positions = take_section(in, kPosition);
   if (!positions) return std::unexpected(positions.error());
   ByteReader part(*positions);
-  if (auto ok = decode_positions(part, content.cloud.positions); !ok)
+  if (auto ok = decode_positions(part, cells, content.cloud.positions); !ok)
     return std::unexpected(ok.error());
   if (part.left() > 0) return fail("", kNames[kPosition], "has bytes left over");
   for (const Attribute attribute : attributes_of(content.has_energy, sh_degree)) {

@@ -1,4 +1,4 @@
-// A whole scene in few bits: positions through Draco, everything else through channels.h.
+// A whole scene in few bits: positions as an octree, everything else through channels.h.
 #pragma once
 
 #include <cstddef>
@@ -10,6 +10,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "codec/bytes.h"
+#include "codec/positions.h"
 #include "codec/step_means.h"
 #include "fluxgs/error.h"
 #include "fluxgs/io/compact_glb.h"
@@ -31,8 +32,8 @@ glm::quat canonical_rotation(const glm::quat& rotation);
 /// asin(√opacity)·2/π.
 float opacity_scale(float logit);
 
-/// Encodes the finite cloud in the Morton order of its positions (fluxgs/morton.h): the order of
-/// the splats is lost, their number is not. Rotations lose what a covariance does not have: their
+/// Encodes the finite cloud in the position_order() of its positions: the order of the splats is
+/// lost, their number is not. Rotations lose what a covariance does not have: their
 /// length, their sign and half turns about the splat's own axes. Costs are those of the cloud, in
 /// its frame. An error names the attribute.
 ///
@@ -45,9 +46,10 @@ Expected<Bytes> encode_compact(const SplatCloud& cloud, const CompactOptions& op
 /// Decodes `count` splats, max_splats(bytes.size()) at most. Holds at most the bytes, the cloud,
 /// and 64 bytes a splat (with energy 128; of degree 2 and 3: 24, and 12 for each coefficient).
 /// Errors (without a file's name) name the attribute. If `energy` is given, the stream has it
-/// instead of colours, which stay zero.
+/// instead of colours, which stay zero. `cells` is as the file's version says.
 Expected<SplatCloud> decode_compact(std::span<const std::byte> bytes, std::size_t count,
-                                    int sh_degree, std::vector<float>* energy = nullptr);
+                                    int sh_degree, std::vector<float>* energy = nullptr,
+                                    CellCoding cells = CellCoding::octree);
 
 /// Bytes that each attribute takes in an encoded scene, by name.
 Expected<std::vector<std::pair<std::string, std::size_t>>> attribute_bytes(

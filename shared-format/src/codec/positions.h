@@ -1,6 +1,7 @@
-// Positions on a grid, coded by Draco's sequential point-cloud encoder in the order given.
+// Positions on a grid.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -12,15 +13,19 @@
 
 namespace fluxgs::codec {
 
-/// Appends the positions, each coordinate quantized to a multiple of `step` (> 0) from the lowest.
-/// The order stays; neighbours should be close together. An error if the extent is 2²⁴ steps or
-/// more, or if Draco fails.
-Expected<void> encode_positions(const std::vector<glm::vec3>& positions, double step, Bytes& out);
+/// Coding of the cells of the grid: by Draco in files of version 2, in any order.
+enum class CellCoding : std::uint8_t { draco, octree };
 
-/// Reads what encode_positions wrote for positions.size() splats. What Draco is about to read is
-/// checked first: its number of points must be that, of one attribute of three 32-bit integers,
-/// because its own decoder allocates what its header says. Errors (without a file's name): cut,
-/// damaged, another count.
-Expected<void> decode_positions(ByteReader& in, std::span<glm::vec3> positions);
+/// The order in which positions are stored: the Z-order of their cells, order[k] being the index of
+/// the k-th. `step` > 0.
+std::vector<std::uint32_t> position_order(std::span<const glm::vec3> positions, double step);
+
+/// Appends positions that stand in position_order(), at least one, each coordinate quantized to a
+/// multiple of `step` (> 0) from the lowest. An error if the extent is 2²⁴ steps or more.
+Expected<void> encode_positions(std::span<const glm::vec3> positions, double step, Bytes& out);
+
+/// Reads what encode_positions wrote for positions.size() splats, or a file of version 2 has.
+/// Errors (without a file's name): cut, damaged, another count.
+Expected<void> decode_positions(ByteReader& in, CellCoding coding, std::span<glm::vec3> positions);
 
 }  // namespace fluxgs::codec

@@ -204,10 +204,9 @@ double entropy_bits(Values values) {
   return bits;
 }
 
-Expected<ValueDecoder> ValueDecoder::open(ByteReader& in, std::size_t channels, std::size_t count) {
-  ValueDecoder decoder;
+Expected<ValueDecoder> ValueDecoder::open(ByteReader& in, std::size_t channels) {
+  ValueDecoder decoder(in);
   decoder.channels_.resize(channels);
-  if (channels == 0 || count == 0) return decoder;
   BitReader bits(in);
   for (Channel& channel : decoder.channels_) {
     const auto split = take_split(bits);
@@ -226,11 +225,6 @@ Expected<ValueDecoder> ValueDecoder::open(ByteReader& in, std::size_t channels, 
   const auto words = in.take_varint();
   if (!words || *words > in.left() / 2) return damaged("the coded values are cut off");
   decoder.words_ = *in.take_bytes(2 * *words);
-  for (Channel& channel : decoder.channels_) {
-    const auto raw = in.take_bytes((std::uint64_t{count} * channel.split.raw_bits + 7) / 8);
-    if (!raw) return damaged("the uncoded bits of the values are cut off");
-    channel.raw = *raw;
-  }
   return decoder;
 }
 
@@ -266,16 +260,19 @@ bool ValueDecoder::is_sound_at_the_end() const {
 }
 
 Expected<void> ValueDecoder::next(std::span<std::int32_t> values) {
-  if (values.empty()) return {};
   const Channel& channel = channels_[next_++];
   if (channel.frequencies.empty())
     std::ranges::fill(values, 0);
   else if (auto ok = decode_symbols(channel, values); !ok)
     return ok;
-  if (channel.split.raw_bits == 0)
+  if (channel.split.raw_bits == 0) {
     add_lowest(channel.split.lowest, values);
-  else
-    add_raw_bits(channel.raw, channel.split, values);
+  } else {
+    const auto raw =
+        in_->take_bytes((std::uint64_t{values.size()} * channel.split.raw_bits + 7) / 8);
+    if (!raw) return damaged("the uncoded bits of the values are cut off");
+    add_raw_bits(*raw, channel.split, values);
+  }
   if (next_ == channels_.size() && !is_sound_at_the_end())
     return damaged("the coded values are damaged");
   return {};

@@ -14,9 +14,9 @@
 
 namespace fluxgs::codec {
 
-/// Appends channels of equally many values to `out`, in about as many bits as their entropy says,
-/// plus a table of some three bits for each distinct value. Values of a channel that spread over
-/// more than 4,096 neighbours keep their low bits uncoded (bypass bits). |value| < 2³⁰.
+/// Appends channels, each of a value or more, to `out`, in about as many bits as their entropy
+/// says, plus a table of some three bits for each distinct value. Values of a channel that spread
+/// over more than 4,096 neighbours keep their low bits uncoded (bypass bits). |value| < 2³⁰.
 void encode_values(std::span<const std::vector<std::int32_t>> channels, Bytes& out);
 
 /// Bits that encode_values would take for the values themselves (their empirical entropy).
@@ -33,24 +33,27 @@ struct Split {
 /// the stream is cut, a table is none, or it is damaged.
 class ValueDecoder {
  public:
-  /// Takes a stream of so many channels of `count` values off the reader's bytes, which must
-  /// outlive the decoder. At most kMaxSymbols values are kept of each channel.
-  static Expected<ValueDecoder> open(ByteReader& in, std::size_t channels, std::size_t count);
+  /// Takes a stream of so many channels, at least one, off the reader, which must outlive the
+  /// decoder and stand behind the stream once all channels are decoded. At most kMaxSymbols values
+  /// are kept of each channel.
+  static Expected<ValueDecoder> open(ByteReader& in, std::size_t channels);
 
-  /// The next channel, whole. Precondition: there is one, and `values` has room for its values.
+  /// The next channel, whole. Precondition: there is one, and `values` has room for its values, at
+  /// least one.
   Expected<void> next(std::span<std::int32_t> values);
 
  private:
   struct Channel {
     Split split;
     std::vector<std::uint32_t> frequencies;  // none where there is one symbol only
-    std::span<const std::byte> raw;
   };
   static constexpr std::size_t kStates = 2;
 
+  explicit ValueDecoder(ByteReader& in) : in_(&in) {}
   Expected<void> decode_symbols(const Channel& channel, std::span<std::int32_t> values);
   bool is_sound_at_the_end() const;
 
+  ByteReader* in_;  // the raw parts are next
   std::vector<Channel> channels_;
   std::size_t next_ = 0;
   std::array<std::uint32_t, kStates> states_{};

@@ -1,5 +1,5 @@
-// A whole scene of the compact codec: two bytes of count, one of degree (from 128 on: with the
-// networks' energy instead of colours), then the stream.
+// A whole scene of the compact codec: two bytes of count, one of its kind, then the stream. The
+// kind is the degree, plus 128 with the networks' energy instead of colours, plus 64 for version 2.
 #include "codec/compact.h"
 
 #include <algorithm>
@@ -14,14 +14,15 @@ FLUXGS_FUZZ_TARGET(compact) {
   const int kind = parameters.byte();
   const int degree = kind % 4;
   const bool has_energy = kind >= 128;
+  const auto cells = kind % 128 >= 64 ? codec::CellCoding::draco : codec::CellCoding::octree;
   const std::size_t count = std::min(asked, codec::max_splats(parameters.rest().size()));
   if (const auto sizes = codec::attribute_bytes(parameters.rest(), degree, has_energy); !sizes) {
     check_error(sizes.error());
   }
   const Meter meter;
   std::vector<float> energy;
-  const auto cloud =
-      codec::decode_compact(parameters.rest(), count, degree, has_energy ? &energy : nullptr);
+  const auto cloud = codec::decode_compact(parameters.rest(), count, degree,
+                                           has_energy ? &energy : nullptr, cells);
   // compact.h: the cloud and 64 bytes a splat, or 24 and 12 for each coefficient; a table of
   // Draco's.
   const std::size_t each = std::max<std::size_t>(

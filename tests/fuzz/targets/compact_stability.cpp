@@ -5,7 +5,6 @@
 #include "codec/compact.h"
 #include "fluxgs/io/compact_glb.h"
 #include "fluxgs/io/gltf.h"
-#include "fluxgs/morton.h"
 #include "harness.h"
 #include "scene_of.h"
 
@@ -17,7 +16,7 @@ constexpr std::size_t kMaxSplats = 64;
 // The order changes, the attributes by at most their steps; of these only that of the positions is
 // a plain bound (see codec/compact.h).
 void check_positions(const SplatCloud& before, const SplatCloud& after, double step) {
-  const auto order = morton_order(before.positions);
+  const auto order = codec::position_order(before.positions, step);
   for (std::size_t k = 0; k < order.size(); ++k) {
     const glm::dvec3 from = before.positions[order[k]], to = after.positions[k];
     for (int c = 0; c < 3; ++c) {

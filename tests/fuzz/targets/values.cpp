@@ -17,7 +17,8 @@ constexpr std::int32_t kLimit = 1 << 30;
 using Numbers = std::vector<std::int32_t>;
 
 Expected<std::vector<Numbers>> decode(ByteReader& in, std::size_t channels, std::size_t count) {
-  auto decoder = codec::ValueDecoder::open(in, channels, count);
+  if (count == 0) return std::vector<Numbers>(channels);
+  auto decoder = codec::ValueDecoder::open(in, channels);
   if (!decoder) return std::unexpected(decoder.error());
   std::vector<Numbers> values(channels, Numbers(count));
   for (Numbers& channel : values)

@@ -82,7 +82,7 @@ TEST(CompactChunks, ThoseThatAddMostComeFirst) {
   EXPECT_LE(scene->chunks[0].end, large_file().size() / 10);
   EXPECT_LE(scene->chunks[3].end, large_file().size());
   EXPECT_GT(scene->chunks[3].end + 4, large_file().size()) << "but for padding";
-  const std::vector<std::uint32_t> order = compact_order(large_cloud());
+  const std::vector<std::uint32_t> order = compact_order(large_cloud(), options_of(large_cloud()));
   ASSERT_EQ(order.size(), kSplats);
   std::size_t begin = 0;
   double least = std::numeric_limits<double>::infinity();

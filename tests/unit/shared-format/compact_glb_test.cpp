@@ -5,6 +5,7 @@
 
 #include "fluxgs/io/file.h"
 #include "fluxgs/io/scene.h"
+#include "fluxgs/math/logistic.h"
 #include "glb_support.h"
 
 namespace fluxgs {
@@ -139,6 +140,26 @@ TEST(CompactGlb, SplatsOfAbsurdSizesAreWrittenWithUsualSteps) {
   }
 }
 
+// Splat i of the file was made of sines of i, before its values were rounded.
+TEST(CompactGlb, FilesOfVersion2AreRead) {
+  const auto scene =
+      read_scene(std::filesystem::path(FLUXGS_GOLDEN_FOLDER) / "compact_version2.glb");
+  ASSERT_TRUE(scene) << scene.error().message();
+  ASSERT_EQ(scene->cloud.size(), 64u);
+  ASSERT_EQ(scene->cloud.sh_degree, 1);
+  const auto wave = [](int i, int k) { return static_cast<float>(std::sin(1.3 * i * k + k)); };
+  for (int i = 0; i < 64; ++i) {
+    const glm::vec3 position(wave(i, 1), wave(i, 2), wave(i, 3));
+    std::size_t found = 0;
+    for (std::size_t k = 1; k < 64; ++k)
+      if (glm::distance(scene->cloud.positions[k], position) <
+          glm::distance(scene->cloud.positions[found], position))
+        found = k;
+    EXPECT_LT(glm::distance(scene->cloud.positions[found], position), 0.015f) << i;
+    EXPECT_NEAR(sigmoid(scene->cloud.opacity_logits[found]), sigmoid(2 * wave(i, 17)), 0.04) << i;
+  }
+}
+
 TEST(CompactGlb, WeightsMustBeOneForEachSplat) {
   SplatCloud cloud = random_cloud(20, 0);
   const auto wrong = encode_compact_glb(cloud, {.sensitivity = {.weights = {1, 2}}}, "x.glb");
@@ -157,8 +178,9 @@ struct Damage {
 TEST(CompactGlb, DamageIsNamed) {
   const Bytes good = compact_glb(random_cloud(64, 1));
   const Damage damages[] = {
-      {R"("version":2)", R"("version":1)", "version: is 1; this program reads version 2"},
-      {R"("version":2)", R"("vers":2)", "version: is"},
+      {R"("version":3)", R"("version":1)", "version: is 1; this program reads versions 2 and 3"},
+      {R"("version":3)", R"("vers":3)", "version: is"},
+      {R"("version":3)", R"("version":2)", "position"},
       {R"("bufferView":0)", R"("bufferView":1)", "bufferView"},
       {R"("bufferView":0)", R"("bufferView":-1)", "expected a whole number"},
       {R"("count":64)", R"("count":65)", "has 65 elements"},

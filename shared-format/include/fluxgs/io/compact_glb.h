@@ -83,12 +83,12 @@ struct CompactOptions {
 };
 
 /// Order of a finite cloud's splats in its compact file: order[k] is the index in the cloud of
-/// splat k of the file.
+/// splat k of the file. It depends on the step of positions.
 std::vector<std::uint32_t> compact_order(const SplatCloud& cloud,
                                          const CompactOptions& options = {});
 
 /// Write one node with a POINTS primitive for each degree that splats need (sh_degree_of()), lowest
-/// first, each in the Morton order of its positions; the file's degree is the highest of them. A
+/// first, each in the Z-order of its positions' cells; the file's degree is the highest of them. A
 /// degree that fewer than 512 splats need is not worth a primitive: they go into the next one,
 /// where the bands that they lack are zeros, quantized as others are. With networks all splats are
 /// in one primitive of degree 1. Without plain attributes the file is smallest, and the extension

@@ -16,9 +16,9 @@
 #include "cloud/gather.h"
 #include "cloud/importance_chunks.h"
 #include "codec/compact.h"
+#include "codec/positions.h"
 #include "codec/step_means.h"
 #include "fluxgs/io/gltf_frame.h"
-#include "fluxgs/morton.h"
 #include "io/gltf/gltf_builder.h"
 #include "io/gltf/gltf_compact.h"
 #include "io/gltf/gltf_filter.h"
@@ -64,13 +64,14 @@ json add_described_attributes(const SplatCloud& cloud, io::GltfBuilder& builder)
   return named;
 }
 
-/// Z-order in glTF's frame.
-std::vector<std::uint32_t> order_within(const io::DegreeBucket& bucket, const SplatCloud& cloud) {
+/// Of the positions in glTF's frame.
+std::vector<std::uint32_t> order_within(const io::DegreeBucket& bucket, const SplatCloud& cloud,
+                                        double step) {
   std::vector<glm::vec3> turned;
   turned.reserve(bucket.splats.size());
   for (const std::uint32_t i : bucket.splats)
     turned.push_back(io::turn_position(cloud.positions[i]));
-  std::vector<std::uint32_t> order = morton_order(turned);
+  std::vector<std::uint32_t> order = codec::position_order(turned, step);
   for (std::uint32_t& k : order) k = bucket.splats[k];
   return order;
 }
@@ -347,7 +348,8 @@ void canonicalize_rotations(SplatCloud& cloud) {
 std::vector<std::uint32_t> compact_order(const SplatCloud& cloud, const CompactOptions& options) {
   std::vector<std::uint32_t> order;
   for (const Share& share : shares_of(cloud, options))
-    std::ranges::copy(order_within(share.splats, cloud), std::back_inserter(order));
+    std::ranges::copy(order_within(share.splats, cloud, options.steps.position),
+                      std::back_inserter(order));
   return order;
 }
 

@@ -91,6 +91,7 @@ Expected<GltfSplats> find_compact_splats(const GltfCompressedPlace& place,
     return fail(place.name, splats->compressed_field,
                 fmt::format("{} splats in {} bytes, expected {} at most", splats->count,
                             splats->compressed.bytes, most));
+  splats->version = extension.Get(kVersion).GetNumberAsInt();
   if (extension.Has(kChunk))
     splats->chunk = static_cast<std::size_t>(extension.Get(kChunk).GetNumberAsInt());
   if (!extension.Has(kNetworks)) return splats;
@@ -107,8 +108,9 @@ Expected<GltfSplats> find_compact_splats(const GltfCompressedPlace& place,
 Expected<SplatCloud> decode_compact_splats(const GltfSplats& from, const CompactBytes& bytes,
                                            const std::string& name) {
   std::vector<float> energy;
-  auto cloud = codec::decode_compact(bytes.stream, from.count, from.sh_degree,
-                                     has_energy(from) ? &energy : nullptr);
+  auto cloud = codec::decode_compact(
+      bytes.stream, from.count, from.sh_degree, has_energy(from) ? &energy : nullptr,
+      from.version == kOldestCompactVersion ? codec::CellCoding::draco : codec::CellCoding::octree);
   if (!cloud) return fail(name, from.compressed_field, cloud.error().message());
   if (!from.networks) return cloud;
   // The networks know the scene in glTF's frame

@@ -59,6 +59,7 @@ struct GltfSplats {
   std::optional<GltfBounds> bounds;      ///< of compressed positions, if stated
   std::optional<GltfNetworks> networks;  ///< of compact splats
   std::size_t chunk = 0;                 ///< of compact splats: its number, by importance
+  int version = kCompactVersion;         ///< of compact splats
 };
 
 /// One splat primitive under one node.

@@ -196,11 +196,11 @@ json reduce_accessors(Checker& check) {
   return result;
 }
 
-void check_compact_version(Checker& check, const json& compact, const std::string& field) {
-  const json& version = member(compact, "version");
-  if (version == kCompactVersion) return;
+void check_compact_version(Checker& check, const json& version, const std::string& field) {
+  if (version == kCompactVersion || version == kOldestCompactVersion) return;
   check.bad(fmt::format("{}.{}.version", field, kCompactExtension),
-            fmt::format("{}; this program reads version {}", found(version), kCompactVersion));
+            fmt::format("{}; this program reads versions {} and {}", found(version),
+                        kOldestCompactVersion, kCompactVersion));
 }
 
 // All numbers of the constants, as lists.
@@ -246,7 +246,8 @@ void reduce_compression(Checker& check, const json& nested, const std::string& f
       kept[kCompression] = key;
       kept[kCompressedView] = view;
       if (key != kCompactExtension) continue;
-      check_compact_version(check, value, field);
+      kept[kVersion] = member(value, "version");
+      check_compact_version(check, kept[kVersion], field);
       if (const json& chunk = member(value, "chunk"); !chunk.is_null()) {
         check.whole(chunk, fmt::format("{}.{}.chunk", field, key), kMaxEntries);
         kept[kChunk] = chunk;

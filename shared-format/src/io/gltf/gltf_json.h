@@ -28,8 +28,10 @@ using fluxgs::kCompactExtension;
 /// And where it keeps the compact extension's networks: "psi" and "phi" (bufferViews) and
 /// "normalisation".
 inline constexpr char kNetworks[] = "networks";
-inline constexpr int kCompactVersion = 2;  ///< the only one; see schema/
-inline constexpr char kChunk[] = "chunk";  ///< its chunk's number, if it has one
+/// The version that is written, and the oldest that is read; see schema/.
+inline constexpr int kCompactVersion = 3, kOldestCompactVersion = 2;
+inline constexpr char kVersion[] = "version";  ///< the file's
+inline constexpr char kChunk[] = "chunk";      ///< its chunk's number, if it has one
 /// Members in which the reduced document keeps the compression of a primitive's splats, and
 /// the bufferView of their data.
 inline constexpr char kCompression[] = "compression", kCompressedView[] = "compressedBufferView";

@@ -83,7 +83,7 @@ TEST(CompactDegrees, ComeBackBucketByBucketWithTheirOwnBandsOnly) {
   ASSERT_EQ(scene->cloud.size(), cloud.size());
   ASSERT_EQ(scene->cloud.sh_degree, 3);
   EXPECT_EQ(count_degrees(scene->cloud), count_degrees(cloud));
-  SplatCloud expected = in_order(cloud, compact_order(cloud));
+  SplatCloud expected = in_order(cloud, compact_order(cloud, {kFine}));
   canonicalize_rotations(expected);
   for (std::size_t i = 0; i < expected.size(); ++i) {
     const SplatCloud& found = scene->cloud;
@@ -112,7 +112,7 @@ TEST(CompactDegrees, AreRoundedAlike) {
   // Root mean square errors of opacity, colour and size of the first and the last 1500
   const auto errors = [&](const SplatCloud& stored) {
     const auto scene = read_glb(*encode_compact_glb(stored, options, "x"), "x");
-    const auto order = compact_order(stored);
+    const auto order = compact_order(stored, options);
     std::array<double, 6> sums{};
     for (std::size_t k = 0; k < order.size(); ++k) {
       const std::uint32_t i = order[k];

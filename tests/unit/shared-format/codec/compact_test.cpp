@@ -75,7 +75,7 @@ Worst worst_errors(const SplatCloud& before, const SplatCloud& after,
   const auto rotation = step_scale_of(kRotationWeight, extents);
   const auto color = step_scale_of(kColorWeight, extents);
   const double root_step = 0.5 * double{steps.log_scale} * std::exp(mean_log_scale(before) / 2);
-  const auto order = morton_order(before.positions);
+  const auto order = position_order(before.positions, steps.position);
   const auto rest = static_cast<std::size_t>(sh_rest_count(before.sh_degree));
   Worst worst;
   for (std::size_t k = 0; k < after.size(); ++k) {
@@ -161,7 +161,7 @@ TEST(Compact, SplatsThatCountMoreAreMoreExact) {
       encode_compact(cloud, {.steps = {.sh_rest = 0.4f}, .sensitivity = {.weights = weights}});
   const auto back = decode_compact(*bytes, cloud.size(), 1);
   ASSERT_TRUE(back);
-  const auto order = morton_order(cloud.positions);
+  const auto order = position_order(cloud.positions, QuantizationSteps().position);
   double heavy = 0, light = 0;
   for (std::size_t k = 0; k < cloud.size(); ++k)
     for (std::size_t s = 0; s < 3; ++s) {
@@ -180,7 +180,7 @@ TEST(Compact, EncodingAgainIsStable) {
   const auto twice =
       decode_compact(*encode_compact(*once, {.steps = steps, .rate_weight = 0}), cloud.size(), 1);
   ASSERT_TRUE(twice);
-  const auto order = morton_order(once->positions);
+  const auto order = position_order(once->positions, steps.position);
   for (std::size_t k = 0; k < cloud.size(); ++k)
     ASSERT_LE(glm::distance(twice->positions[k], once->positions[order[k]]), 1e-6f);  // one grid
 }
@@ -238,7 +238,7 @@ TEST(Compact, EnergyStandsForColours) {
   const auto decoded = decode_compact(*bytes, cloud.size(), 1, &back);
   ASSERT_TRUE(decoded) << decoded.error().message();
   ASSERT_EQ(back.size(), energy.size());
-  const auto order = morton_order(cloud.positions);
+  const auto order = position_order(cloud.positions, QuantizationSteps().position);
   const auto step_scale = color_step_scale(*decoded);
   for (std::size_t i = 0; i < back.size(); ++i) {
     const std::size_t splat = i / kEnergyChannels;

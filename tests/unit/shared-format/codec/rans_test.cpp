@@ -30,7 +30,8 @@ Bytes encoded(const Channels& channels) {
 }
 
 Expected<Channels> decode(ByteReader& in, std::size_t channels, std::size_t count) {
-  auto decoder = ValueDecoder::open(in, channels, count);
+  if (count == 0) return Channels(channels);
+  auto decoder = ValueDecoder::open(in, channels);
   if (!decoder) return std::unexpected(decoder.error());
   Channels values(channels, std::vector<std::int32_t>(count, -7));
   for (auto& channel : values)

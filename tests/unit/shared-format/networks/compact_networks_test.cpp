@@ -57,7 +57,7 @@ SplatCloud baked_directly(const SplatCloud& cloud, const CompactNetworks& networ
       bake_appearance(result, networks.energy, networks.models, networks.normalisation, "direct");
   EXPECT_TRUE(done) << done.error().message();
   turn_gltf_frame(result);
-  return in_order(result, compact_order(cloud));
+  return in_order(result, compact_order(cloud, fine_options(networks)));
 }
 
 TEST(CompactNetworks, AreBakedWhenTheFileIsRead) {

@@ -81,7 +81,7 @@ TEST(ExportNetworks, ACompactFileMakesTheSameColours) {
     const auto read = read_glb(*file, "net.glb");
     ASSERT_TRUE(read) << read.error().message();
     const PlanarFloats colors = baked(scene);
-    const auto order = compact_order(cloud);
+    const auto order = compact_order(cloud, options);
     ASSERT_EQ(read->cloud.size(), order.size());
     double squares = 0;
     for (std::size_t k = 0; k < order.size(); ++k)
