@@ -186,9 +186,10 @@ struct SceneLoading::Job {
   }
 
   void came(std::uint64_t bytes, std::uint64_t all) {
+    constexpr std::uint64_t kPadding = 3;  // at the end of a .glb, which nobody asks for
     update([&](LoadState& s) {
       s.read = std::max(s.read, bytes);
-      if (s.phase == LoadPhase::reading && bytes >= all) s.phase = LoadPhase::decoding;
+      if (s.phase == LoadPhase::reading && bytes + kPadding >= all) s.phase = LoadPhase::decoding;
     });
   }
 
