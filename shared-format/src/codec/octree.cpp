@@ -34,7 +34,7 @@ Numbers children_at(std::span<const Cell> cells, unsigned shift) {
   const Cell up(static_cast<int>(shift) + 1);
   Numbers children;
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (i == 0 || cells[i] >> up != cells[i - 1] >> up) children.push_back(0);
+    if (i == 0 || (cells[i] >> up) != (cells[i - 1] >> up)) children.push_back(0);
     children.back() |= 1 << child_of(cells[i], shift);
   }
   return children;
