@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "tools/fluxgs/cameras/orbit.h"
+#include "tools/fluxgs/commands/command.h"
 #include "tools/fluxgs/terminal/console.h"
 #include "tools/fluxgs/terminal/json_file.h"
 #include "tools/fluxgs/terminal/progress.h"

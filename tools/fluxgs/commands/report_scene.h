@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fluxgs/error.h"
-#include "fluxgs/io/file.h"
+#include "fluxgs/io/scene_file.h"
 #include "fluxgs/render_options.h"
 #include "fluxgs/splat_cloud.h"
 #include "tools/fluxgs/commands/lpips.h"
