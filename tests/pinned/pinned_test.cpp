@@ -155,7 +155,7 @@ INSTANTIATE_TEST_SUITE_P(Trainings, Pinned,
 
 class QuickstartScene : public testing::TestWithParam<Isa> {};
 
-/// What tools/quickstart trains, at its whole length: README's numbers are of this file.
+/// The training of tools/quickstart at its whole length: README's numbers are of this file.
 TEST_P(QuickstartScene, IsTheSame) {
   auto hashes = read_hashes();
   if (!same_surroundings(hashes))

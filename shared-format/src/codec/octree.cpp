@@ -40,7 +40,7 @@ Numbers children_at(std::span<const Cell> cells, unsigned shift) {
   return children;
 }
 
-/// How many more cells are equal to each first one.
+/// For each distinct cell, the number of further ones equal to it.
 Numbers repeats_of(std::span<const Cell> cells) {
   Numbers repeats;
   for (std::size_t i = 0; i < cells.size(); ++i)

@@ -60,7 +60,7 @@ Expected<std::vector<LpipsError>> lpips_errors(const std::vector<View>& views,
                                                const ViewRenderer& render, const Lpips& lpips,
                                                const ProgressReport& progress = {});
 
-/// Of one view or more.
+/// The mean of both ranges, over one view or more.
 LpipsError mean_of(const std::vector<LpipsError>& errors);
 
 }  // namespace fluxgs::cli

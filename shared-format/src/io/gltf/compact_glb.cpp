@@ -64,7 +64,7 @@ json add_described_attributes(const SplatCloud& cloud, io::GltfBuilder& builder)
   return named;
 }
 
-/// Of the positions in glTF's frame.
+/// The order of a bucket's splats: that of their positions in glTF's frame.
 std::vector<std::uint32_t> order_within(const io::DegreeBucket& bucket, const SplatCloud& cloud,
                                         double step) {
   std::vector<glm::vec3> turned;

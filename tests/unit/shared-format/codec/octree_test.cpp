@@ -41,6 +41,17 @@ Bytes encoded(const Cells& cells) {
   return bytes;
 }
 
+/// All of the bytes decode to the cells.
+template <class Decode>
+void expect_decodes(const Bytes& bytes, const Cells& cells, const Decode& decode) {
+  Cells back(cells.size(), Cell(-1));
+  ByteReader in(bytes);
+  const auto done = decode(in, back);
+  ASSERT_TRUE(done) << done.error().message();
+  EXPECT_EQ(in.left(), 0u);
+  EXPECT_EQ(back, cells);
+}
+
 TEST(Octree, CellsComeBack) {
   constexpr int kLast = (1 << kOctreeLevels) - 1;
   const Cells lists[] = {{Cell(0)},
@@ -51,15 +62,7 @@ TEST(Octree, CellsComeBack) {
                          sorted({Cell(kLast), Cell(0), {kLast, 0, 0}, {0, kLast - 1, 3}}),
                          some_cells(5000, 40),
                          some_cells(5000, 7e6)};
-  for (const Cells& cells : lists) {
-    const Bytes bytes = encoded(cells);
-    Cells back(cells.size(), Cell(-1));
-    ByteReader in(bytes);
-    const auto done = decode_octree(in, back);
-    ASSERT_TRUE(done) << done.error().message();
-    EXPECT_EQ(in.left(), 0u);
-    EXPECT_EQ(back, cells);
-  }
+  for (const Cells& cells : lists) expect_decodes(encoded(cells), cells, decode_octree);
 }
 
 TEST(Octree, TakesTwoBitsACellLessThanDraco) {
@@ -120,13 +123,7 @@ TEST(Octree, SurvivesCutsAndDamage) {
 
 TEST(DracoCells, AreStillRead) {
   const Cells cells = some_cells(3000, 1e4);
-  const Bytes bytes = test::draco_cells(cells);
-  Cells back(cells.size());
-  ByteReader in(bytes);
-  const auto done = decode_draco(in, back);
-  ASSERT_TRUE(done) << done.error().message();
-  EXPECT_EQ(in.left(), 0u);
-  EXPECT_EQ(back, cells);
+  expect_decodes(test::draco_cells(cells), cells, decode_draco);
 }
 
 TEST(DracoCells, SurviveCutsLyingCountsAndDamage) {

@@ -14,8 +14,8 @@ using math::Vec3;
 constexpr float kFirst = 1.0f / (kFactorScale * kFactorScale);
 constexpr float kSecond = kFirst * kFirst;
 
-/// How many floats ahead a row is asked for: a pack's rows lie in some 120 pages, more than the
-/// processor follows by itself.
+/// Floats from what is read to what is asked for: a pack's rows lie in some 120 pages, more than
+/// the processor follows by itself.
 constexpr std::size_t kAhead = 16;
 
 struct Rows {

@@ -92,7 +92,7 @@ inline LaneMask contributes(Lanes exponent, Lanes transmittance, const RasterCon
   return (exponent >= Lanes(k.log2_alpha_min)) & (transmittance >= Lanes(k.transmittance_min));
 }
 
-/// Whether α may have to be limited anywhere. The margin is above the error of exp2().
+/// True if α may have to be limited anywhere. The margin is above the error of exp2().
 inline bool may_exceed_limit(const ProjectedSplat& s, const RasterConstants& k) {
   return s.log2_opacity > k.log2_alpha_max - 1e-5f;
 }
