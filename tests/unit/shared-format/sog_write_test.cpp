@@ -24,12 +24,18 @@ float squared_error(std::span<const float> numbers, const io::ScalarCodebook& co
   return sum;
 }
 
+io::ScalarCodebook codebook_of(std::span<const float> numbers) {
+  std::vector<io::WeightedNumber> weighted;
+  for (const float v : numbers) weighted.push_back({v, 1});
+  return io::make_scalar_codebook(std::move(weighted));
+}
+
 TEST(ScalarCodebook, FewNumbersAreKept) {
   const std::vector<float> few{3, -1, 3, 7, -1};
-  EXPECT_EQ(squared_error(few, io::make_scalar_codebook(few)), 0);
+  EXPECT_EQ(squared_error(few, codebook_of(few)), 0);
   std::vector<float> levels;
   for (int i = 0; i < 256; ++i) levels.push_back(static_cast<float>(i * i));
-  EXPECT_EQ(squared_error(levels, io::make_scalar_codebook(levels)), 0);
+  EXPECT_EQ(squared_error(levels, codebook_of(levels)), 0);
   EXPECT_EQ(io::make_scalar_codebook({})[255], 0);
 }
 
@@ -39,12 +45,31 @@ TEST(ScalarCodebook, ErrsAsTheorySays) {
   std::normal_distribution<float> normal(5, 2);
   std::vector<float> numbers(200'000);
   for (float& v : numbers) v = normal(random);
-  const float mse = squared_error(numbers, io::make_scalar_codebook(numbers)) / 2e5F;
+  const float mse = squared_error(numbers, codebook_of(numbers)) / 2e5F;
   EXPECT_LT(mse, 1.1 * std::sqrt(3.0) * 3.14159 / 2 * 4 / 65536);
   // A number far from all others takes one value for itself.
   numbers[7] = 1e6F;
-  const io::ScalarCodebook codebook = io::make_scalar_codebook(numbers);
+  const io::ScalarCodebook codebook = codebook_of(numbers);
   EXPECT_LT(squared_error(numbers, codebook) / 2e5F, 1.0);
+}
+
+// Ten numbers of a million times the weight lie among ten thousand others: each has its value.
+TEST(ScalarCodebook, WeightsDrawValues) {
+  std::vector<float> heavy;
+  std::vector<io::WeightedNumber> numbers;
+  for (int i = 0; i < 10'000; ++i) numbers.push_back({static_cast<float>(i) / 10'000, 1});
+  for (int i = 0; i < 10; ++i) heavy.push_back(0.05F + 0.0913F * static_cast<float>(i));
+  const auto plain = io::make_scalar_codebook(numbers);
+  for (const float v : heavy) numbers.push_back({v, 1e6F});
+  const auto weighted = io::make_scalar_codebook(numbers);
+  EXPECT_GT(squared_error(heavy, plain), 1e-6F);
+  EXPECT_LT(squared_error(heavy, weighted), 1e-9F);
+}
+
+TEST(ScalarCodebook, NumbersWithoutWeightHarmNone) {
+  std::vector<io::WeightedNumber> numbers;
+  for (int i = 0; i < 1000; ++i) numbers.push_back({static_cast<float>(i), 0});
+  for (const float v : io::make_scalar_codebook(numbers)) EXPECT_TRUE(v >= 0 && v < 1000) << v;
 }
 
 TEST(ScalarCodebook, TheNearestValueIsTaken) {
@@ -131,6 +156,21 @@ TEST(SogWriter, ErrsAsItsLevelsSay) {
       EXPECT_LT(sh / power, count <= 1024 ? 1e-3 : 0.6);
     }
   }
+}
+
+// A few large splats are most of what one sees: their sizes are the exact ones.
+TEST(SogWriter, LargeSplatsKeepTheirSizes) {
+  SplatCloud cloud = random_cloud(3000, 0, 4, 20);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> size(1, 4);
+  for (std::size_t i = 0; i < 30; ++i) cloud.log_scales[100 * i] = glm::vec3(size(random));
+  FLUXGS_UNWRAP(bytes, encode_sog(cloud, "x"));
+  FLUXGS_UNWRAP(scene, read_sog(bytes, "x"));
+  cloud = in_order(cloud, io::spatial_order(cloud.positions));
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if (cloud.log_scales[i].x >= 1) {
+      ASSERT_NEAR(scene.cloud.log_scales[i].x, cloud.log_scales[i].x, 0.05F);
+    }
 }
 
 TEST(SogWriter, EdgesOfTheRange) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <span>
 
 namespace fluxgs::io {
@@ -10,13 +11,13 @@ namespace {
 constexpr int kIterations = 2000;  // of microseconds each; it ends when nothing moves
 
 // Centres with equal parts of the integral of the cube root of a histogram between them.
-ScalarCodebook companded(std::span<const float> sorted) {
+ScalarCodebook companded(std::span<const WeightedNumber> sorted) {
   constexpr std::size_t kBins = 1024;
-  const double low = sorted.front(), width = (double{sorted.back()} - low) / kBins;
+  const double low = sorted.front().number, width = (double{sorted.back().number} - low) / kBins;
   std::vector<double> sums(kBins + 1);
-  for (const float v : sorted) {
-    const auto bin = static_cast<std::size_t>((v - low) / width);
-    sums[std::min(bin, kBins - 1) + 1] += 1;
+  for (const WeightedNumber& v : sorted) {
+    const auto bin = static_cast<std::size_t>((v.number - low) / width);
+    sums[std::min(bin, kBins - 1) + 1] += double{v.weight};
   }
   for (std::size_t b = 1; b <= kBins; ++b) sums[b] = sums[b - 1] + std::cbrt(sums[b]);
   ScalarCodebook centres;
@@ -31,8 +32,22 @@ ScalarCodebook companded(std::span<const float> sorted) {
   return centres;
 }
 
+// Sums over the numbers before each one, and over all.
+struct Sums {
+  explicit Sums(std::span<const WeightedNumber> sorted)
+      : weights(sorted.size() + 1), products(sorted.size() + 1) {
+    for (std::size_t i = 0; i < sorted.size(); ++i) {
+      const double weight = sorted[i].weight;
+      weights[i + 1] = weights[i] + weight;
+      products[i + 1] = products[i] + weight * sorted[i].number;
+    }
+  }
+
+  std::vector<double> weights, products;
+};
+
 // One step: each centre to the mean of the numbers that are nearest to it. True if any moved.
-bool improve(ScalarCodebook& centres, std::span<const float> sorted, std::span<const double> sums) {
+bool improve(ScalarCodebook& centres, std::span<const WeightedNumber> sorted, const Sums& sums) {
   bool moved = false;
   std::size_t begin = 0;
   ScalarCodebook next = centres;
@@ -40,10 +55,14 @@ bool improve(ScalarCodebook& centres, std::span<const float> sorted, std::span<c
     std::size_t end = sorted.size();
     if (k + 1 < centres.size()) {
       const double middle = (double{centres[k]} + centres[k + 1]) / 2;
-      end = static_cast<std::size_t>(std::ranges::lower_bound(sorted, middle) - sorted.begin());
+      end = static_cast<std::size_t>(
+          std::ranges::lower_bound(sorted, middle, {}, &WeightedNumber::number) - sorted.begin());
     }
-    if (end > begin)
-      next[k] = static_cast<float>((sums[end] - sums[begin]) / static_cast<double>(end - begin));
+    if (end > begin) {
+      const double weight = sums.weights[end] - sums.weights[begin];
+      if (weight > 0)
+        next[k] = static_cast<float>((sums.products[end] - sums.products[begin]) / weight);
+    }
     moved |= next[k] != centres[k];
     begin = std::max(begin, end);
   }
@@ -53,19 +72,19 @@ bool improve(ScalarCodebook& centres, std::span<const float> sorted, std::span<c
 
 }  // namespace
 
-ScalarCodebook make_scalar_codebook(std::vector<float> numbers) {
+ScalarCodebook make_scalar_codebook(std::vector<WeightedNumber> numbers) {
   ScalarCodebook codebook{};
   if (numbers.empty()) return codebook;
-  std::ranges::sort(numbers);
+  std::ranges::sort(numbers, {}, &WeightedNumber::number);
   std::vector<float> different;
-  std::ranges::unique_copy(numbers, std::back_inserter(different));
+  std::ranges::unique_copy(numbers | std::views::transform(&WeightedNumber::number),
+                           std::back_inserter(different));
   if (different.size() <= codebook.size()) {
     codebook.fill(different.back());
     std::ranges::copy(different, codebook.begin());
     return codebook;
   }
-  std::vector<double> sums(numbers.size() + 1);
-  for (std::size_t i = 0; i < numbers.size(); ++i) sums[i + 1] = sums[i] + double{numbers[i]};
+  const Sums sums(numbers);
   codebook = companded(numbers);
   for (int i = 0; i < kIterations && improve(codebook, numbers, sums); ++i) {
   }

@@ -56,11 +56,30 @@ RgbaImage image_for(std::size_t splats) {
   return image;
 }
 
+// The area that a splat is drawn on from its broad side, times its squared opacity: an error of its
+// size is that of so many pixels. A few large splats make up most of an image. They are so rare
+// that a codebook without weights has hardly a value for their sizes.
+std::vector<float> drawn_areas(const SplatCloud& cloud) {
+  std::vector<float> areas(cloud.size());
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    const glm::vec3& s = cloud.log_scales[i];
+    const double thin = std::min({s.x, s.y, s.z});
+    const double area = std::exp(std::clamp(double{s.x} + s.y + s.z - thin, -60.0, 60.0));
+    const double opacity = opacity_of(cloud.opacity_logits[i]);
+    areas[i] = static_cast<float>(area * opacity * opacity);
+  }
+  return areas;
+}
+
 // The cloud's attributes as images, of which the specification's sections are named below.
 class SogEncoder {
  public:
   SogEncoder(const SplatCloud& cloud, const std::string& name, const WriteOptions& options)
-      : cloud_(cloud), name_(name), options_(options), order_(spatial_order(cloud.positions)) {}
+      : cloud_(cloud),
+        name_(name),
+        options_(options),
+        order_(spatial_order(cloud.positions)),
+        areas_(drawn_areas(cloud)) {}
 
   Expected<Bytes> encode() {
     meta_["version"] = 2;
@@ -165,11 +184,15 @@ class SogEncoder {
     });
   }
 
-  // Adds the codebook of an attribute of three numbers to its part of meta.json.
-  ScalarCodebook add_codebook(const char* group, const std::vector<glm::vec3>& values) {
-    std::vector<float> numbers;
+  // Adds the codebook of an attribute of three numbers to its part of meta.json. Weights: one for
+  // each, or none.
+  ScalarCodebook add_codebook(const char* group, const std::vector<glm::vec3>& values,
+                              const std::vector<float>& weights) {
+    std::vector<WeightedNumber> numbers;
     numbers.reserve(3 * values.size());
-    for (const glm::vec3& v : values) numbers.insert(numbers.end(), {v.x, v.y, v.z});
+    for (std::size_t i = 0; i < values.size(); ++i)
+      for (int c = 0; c < 3; ++c)
+        numbers.push_back({values[i][c], weights.empty() ? 1.0F : weights[i]});
     const ScalarCodebook codebook = make_scalar_codebook(std::move(numbers));
     meta_[group]["codebook"] = codebook;
     return codebook;
@@ -182,7 +205,7 @@ class SogEncoder {
 
   // Section 3.3.
   Expected<void> scales() {
-    const ScalarCodebook codebook = add_codebook("scales", cloud_.log_scales);
+    const ScalarCodebook codebook = add_codebook("scales", cloud_.log_scales, areas_);
     meta_["scales"]["files"] = {"scales.webp"};
     return add_image("scales.webp",
                      [&](std::uint32_t i) { return indices(codebook, cloud_.log_scales[i], 255); });
@@ -190,7 +213,7 @@ class SogEncoder {
 
   // Section 3.4.
   Expected<void> colours() {
-    const ScalarCodebook codebook = add_codebook("sh0", cloud_.sh_dc);
+    const ScalarCodebook codebook = add_codebook("sh0", cloud_.sh_dc, {});
     meta_["sh0"]["files"] = {"sh0.webp"};
     return add_image("sh0.webp", [&](std::uint32_t i) {
       return indices(codebook, cloud_.sh_dc[i], byte_of(opacity_of(cloud_.opacity_logits[i])));
@@ -212,7 +235,7 @@ class SogEncoder {
     for (std::size_t k = 0; k < entries.size(); ++k)
       for (int c = 0; c < 3; ++c)
         entries[k][c] = palette.entries[3 * k + static_cast<std::size_t>(c)];
-    const ScalarCodebook codebook = add_codebook("shN", entries);
+    const ScalarCodebook codebook = add_codebook("shN", entries, {});
     json& group = meta_["shN"];
     group["count"] = entries.size() / rest;
     group["bands"] = cloud_.sh_degree;
@@ -234,6 +257,7 @@ class SogEncoder {
   const std::string& name_;
   const WriteOptions& options_;
   std::vector<std::uint32_t> order_;
+  std::vector<float> areas_;
   json meta_;
   std::vector<std::pair<std::string, Bytes>> files_;
 };
