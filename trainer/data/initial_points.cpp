@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "trainer/core/median.h"
 #include "trainer/core/random.h"
 #include "trainer/data/scene_focus.h"
 #include "trainer/data/triangulate_features.h"
@@ -16,10 +17,25 @@ namespace {
 // dB)
 constexpr glm::vec3 kGrey(0.5f);
 
+// Between the cameras, points that few images show grow to veils that no other image contradicts:
+// they cost the test images of chesscat at a quarter 0.2 dB and 0.013 of SSIM
+constexpr double kFewestViews = 1.0 / 3;  // of the median's
+
 constexpr double kNear = 0.4, kFar = 2.0;  // times the focus distance
 
 int uniform_index(Random& random, int count) {
   return std::min(static_cast<int>(uniform(random) * count), count - 1);
+}
+
+/// Views that have a point in their frames.
+std::size_t count_views(const glm::dvec3& point, const std::vector<View>& views) {
+  return static_cast<std::size_t>(std::ranges::count_if(views, [&](const View& view) {
+    const Camera& camera = view.camera;
+    const glm::dvec3 at = camera.rotation * point + camera.translation;
+    if (at.z <= 0) return false;
+    const double x = camera.fx * at.x / at.z + camera.cx, y = camera.fy * at.y / at.z + camera.cy;
+    return x >= 0 && y >= 0 && x < camera.width && y < camera.height;
+  }));
 }
 
 PointCloud sparse_points(const Dataset& dataset) {
@@ -35,8 +51,10 @@ PointCloud sparse_points(const Dataset& dataset) {
 PointCloud random_points(const std::vector<View>& views, std::size_t count, std::uint64_t seed) {
   const std::vector<double> distances = focus_distances(views);
   Random random(seed);
-  PointCloud cloud{.positions = {}, .colors = {}, .source = "random"};
-  for (std::size_t i = 0; i < count; ++i) {
+  std::vector<glm::dvec3> points;
+  std::vector<double> seen;
+  // At least half of them stay
+  for (std::size_t i = 0; i < 2 * count; ++i) {
     const auto index =
         static_cast<std::size_t>(uniform_index(random, static_cast<int>(views.size())));
     const View& view = views[index];
@@ -45,9 +63,14 @@ PointCloud random_points(const std::vector<View>& views, std::size_t count, std:
     const double depth = distances[index] * (kNear + (kFar - kNear) * uniform(random));
     const Ray ray = pixel_ray(view.camera, {x + 0.5, y + 0.5});
     const double along = depth / glm::dot(ray.direction, view.camera.forward());
-    cloud.positions.emplace_back(ray.origin + along * ray.direction);
-    cloud.colors.push_back(kGrey);
+    points.push_back(ray.origin + along * ray.direction);
+    seen.push_back(static_cast<double>(count_views(points.back(), views)));
   }
+  const double fewest = kFewestViews * median(seen).value_or(0);
+  PointCloud cloud{.positions = {}, .colors = {}, .source = "random"};
+  for (std::size_t i = 0; i < points.size() && cloud.positions.size() < count; ++i)
+    if (seen[i] >= fewest) cloud.positions.emplace_back(points[i]);
+  cloud.colors.assign(cloud.positions.size(), kGrey);
   return cloud;
 }
 

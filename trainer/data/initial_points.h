@@ -26,8 +26,9 @@ Expected<PointCloud> initial_points(const Dataset& dataset, std::uint64_t seed,
                                     const Threads& threads, const ProgressReport& progress = {});
 
 /// Points in the view of training images: a random image, a random pixel of it, and a depth uniform
-/// between 0.4 and 2 times the image's focus distance (see scene_focus.h). All are mid-grey, as in
-/// 3DGS. The same for the same seed on every platform.
+/// between 0.4 and 2 times the image's focus distance (see scene_focus.h), where at least a third
+/// as many images look as at the median of such points. All are mid-grey, as in 3DGS. The same for
+/// the same seed on every platform.
 PointCloud random_points(const std::vector<View>& views, std::size_t count, std::uint64_t seed);
 
 }  // namespace fluxgs

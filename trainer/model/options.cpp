@@ -32,7 +32,11 @@ OptionFields own_fields(TrainOptions& o) {
       real("sh-dc-lr", "learning rate of SH coefficients of degree 0", o.sh_dc_lr, 0, 1),
       real("sh-rest-lr", "learning rate of the other SH coefficients", o.sh_rest_lr, 0, 1),
       real("opacity-lr", "learning rate of opacity logits", o.opacity_lr, 0, 10),
-      real("scale-lr", "learning rate of log-scales", o.scale_lr, 0, 1),
+      real(
+          "scale-lr",
+          "learning rate of log-scales (0: 0.02 for 7,000 iterations or fewer, the more the lower, "
+          "down to 0.005)",
+          o.scale_lr, 0, 1),
       real("rotation-lr", "learning rate of quaternions", o.rotation_lr, 0, 1),
       real("cooldown", "share of the run, at its end, in which all learning rates fall", o.cooldown,
            0, 1),

@@ -115,7 +115,7 @@ struct CommonOptions {
   double sh_dc_lr = 2.5e-3;            ///< of SH coefficients
   double sh_rest_lr = 2.5e-3 / 20;
   double opacity_lr = 0.025;  ///< of logits
-  double scale_lr = 5e-3;     ///< of natural logarithms
+  double scale_lr = 5e-3;     ///< of natural logarithms; 0: depends on the length of the run
   double rotation_lr = 1e-3;  ///< of quaternions' components
   double beta1 = 0.9, beta2 = 0.999, epsilon = 1e-15;
 

@@ -1,6 +1,7 @@
 // Initial points: from the sparse model, from features, at random.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include <glm/geometric.hpp>
@@ -23,6 +24,13 @@ View blank_view(const glm::dvec3& center, const glm::dvec3& target) {
   view.camera.fx = view.camera.fy = 60;
   std::ranges::fill(view.rgb.pixels, std::uint8_t{51});
   return view;
+}
+
+bool shows(const View& view, const glm::dvec3& point) {
+  const Camera& c = view.camera;
+  const glm::dvec3 p = c.rotation * point + c.translation;
+  const double u = c.fx * p.x / p.z + c.cx, v = c.fy * p.y / p.z + c.cy;
+  return p.z > 0 && u > -0.01 && u < 64.01 && v > -0.01 && v < 48.01;
 }
 
 /// Images of the ray-traced scene, in memory.
@@ -76,16 +84,27 @@ TEST(InitialPoints, BlankViewsGetRandomPointsInTheirFrustums) {
   for (const glm::vec3& position : cloud->positions) {
     const bool seen = std::ranges::any_of(dataset.train, [&](const View& view) {
       const Camera& c = view.camera;
-      const glm::dvec3 p = c.rotation * glm::dvec3(position) + c.translation;
-      const double u = c.fx * p.x / p.z + c.cx, v = c.fy * p.y / p.z + c.cy;
+      const double z = (c.rotation * glm::dvec3(position) + c.translation).z;
       const double focus = glm::distance(target, c.center());
-      return p.z > 0.39 * focus && p.z < 2.01 * focus && u > -0.01 && u < 64.01 && v > -0.01 &&
-             v < 48.01;
+      return z > 0.39 * focus && z < 2.01 * focus && shows(view, position);
     });
     ASSERT_TRUE(seen);
   }
   EXPECT_EQ(initial_points(dataset, 7, Threads(2))->positions, cloud->positions);
   EXPECT_NE(initial_points(dataset, 8, Threads(2))->positions, cloud->positions);
+}
+
+TEST(InitialPoints, RandomPointsLieWhereManyViewsLook) {
+  std::vector<View> views;
+  for (int i = 0; i < 30; ++i) {
+    const double turn = 2 * std::numbers::pi * i / 30;
+    views.push_back(blank_view({4 * std::cos(turn), 0, 4 * std::sin(turn)}, {0, 0, 0}));
+  }
+  const PointCloud cloud = random_points(views, 2000, 5);
+  ASSERT_EQ(cloud.positions.size(), 2000U);
+  // The median of all points that some view may see is in 20 frames
+  for (const glm::vec3& point : cloud.positions)
+    ASSERT_GE(std::ranges::count_if(views, [&](const View& v) { return shows(v, point); }), 7);
 }
 
 TEST(SceneFocus, IsWhereTheCamerasLook) {

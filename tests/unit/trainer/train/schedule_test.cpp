@@ -49,6 +49,21 @@ TrainOptions with(const std::string& name, std::string_view text) {
   return options;
 }
 
+TEST(Schedule, ScalesLearnFasterInShortRuns) {
+  TrainOptions options = preset("flux").value();
+  const auto rate = [&](int iterations) {
+    options.iterations = iterations;
+    return resolved(options).scale_lr;
+  };
+  EXPECT_EQ(rate(2000), 0.02);
+  EXPECT_NEAR(rate(7000), 0.02, 1e-12);
+  EXPECT_NEAR(rate(14000), 0.01, 1e-12);
+  EXPECT_EQ(rate(45000), 0.005);
+  options.scale_lr = 0.003;
+  EXPECT_EQ(rate(7000), 0.003);
+  EXPECT_EQ(resolved(preset("3dgs").value()).scale_lr, 0.005);
+}
+
 TEST(Options, ChoicesHaveTheirNames) {
   const auto reduction = [](const char* name, const char* text) {
     return with(name, text).get<ShReductionOptions>();
@@ -163,8 +178,8 @@ TEST(Schedule, HasThePhasesOfThePresetsInTheirOrder) {
               ElementsAre("SH curriculum", "SH reduction", "densification", "opacity reset"));
   EXPECT_THAT(phases_of(preset("flux").value()),
               ElementsAre("progressive resolution", "SH curriculum", "dropout", "SH reduction",
-                          "densification", "late pruning", "opacity reset", "anti-aliasing",
-                          "quantization-aware training"));
+                          "densification", "late pruning", "camera clearance", "opacity reset",
+                          "anti-aliasing", "quantization-aware training"));
   EXPECT_THAT(phases_of(preset("flux-paper").value()),
               ElementsAre("SH curriculum", "energy moments", "SH reduction", "network colours",
                           "densification", "opacity reset"));
