@@ -29,13 +29,8 @@ int uniform_index(Random& random, int count) {
 
 /// Views that have a point in their frames.
 std::size_t count_views(const glm::dvec3& point, const std::vector<View>& views) {
-  return static_cast<std::size_t>(std::ranges::count_if(views, [&](const View& view) {
-    const Camera& camera = view.camera;
-    const glm::dvec3 at = camera.rotation * point + camera.translation;
-    if (at.z <= 0) return false;
-    const double x = camera.fx * at.x / at.z + camera.cx, y = camera.fy * at.y / at.z + camera.cy;
-    return x >= 0 && y >= 0 && x < camera.width && y < camera.height;
-  }));
+  return static_cast<std::size_t>(
+      std::ranges::count_if(views, [&](const View& v) { return in_frame(v.camera, point); }));
 }
 
 PointCloud sparse_points(const Dataset& dataset) {

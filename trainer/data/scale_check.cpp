@@ -59,11 +59,8 @@ double parallel_spread(const std::vector<Camera>& cameras) {
 double share_in_view(const Camera& camera, const std::vector<glm::vec3>& points) {
   const std::size_t stride = points.size() / kMaxPoints + 1;
   double seen = 0, all = 0;
-  for (std::size_t i = 0; i < points.size(); i += stride, ++all) {
-    const glm::dvec3 p = camera.rotation * glm::dvec3(points[i]) + camera.translation;
-    const double x = camera.fx * p.x / p.z + camera.cx, y = camera.fy * p.y / p.z + camera.cy;
-    seen += p.z > 0 && x >= 0 && y >= 0 && x < camera.width && y < camera.height;
-  }
+  for (std::size_t i = 0; i < points.size(); i += stride, ++all)
+    seen += in_frame(camera, points[i]);
   return seen / all;
 }
 

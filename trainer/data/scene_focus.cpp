@@ -47,6 +47,13 @@ Ray pixel_ray(const Camera& camera, const glm::dvec2& pixel) {
   return {camera.center(), glm::normalize(glm::transpose(camera.rotation) * in_camera)};
 }
 
+bool in_frame(const Camera& camera, const glm::dvec3& point) {
+  const glm::dvec3 at = camera.rotation * point + camera.translation;
+  if (at.z <= 0) return false;
+  const double x = camera.fx * at.x / at.z + camera.cx, y = camera.fy * at.y / at.z + camera.cy;
+  return x >= 0 && y >= 0 && x < camera.width && y < camera.height;
+}
+
 double camera_spread(const std::vector<Camera>& cameras) {
   glm::dvec3 low = cameras.at(0).center(), high = low;
   for (const Camera& camera : cameras) {

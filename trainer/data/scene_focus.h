@@ -24,6 +24,9 @@ std::vector<Ray> view_rays(const std::vector<Camera>& cameras);
 /// The ray through a pixel of an image, e.g. (i + ½, j + ½).
 Ray pixel_ray(const Camera& camera, const glm::dvec2& pixel);
 
+/// True if a camera has a point in its frame, in front of it.
+bool in_frame(const Camera& camera, const glm::dvec3& point);
+
 /// The diagonal of the bounding box of the cameras' positions, of which there is one at least.
 double camera_spread(const std::vector<Camera>& cameras);
 

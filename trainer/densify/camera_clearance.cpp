@@ -1,7 +1,6 @@
 #include "trainer/densify/camera_clearance.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -15,7 +14,7 @@ namespace fluxgs {
 namespace {
 
 constexpr std::size_t kClearancePiece = 1024;  // splats
-constexpr double kMostShrunk = 0.25;           // at a time
+constexpr double kLeastFactor = 0.25;          // of a size, at a time
 
 /// The least squared distance of cameras from splat i in its standard deviations, or `most`.
 double squared_clearance(const PlanarFloats& parameters, std::size_t i,
@@ -73,21 +72,18 @@ OptionFields CameraClearanceOptions::fields(const TrainOptions&) {
                100)};
 }
 
-std::size_t clear_cameras(const std::vector<glm::dvec3>& cameras, double clearance,
-                          PlanarFloats& parameters, const Threads& threads) {
+void clear_cameras(const std::vector<glm::dvec3>& cameras, double clearance,
+                   PlanarFloats& parameters, const Threads& threads) {
   const double wanted = clearance * clearance;
-  std::atomic<std::size_t> changed = 0;
   threads.for_pieces(parameters.size(), kClearancePiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const double least = squared_clearance(parameters, i, cameras, wanted);
       if (least >= wanted) continue;
-      const double factor = std::max(std::sqrt(least / wanted), kMostShrunk);
+      const double factor = std::max(std::sqrt(least / wanted), kLeastFactor);
       for (int c = 0; c < 3; ++c)
         parameters.row(row::log_scale + c)[i] += static_cast<float>(std::log(factor));
-      ++changed;
     }
   });
-  return changed;
 }
 
 std::unique_ptr<Phase> make_camera_clearance(const TrainOptions& options) {

@@ -24,9 +24,9 @@ struct CameraClearanceOptions {
 
 /// Makes splats smaller that have any of `cameras` (centres of projection, world) nearer than
 /// `clearance` standard deviations, so that the nearest is as far as that, but at least a quarter
-/// of their size. Returns how many.
-std::size_t clear_cameras(const std::vector<glm::dvec3>& cameras, double clearance,
-                          PlanarFloats& parameters, const Threads& threads);
+/// of their size.
+void clear_cameras(const std::vector<glm::dvec3>& cameras, double clearance,
+                   PlanarFloats& parameters, const Threads& threads);
 
 /// Null where the options ask for none.
 std::unique_ptr<Phase> make_camera_clearance(const TrainOptions& options);

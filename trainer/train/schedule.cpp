@@ -26,8 +26,7 @@ namespace fluxgs {
 
 namespace {
 
-/// Splats come as far in a short run as in a long one; longer steps than the shortest runs' are no
-/// use.
+/// Inverse to the length of the run, from 3DGS's rate to four times that (docs/method.md).
 double scale_lr_of(int iterations) { return std::clamp(140.0 / iterations, 0.005, 0.02); }
 
 }  // namespace

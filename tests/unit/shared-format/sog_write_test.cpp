@@ -158,7 +158,7 @@ TEST(SogWriter, ErrsAsItsLevelsSay) {
   }
 }
 
-// A few large splats are most of what one sees: their sizes are the exact ones.
+// A few large splats are most of what one sees: their sizes are within 5%.
 TEST(SogWriter, LargeSplatsKeepTheirSizes) {
   SplatCloud cloud = random_cloud(3000, 0, 4, 20);
   std::mt19937 random(3);
