@@ -56,7 +56,7 @@ double NoiseShapingQuantizer::compensation(const CoupledValues& shaped, std::siz
 
 /// The best value from the nearest to zero: where errors are made up for, it may be far from both.
 std::int32_t NoiseShapingQuantizer::choose(double z, double weight, std::size_t plane) const {
-  const auto near = static_cast<std::int32_t>(std::lround(z));
+  const std::int32_t near = nearest(z);
   if (near == 0 || prices_.empty() || !Prices::knows(near)) return near;
   const auto error = [&](std::int32_t n) { return weight * (z - n) * (z - n); };
   const auto bits = [&](std::int32_t n) { return rate_weight_ * prices_[plane](n); };

@@ -9,8 +9,6 @@
 namespace fluxgs::codec {
 namespace {
 
-std::int32_t nearest(double value) { return static_cast<std::int32_t>(std::lround(value)); }
-
 std::int32_t choose(double value, double weight, double rate_weight, const Prices& prices) {
   const std::int32_t near = nearest(value);
   if (near == 0 || !Prices::knows(near)) return near;
@@ -37,11 +35,15 @@ std::vector<std::int32_t> walk(std::span<const double> values, bool predicted, c
 }  // namespace
 
 Prices::Prices(std::span<const std::int32_t> integers) : bits_(2 * kReach + 1) {
-  std::vector<double> counts(bits_.size(), 0.1);  // what did not occur has its price, too
-  double total = 0.1 * static_cast<double>(counts.size());
+  constexpr double kUnseen = 0.1;  // what did not occur has its price, too
+  std::vector<double> counts(bits_.size(), kUnseen);
+  double total = kUnseen * static_cast<double>(counts.size());
   for (const std::int32_t n : integers)
     if (knows(n)) counts[index(n)] += 1, total += 1;
-  std::ranges::transform(counts, bits_.begin(), [&](double c) { return std::log2(total / c); });
+  const auto price = [&](double count) { return std::log2(total / count); };
+  const double of_unseen = price(kUnseen);  // most of them
+  std::ranges::transform(counts, bits_.begin(),
+                         [&](double c) { return c == kUnseen ? of_unseen : price(c); });
 }
 
 std::vector<std::int32_t> quantize_cheaply(std::span<const double> values, bool predicted,

@@ -15,6 +15,13 @@ inline constexpr double kMaxInteger = 0x1p28;
 /// same.
 inline constexpr double kMinWeight = 0.05, kMaxWeight = 20;
 
+/// std::lround() of what is smaller than that; compilers make a call of the standard one.
+inline std::int32_t nearest(double value) {
+  const auto whole = static_cast<std::int32_t>(value);
+  const double rest = value - whole;
+  return whole + (rest >= 0.5 ? 1 : 0) - (rest <= -0.5 ? 1 : 0);
+}
+
 /// Terms of rate–distortion quantization: weight·(error)² + bits·rate_weight is made small, where
 /// the error is in steps. 0 rounds to the nearest.
 struct RateDistortion {
