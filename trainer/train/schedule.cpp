@@ -110,7 +110,7 @@ TrainOptions flux() {
   o.sh_rest_lr = 5e-4;
   // 3DGS's rate is too low for short runs: +0.5 dB on snowmiku after 7,000
   o.scale_lr = 0;
-  // Fine texture: +0.15 dB and +0.003 SSIM on fox after 7,000, with as many splats
+  // Fine texture: +0.1 dB and +0.003 SSIM on fox after 7,000, with about as many splats
   o.lambda_dssim = 0.3;
   // Values settle where several views want them: +0.25 dB and +0.003 SSIM on snowmiku after 7,000
   o.cooldown = 0.3;

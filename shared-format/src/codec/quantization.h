@@ -15,7 +15,7 @@ inline constexpr double kMaxInteger = 0x1p28;
 /// same.
 inline constexpr double kMinWeight = 0.05, kMaxWeight = 20;
 
-/// std::lround() of what is smaller than that; compilers make a call of the standard one.
+/// std::lround() of |value| < 2³¹, without the call that compilers make of it.
 inline std::int32_t nearest(double value) {
   const auto whole = static_cast<std::int32_t>(value);
   const double rest = value - whole;
