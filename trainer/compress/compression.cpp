@@ -14,7 +14,7 @@ OptionFields CompressionOptions::fields(const TrainOptions& all) {
   const bool stores = used || all.compact_output;
   const char* needed = "a .glb to write, or --quantize-aware on";
   return {real("max-psnr-drop",
-               "dB of PSNR that a compact file costs before training makes up for it (an estimate: "
+               "dB of the training images' PSNR that a compact file may cost (an estimate: "
                "quantization errors are taken to be independent of the scene's own errors)",
                max_psnr_drop, 0.001, 10)
               .only_if(stores, needed),

@@ -109,6 +109,13 @@ OptionFields DensificationOptions::fields(const TrainOptions& all) {
            gradient, 0, kUnlimited)
           .only_if(!mcmc && all.target_splats == 0,
                    "--densify gradient or multiview without --target-splats"),
+      real(
+          "densify-loss",
+          "loss (root mean square of pixels) at which --densify-gradient holds; the better a scene "
+          "matches its images, the smaller gradients suffice (0: the same at any loss)",
+          loss, 0, 1)
+          .only_if(multiview && all.target_splats == 0,
+                   "--densify multiview without --target-splats"),
       real("densify-size", "size that separates cloning from splitting, x scene extent", size, 0,
            kUnlimited)
           .only_if(!mcmc && split == Split::random, random_split),

@@ -47,6 +47,7 @@ struct DensificationOptions {
   int until = 0;           ///< last one; 0: half of the iterations, at most 15,000
   int interval = 500;      ///< iterations; 0: a hundredth of the run, at least 50
   double gradient = 2e-4;  ///< mean |∂L/∂centre| in normalised device coordinates
+  double loss = 0;         ///< multiview: SplatScores::loss at which `gradient` holds; 0: at any
   double size = 0.01;      ///< × scene extent: smaller splats are cloned, larger ones split
   Split split = Split::random;
   double split_shrink = 1.6;  ///< a split splat's scale is divided by this

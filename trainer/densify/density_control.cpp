@@ -37,6 +37,16 @@ std::size_t room(const TrainState& state, const TrainOptions& options, std::size
   return static_cast<std::size_t>(std::max(limit, 0.0));
 }
 
+/// The gradient from which on a splat may grow. What a new splat is worth is the share of the error
+/// that it removes: the less error is left, the smaller the gradients that are worth one.
+double least_gradient(const TrainOptions& options, const SplatScores* scores) {
+  constexpr double kPower = 0.3, kMost = 8;  // docs/method.md, "When to stop growing"
+  const auto& own = options.get<DensificationOptions>();
+  if (options.target_splats > 0) return 0;
+  if (own.loss == 0 || scores == nullptr) return own.gradient;
+  return own.gradient * std::pow(std::clamp(scores->loss / own.loss, 1 / kMost, kMost), kPower);
+}
+
 /// The splats that stay and are to grow, the first by rank if there is room for some
 /// only.
 std::vector<std::uint32_t> select_for_growth(const TrainState& state, const TrainOptions& options,
@@ -44,7 +54,7 @@ std::vector<std::uint32_t> select_for_growth(const TrainState& state, const Trai
                                              const std::vector<RefineAction>& actions) {
   const auto& own = options.get<DensificationOptions>();
   const auto& score = options.get<ScoreOptions>();
-  const float least = options.target_splats > 0 ? 0.0f : static_cast<float>(own.gradient);
+  const auto least = static_cast<float>(least_gradient(options, scores));
   const float quantile =
       scores ? score_quantile(scores->plus, *scores, score.quantile_plus, score.normalization)
              : 0.0f;

@@ -1,6 +1,8 @@
 #include "trainer/densify/splat_scores.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 
 #include "trainer/data/photo_memory.h"
 #include "trainer/densify/metric_maps.h"
@@ -12,6 +14,27 @@ namespace {
 void add(const float* row, std::vector<float>& sums) {
   for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += row[i];
 }
+
+/// Root mean square of a loss over pixels that count.
+class RmsLoss {
+ public:
+  void add(const PlanarImage& loss, const Image<std::uint8_t>& used) {
+    for (int y = 0; y < loss.height(); ++y)
+      for (int x = 0; x < loss.width(); ++x) {
+        const float l = loss.row(0, y)[x];
+        if (!std::isfinite(l) || (!used.pixels.empty() && *used.at(x, y) == 0)) continue;
+        squares_ += double{l} * double{l};
+        ++pixels_;
+      }
+  }
+  double value() const {
+    return std::sqrt(squares_ / static_cast<double>(std::max(pixels_, std::uint64_t{1})));
+  }
+
+ private:
+  double squares_ = 0;
+  std::uint64_t pixels_ = 0;
+};
 
 }  // namespace
 
@@ -61,6 +84,7 @@ SplatScores score_splats(const std::vector<View>& views, const std::vector<std::
   for (auto* sums : {&scores.plus, &scores.minus, &scores.contribution, &scores.pixels})
     sums->resize(count);
   PlanarImage target;
+  RmsLoss rms_loss;
   for (const std::uint32_t index : sampled) {
     const View& view = views[index];
     rasterizer.forward(parameters, view.camera, render);
@@ -69,6 +93,7 @@ SplatScores score_splats(const std::vector<View>& views, const std::vector<std::
     fill_unused(view.used, rasterizer.color(), target);
     const PlanarImage loss = loss_map(rasterizer.color(), target,
                                       options.loss == ScoreLoss::l1 ? 0 : lambda_dssim, threads);
+    rms_loss.add(loss, view.used);
     const PlanarFloats& sums =
         rasterizer.score(metric_maps(loss, options, view.used), options.weight);
     let_go(view);
@@ -77,6 +102,7 @@ SplatScores score_splats(const std::vector<View>& views, const std::vector<std::
     add(sums.row(score::contribution), scores.contribution);
     add(sums.row(score::pixels), scores.pixels);
   }
+  scores.loss = rms_loss.value();
   if (options.normalization == ScoreNormalization::pixel)
     for (std::size_t i = 0; i < count; ++i) {
       scores.plus[i] /= std::max(scores.pixels[i], 1.0f);

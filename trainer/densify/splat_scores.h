@@ -63,6 +63,7 @@ struct SplatScores {
   std::vector<float> contribution;  ///< Σ α·T over all pixels of all views
   std::vector<float> pixels;        ///< pixels it contributes to, over all views; 0: not seen
   bool sampled = false;             ///< there are views beside these, which may see other splats
+  double loss = 0;                  ///< root mean square over the pixels that count, of all views
 };
 
 /// Renders `views[sampled[0]]`, … and adds up; ignored pixels add nothing. `lambda_dssim`: weight

@@ -56,6 +56,7 @@ TEST(IneffectiveOptions, OfThePresets) {
   };
   EXPECT_EQ(ineffective_in("flux"), all({of_energy,
                                          of_mcmc,
+                                         of_quantization,
                                          {"phi-lr", "densify-size", "split-shrink",
                                           "quantile-minus", "tau-minus", "late-prune-opacity"}}));
   EXPECT_EQ(ineffective_in("flux-paper"),
@@ -71,8 +72,8 @@ TEST(IneffectiveOptions, OfThePresets) {
            of_late,
            of_scores,
            of_quantization,
-           {"sh-max-psnr-drop", "phi-lr", "resolution-until", "growth-rank", "quantile-plus",
-            "tau-plus", "quantile-minus", "tau-minus", "cooldown-to"}});
+           {"sh-max-psnr-drop", "phi-lr", "resolution-until", "growth-rank", "densify-loss",
+            "quantile-plus", "tau-plus", "quantile-minus", "tau-minus", "cooldown-to"}});
   EXPECT_EQ(ineffective_in("3dgs-sh1"), vanilla);
   EXPECT_EQ(ineffective_in("3dgs"), all({vanilla, {"sh-reduce", "sh-reduce-iter"}}));
 }

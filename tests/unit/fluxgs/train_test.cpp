@@ -109,7 +109,7 @@ TEST(Train, ATrainingThatCannotBeStoredIsSavedElsewhere) {
 TEST(Train, PlanOfAResumedTrainingIsThatOfItsCheckpoint) {
   const test::TempFolder folder;
   const auto out = folder / "scene.glb";
-  ASSERT_EQ(fluxgs(train(out, "--iterations 60")).status, 0);
+  ASSERT_EQ(fluxgs(train(out, "--iterations 60 --quantize-aware on")).status, 0);
   const Outcome plan =
       fluxgs(fmt::format("train --plan --resume {}.ckpt --iterations 90", out.string()));
   ASSERT_EQ(plan.status, 0) << plan.err;
@@ -231,7 +231,7 @@ TEST(Train, AFinishedTrainingGoesOn) {
   ASSERT_TRUE(std::regex_search(first.err, line, advice)) << first.err;
   const Outcome typed = fluxgs(line[1].str());
   EXPECT_EQ(typed.status, 0) << typed.err;
-  ASSERT_EQ(fluxgs(train(out, "--force --iterations 60")).status, 0);
+  ASSERT_EQ(fluxgs(train(out, "--force --iterations 60 --quantize-aware on")).status, 0);
   const std::string resume = fmt::format("train {} -o {} --resume {}.ckpt --json - ",
                                          quoted(capture_folder()), quoted(out), out.string());
   expect_error(fluxgs(resume + "--iterations 59"), {"--iterations", "fewer than the 60"});
@@ -312,12 +312,14 @@ TEST(Train, WhatFitsOnAFullDiskIsWritten) {
   EXPECT_FALSE(std::filesystem::exists(folder / "scene.ply"));
 }
 
-// The checkpoint of a finished training holds the scene of its file, start view included
+// The checkpoint of a finished training holds the scene as it was before it was stored, start view
+// included
 TEST(Train, CheckpointsAreScenes) {
   const test::TempFolder folder;
   const auto out = folder / "scene.glb";
   const std::string checkpoint = (folder / "scene.glb.ckpt").string();
-  ASSERT_EQ(fluxgs(train(out, "--iterations 60")).status, 0);
+  const auto floats = folder / "floats.ply";
+  ASSERT_EQ(fluxgs(train(out, "--iterations 60 --float-output " + quoted(floats))).status, 0);
   const json of_file = json::parse(fluxgs("info --json " + quoted(out)).out);
   const Outcome info = fluxgs("info --json " + checkpoint);
   ASSERT_EQ(info.status, 0) << info.err;
@@ -333,7 +335,7 @@ TEST(Train, CheckpointsAreScenes) {
       fluxgs(fmt::format("convert {} {}", checkpoint, quoted(folder / "scene.ply")));
   ASSERT_EQ(converted.status, 0) << converted.err;
   EXPECT_THAT(converted.err, HasSubstr("a training, at iteration 60 of 60"));
-  EXPECT_EQ(read_scene(folder / "scene.ply")->cloud.positions, read_scene(out)->cloud.positions);
+  EXPECT_EQ(read_scene(folder / "scene.ply")->cloud.positions, read_scene(floats)->cloud.positions);
 
   std::filesystem::resize_file(checkpoint, std::filesystem::file_size(checkpoint) - 1);
   expect_error(fluxgs("info " + checkpoint), {"scene.glb.ckpt: checksum"});

@@ -138,6 +138,30 @@ TEST(Densify, GrowthByGradientsIgnoresTheScoresThatPruningHas) {
   EXPECT_EQ(densify_and_prune(state, options, 1.0, &scores).cloned, 2u);
 }
 
+TEST(Densify, SmallerGradientsSufficeWhereLessLossIsLeft) {
+  TrainOptions options;
+  auto& own = options.get<DensificationOptions>();
+  own.strategy = Densify::multiview;
+  own.gradient = 1e-3;
+  own.loss = 0.04;
+  options.get<ScoreOptions>().quantile_plus = 0;
+  const auto grown = [&](double loss) {
+    TrainState state = state_of({0.4e-3f, 0.7e-3f, 0.9e-3f, 1.1e-3f, 2e-3f},
+                                {0.005f, 0.005f, 0.005f, 0.005f, 0.005f});
+    SplatScores scores = scores_of({1, 1, 1, 1, 1}, {0, 0, 0, 0, 0}, {1, 1, 1, 1, 1});
+    scores.plus[0] = 0.5f;
+    scores.loss = loss;
+    return densify_and_prune(state, options, 1.0, &scores).cloned;
+  };
+  EXPECT_EQ(grown(0.04), 2u);
+  EXPECT_EQ(grown(0.02), 3u);  // from 0.81e-3 on
+  EXPECT_EQ(grown(0.01), 4u);  // 0.66e-3
+  EXPECT_EQ(grown(0.08), 1u);  // 1.23e-3
+  EXPECT_EQ(grown(0), 4u);     // 0.54e-3: a perfect scene does not grow everywhere
+  own.loss = 0;
+  EXPECT_EQ(grown(0.01), 2u);
+}
+
 TEST(Densify, UnseenSplatsDoNotCountInQuantiles) {
   SplatScores scores = scores_of({0, 0, 0, 1, 2, 3}, {0, 0, 0, 0, 0, 0}, {0, 0, 0, 1, 1, 1});
   for (std::size_t i = 0; i < 3; ++i) scores.pixels[i] = 0;

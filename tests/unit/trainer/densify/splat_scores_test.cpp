@@ -220,6 +220,34 @@ TEST(SplatScores, MaskedPixelsAddNothing) {
   EXPECT_GT(scores.pixels[1], 4);
 }
 
+TEST(SplatScores, LossIsTheRootMeanSquareOverPixelsThatCount) {
+  MaskedPair pair;
+  const Threads threads(2);
+  Profiler times;
+  const auto rasterizer = make_cpu_rasterizer(threads, times);
+  const PlanarFloats parameters = to_parameters(pair.cloud, 0);
+  const auto loss_of = [&] {
+    return score_splats(pair.views, {0, 1}, parameters, {}, {}, 0, *rasterizer, threads).loss;
+  };
+  double squares = 0, pixels = 0;
+  for (const View& view : pair.views) {
+    rasterizer->forward(parameters, view.camera, {});
+    for (int y = 0; y < view.rgb.height; ++y)
+      for (int x = 0; x < view.rgb.width; ++x) {
+        if (*view.used.at(x, y) == 0) continue;
+        double loss = 0;
+        for (int c = 0; c < 3; ++c)
+          loss += std::abs(double{rasterizer->color().row(c, y)[x]} -
+                           static_cast<double>(view.rgb.at(x, y)[c]) / 255.0) /
+                  3;
+        squares += loss * loss;
+        ++pixels;
+      }
+  }
+  EXPECT_GT(loss_of(), 0);
+  EXPECT_NEAR(loss_of(), std::sqrt(squares / pixels), 1e-6);
+}
+
 TEST(MaskPruning, SplatsThatAreSeenBehindMasksOnlyGo) {
   MaskedPair pair;
   const Threads threads(2);

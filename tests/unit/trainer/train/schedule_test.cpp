@@ -179,7 +179,7 @@ TEST(Schedule, HasThePhasesOfThePresetsInTheirOrder) {
   EXPECT_THAT(phases_of(preset("flux").value()),
               ElementsAre("progressive resolution", "SH curriculum", "dropout", "SH reduction",
                           "densification", "late pruning", "camera clearance", "opacity reset",
-                          "anti-aliasing", "quantization-aware training"));
+                          "anti-aliasing"));
   EXPECT_THAT(phases_of(preset("flux-paper").value()),
               ElementsAre("SH curriculum", "energy moments", "SH reduction", "network colours",
                           "densification", "opacity reset"));
@@ -187,6 +187,8 @@ TEST(Schedule, HasThePhasesOfThePresetsInTheirOrder) {
 
 TEST(Schedule, QuantizesOnlyForCompactFilesUnlessAsked) {
   TrainOptions flux = preset("flux").value();
+  flux.get<QuantizationAwareOptions>().mode = QuantizeAware::automatic;
+  EXPECT_THAT(phases_of(flux), testing::Contains("quantization-aware training"));
   flux.compact_output = false;
   EXPECT_THAT(phases_of(flux), testing::Not(testing::Contains("quantization-aware training")));
   flux.get<QuantizationAwareOptions>().mode = QuantizeAware::on;
@@ -246,6 +248,7 @@ TEST(Options, WhatEndsWithTheRunFollowsItsLength) {
   for (const int iterations : {600, 3000, 7000, 30000}) {
     TrainOptions flux = preset("flux").value();
     flux.iterations = iterations;
+    flux.get<QuantizationAwareOptions>().mode = QuantizeAware::on;
     const TrainOptions o = resolved(flux);
     EXPECT_LT(o.get<DensificationOptions>().until, o.get<ShReductionOptions>().iteration);
     EXPECT_LT(o.get<ShReductionOptions>().iteration, o.get<QuantizationAwareOptions>().from);
@@ -280,6 +283,7 @@ TEST(Options, ResetOpacitiesHaveTimeToComeBack) {
 
 TEST(Options, QuantizationTakesTheSameShareOfLongRuns) {
   TrainOptions o = preset("flux").value();
+  o.get<QuantizationAwareOptions>().mode = QuantizeAware::on;
   for (const auto& [iterations, interval] : {std::pair(7000, 40), {45000, 45}, {60000, 60}}) {
     o.iterations = iterations;
     EXPECT_EQ(resolved(o).get<QuantizationAwareOptions>().interval, interval);
