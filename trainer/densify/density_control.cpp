@@ -40,7 +40,7 @@ std::size_t room(const TrainState& state, const TrainOptions& options, std::size
 /// The gradient from which on a splat may grow. What a new splat is worth is the share of the error
 /// that it removes: the less error is left, the smaller the gradients that are worth one.
 double least_gradient(const TrainOptions& options, const SplatScores* scores) {
-  constexpr double kPower = 0.3, kMost = 8;  // docs/method.md, "When to stop growing"
+  constexpr double kPower = 0.3, kMost = 8;  // docs/method.md, "Growth by the loss"
   const auto& own = options.get<DensificationOptions>();
   if (options.target_splats > 0) return 0;
   if (own.loss == 0 || scores == nullptr) return own.gradient;
