@@ -40,7 +40,7 @@ constexpr Case kCases[] = {
     {"3dgs", "--preset 3dgs --densify-from 50 --densify-interval 50 --opacity-reset-interval 100"},
     {"3dgs-sh1",
      "--preset 3dgs-sh1 --densify-from 50 --densify-interval 50 --opacity-reset-interval 100"},
-    {"densify-gradient", "--preset flux --densify-from 50 --densify gradient --quantize-aware on"},
+    {"densify-gradient", "--preset flux --densify-from 50 --densify gradient"},
     {"densify-multiview",
      "--preset 3dgs --densify-from 50 --densify-interval 50 --densify multiview --prune multiview "
      "--late-prune opacity"},

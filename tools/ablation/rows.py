@@ -79,8 +79,6 @@ def ours():
         ("ours-unlimited-growth", "without a limit to growth", "--densify-growth 0"),
         ("ours-no-late-prune", "without late pruning", "--late-prune off"),
         ("ours-no-adaptive-degree", "all of degree 3", "--sh-target 3"),
-        ("ours-no-quantize-aware", "quantized only when stored", "--quantize-aware off"),
-        ("ours-quantize-aware", "with quantization-aware training", "--quantize-aware on"),
         ("ours-fixed-gradient", "growth whatever the loss", "--densify-loss 0"),
         ("ours-no-depth-spread", "splats of any depth", "--depth-spread 0"),
     ])

@@ -15,7 +15,7 @@ MARGIN, LEAST_SHARE = 0.15, 0.02
 # trainer/model/view_budget.h: so many renders a run affords for looking at many photos, at least 40
 # photos; the SH reduction takes the fewest for one photo and so may look at the most
 RENDERS_PER_ITERATION, FEWEST_RENDERS, FEWEST_PHOTOS = 0.05 * 1.5, 2.5, 40
-MANY_PHOTOS = ("late pruning", "SH reduction", "quantization-aware training", "storing")
+MANY_PHOTOS = ("late pruning", "SH reduction", "storing")
 
 TITLES = {"splats": "Splats", "pixels": "Pixels", "photos": "Photos"}
 AXES = {"splats": "splats", "pixels": "megapixels of a photo", "photos": "photos"}

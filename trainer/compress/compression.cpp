@@ -11,18 +11,16 @@
 namespace fluxgs {
 
 OptionFields CompressionOptions::fields(const TrainOptions& all) {
-  const bool stores = used || all.compact_output;
-  const char* needed = "a .glb to write, or --quantize-aware on";
   return {real("max-psnr-drop",
                "dB of the training images' PSNR that a compact file may cost (an estimate: "
                "quantization errors are taken to be independent of the scene's own errors)",
                max_psnr_drop, 0.001, 10)
-              .only_if(stores, needed),
+              .only_if(all.compact_output, "a .glb to write"),
           real("compress-psnr",
                "PSNR between renders of file and scene that is enough, whatever "
                "--max-psnr-drop (0: no limit)",
                psnr, 0, 100)
-              .only_if(stores, needed)};
+              .only_if(all.compact_output, "a .glb to write")};
 }
 
 double compressed_psnr(double psnr, const CompressionOptions& options) {

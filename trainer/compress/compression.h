@@ -18,8 +18,7 @@ namespace fluxgs {
 struct CompressionOptions {
   static constexpr const char* kTitle = "Compression";
   double max_psnr_drop = 0.3;  ///< dB of the training views' PSNR that quantization may cost
-  double psnr = 0;    ///< dB between renders of file and scene that are always enough; 0: no limit
-  bool used = false;  ///< by a phase of the schedule; set when the schedule is made
+  double psnr = 0;  ///< dB between renders of file and scene that are always enough; 0: no limit
 
   OptionFields fields(const TrainOptions& all);
 };

@@ -78,7 +78,7 @@ class ShReductionPhase final : public Phase {
     const std::size_t bytes_before = compact_bytes(t.cloud());
     const ViewWeights views =
         view_weights(t.state.parameters, spread_cameras(cameras_of(t.data.train), views_),
-                     t.render_options(), t.threads, {.progress = t.control.progress});
+                     t.render_options(), t.threads, {.progress = t.progress});
     // At the resolution of this iteration: larger images have details that nothing has learned yet
     const double mse = mse_of_psnr(t.mean_psnr(*t.views));
     const ReductionReport done = reduce_sh(t.state, t.options, views, mse, t.threads);

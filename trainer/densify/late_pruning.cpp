@@ -47,7 +47,7 @@ SplatScores contributions(const Training& t, std::size_t views, double turn) {
   BlendWeights weights(t.state.parameters, t.render_options(), t.threads);
   const std::vector<std::uint32_t> chosen = spread_indices(t.data.train.size(), views, turn);
   scores.sampled = chosen.size() < t.data.train.size();
-  ProgressCounter counter(t.control.progress, chosen.size());
+  ProgressCounter counter(t.progress, chosen.size());
   for (const std::uint32_t index : chosen) {
     const View& view = t.data.train[index];
     add(scores.contribution, weights.of(view.camera, view.used));

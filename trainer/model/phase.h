@@ -45,7 +45,6 @@ struct PhaseReport {
   std::optional<Change<std::size_t>> bytes;           ///< of compact files
   nlohmann::json details = nlohmann::json::object();  ///< of this phase alone
   std::string summary = {};                           ///< of the details, for the log
-  std::optional<Error> error = {};                    ///< the phase ended for this reason
 };
 
 /// The iterations at which a phase is at work: the multiples of `interval` from `from` to `until`.
@@ -97,8 +96,8 @@ class Training {
   /// iteration; otherwise empty.
   std::vector<float> true_opacities;
 
-  /// Long work of phases and of the trainer is shown here, and stopped from here.
-  WorkControl control = {};
+  /// Long work of phases and of the trainer is shown here.
+  ProgressReport progress = {};
 
   /// Exchanges true and changed opacities, if there are any.
   void exchange_opacities();
@@ -158,9 +157,6 @@ class Phase {
   virtual double pixel_share(int /*iteration*/) const { return 1; }
   /// SH degree in use at this iteration, out of `degree`, which the other phases leave.
   virtual int sh_degree(int /*iteration*/, int degree) const { return degree; }
-  /// True if a stop (Training::control) ends after_step() before it is done: the training can then
-  /// only go on from a checkpoint of the iteration before.
-  virtual bool can_be_stopped() const { return false; }
   /// Changes the scene, after the optimiser has moved the parameters. Returns a report of what
   /// happened, if anything did that a user wants to know.
   virtual std::optional<PhaseReport> after_step(Training&) { return {}; }
@@ -169,10 +165,6 @@ class Phase {
   virtual bool has_colors() const { return false; }
   /// Writes such colours of all splats into rows sh_dc and sh_rest of the parameters, or a copy.
   virtual void bake_colors(const TrainState&, PlanarFloats& /*parameters*/) const {}
-  /// The scene as a compact file, where the phase has decided how it is quantized.
-  virtual std::optional<Expected<std::vector<std::byte>>> compact_file(const TrainState&) const {
-    return {};
-  }
   virtual std::uint64_t rejected_gradients() const { return 0; }  ///< that were not finite
 
   /// Values that a checkpoint holds of the phase beside the splats. load() refuses what save()

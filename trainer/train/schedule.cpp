@@ -7,7 +7,6 @@
 #include <fmt/ranges.h>
 
 #include "trainer/compress/compression.h"
-#include "trainer/compress/quantization_aware.h"
 #include "trainer/compress/sh_reduction.h"
 #include "trainer/densify/camera_clearance.h"
 #include "trainer/densify/densification.h"
@@ -52,16 +51,14 @@ Schedule make_schedule(TrainOptions options, const std::vector<View>& views,
   auto networks = make_network_colors(options, threads);
   const int reduced_at = reduction || networks.colors ? sh_reduce_iteration(options) : 0;
   auto curriculum = make_sh_curriculum(options, first_sh_degree(options), reduced_at);
-  options.get<QuantizationAwareOptions>().has_networks = makes_psi(options) || makes_phi(options);
-  auto quantization = make_quantization_aware(options, std::max(densify_until, reduced_at));
 
   Schedule schedule{std::move(options), {}};
-  for (auto* phase : {&resolution, &curriculum, &carving, &dropout, &penalties, &noise,
-                      // Before splats are added, which shakes the image for a moment
-                      &networks.energy, &reduction, &networks.colors,
-                      // Late pruning before opacities are reset, after which they tell nothing
-                      &densification, &mask_pruning, &late_pruning, &clearance, &reset,
-                      &antialiasing, &quantization})
+  for (auto* phase :
+       {&resolution, &curriculum, &carving, &dropout, &penalties, &noise,
+        // Before splats are added, which shakes the image for a moment
+        &networks.energy, &reduction, &networks.colors,
+        // Late pruning before opacities are reset, after which they tell nothing
+        &densification, &mask_pruning, &late_pruning, &clearance, &reset, &antialiasing})
     if (*phase) schedule.phases.push_back(std::move(*phase));
   return schedule;
 }
@@ -93,7 +90,6 @@ TrainOptions default_options() {
   o.get<LatePruningOptions>();
   o.get<ShReductionOptions>();
   o.get<NetworkColorOptions>();
-  o.get<QuantizationAwareOptions>();
   o.get<CompressionOptions>();
   return o;
 }

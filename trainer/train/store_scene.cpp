@@ -55,9 +55,6 @@ Expected<StoredScene> store_scene(const Trainer& trainer, const std::vector<View
     auto empty = encode_compact_glb(trainer.cloud(), {}, kCompactFileName);
     return empty ? opened(std::move(*empty)) : std::unexpected(empty.error());
   }
-  for (const auto& phase : trainer.schedule().phases)
-    if (auto file = phase->compact_file(state))
-      return *file ? opened(std::move(**file)) : std::unexpected(file->error());
 
   const SplatCloud shown = trainer.cloud();
   const CompactGoal goal{cameras_of(views), trainer.options.render, trainer.compressed_psnr(),

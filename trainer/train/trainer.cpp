@@ -148,7 +148,7 @@ double Trainer::mean_psnr(const std::vector<View>& of, std::size_t most) const {
   if (of.empty()) return 0;
   const ViewRenderer renderer = cpu_view_renderer(cloud(), options.render, threads);
   const std::vector<std::uint32_t> measured = spread_indices(of.size(), most);
-  ProgressCounter counter(control.progress, measured.size());
+  ProgressCounter counter(progress, measured.size());
   PlanarImage target;
   double sum = 0;
   for (const std::uint32_t i : measured) {
@@ -180,32 +180,30 @@ void Trainer::run_after_step(Phase& phase, IterationReport& report) {
 
 /// Measures before and after. One progress is of all of it.
 void Trainer::run_event(Phase& phase, IterationReport& report) {
-  const WorkControl outer = control;
+  const ProgressReport outer = progress;
   const auto renders = [](const std::vector<View>& of) {
     return static_cast<double>(std::min(of.size(), kEventViews));
   };
   const double train = renders(data.train), test = renders(data.test);
   const ProgressParts parts(
-      outer.progress,
+      outer,
       {train, test, phase.work(state.iteration, data.train.size()).share(), train, test});
   const auto measured = [&](const std::vector<View>& of, std::size_t part) {
-    control.progress = parts.part(part);
+    progress = parts.part(part);
     return mean_psnr(of, kEventViews);
   };
   const double train_psnr = measured(data.train, 0);
   const double test_psnr = measured(data.test, 1);
   const std::size_t splats = state.parameters.size();
-  control.progress = parts.part(2);
+  progress = parts.part(2);
   std::optional<PhaseReport> event = phase.after_step(*this);
-  const bool stopped = event && event->error && control.stopped();
-  report.stopped = report.stopped || stopped;
-  if (event && !event->error) {
+  if (event) {
     event->train_psnr = {train_psnr, measured(data.train, 3)};
     const double test_after = measured(data.test, 4);
     if (!data.test.empty()) event->test_psnr = {test_psnr, test_after};
+    add_event(phase, std::move(*event), splats, report);
   }
-  control = outer;
-  if (event && !stopped) add_event(phase, std::move(*event), splats, report);
+  progress = outer;
 }
 
 void Trainer::add_event(const Phase& phase, PhaseReport event, std::size_t splats_before,

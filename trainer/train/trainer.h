@@ -25,7 +25,6 @@ struct IterationReport {
   PhotometricSums sums;
   RasterCounts raster;
   std::vector<PhaseReport> phases;  ///< of the events that took place
-  bool stopped = false;             ///< an event was not done: the state is that of no iteration
 };
 
 /// The factor of all learning rates at an iteration (1, 2, …): 1 before the cooldown.

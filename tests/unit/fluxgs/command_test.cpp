@@ -475,21 +475,6 @@ TEST(Command, OutOfMemoryIsALine) {
                {"huge.ply", "memory"});
 }
 
-TEST(Command, SaysWhenQuantizationIsNotAsAskedFor) {
-  const test::TempFolder folder;
-  const auto said = [&](const std::string& options) {
-    return fluxgs(train(folder / "scene.glb", "--force --iterations 30 " + options)).err;
-  };
-  EXPECT_THAT(
-      said("--quantize-aware on --densify-until 30 --quantize-from 10"),
-      HasSubstr("quantization-aware training never takes place: it would begin at iteration 31"));
-  EXPECT_THAT(said("--quantize-aware on --sh-reduce-iter 25 --quantize-from 15"),
-              HasSubstr("at iteration 26 instead of 15"));
-  EXPECT_THAT(said("--preset flux-paper --quantize-aware on"),
-              HasSubstr("--quantize-aware has no effect"));
-  EXPECT_THAT(said(""), Not(HasSubstr("warning: ")));
-}
-
 TEST(Command, SaysWhichOptionsDoNothing) {
   const test::TempFolder folder;
   const auto said = [&](const std::string& options) {

@@ -7,7 +7,6 @@
 
 #include "tools/fluxgs/options/ineffective_options.h"
 #include "trainer/compress/compression.h"
-#include "trainer/compress/quantization_aware.h"
 #include "trainer/compress/sh_reduction.h"
 #include "trainer/densify/densification.h"
 #include "trainer/densify/late_pruning.h"
@@ -48,7 +47,6 @@ TEST(IneffectiveOptions, OfThePresets) {
                          "late-prune-opacity", "late-prune-share",    "late-prune-views"};
   const Names of_scores = {"score-views", "camera-sampling",     "score-weight", "score-loss",
                            "score-unit",  "score-normalization", "azimuth-bins", "elevation-bins"};
-  const Names of_quantization = {"quantize-from", "quantize-interval"};
   const auto all = [](std::initializer_list<Names> parts) {
     Names names;
     for (const Names& part : parts) names.insert(part.begin(), part.end());
@@ -56,14 +54,12 @@ TEST(IneffectiveOptions, OfThePresets) {
   };
   EXPECT_EQ(ineffective_in("flux"), all({of_energy,
                                          of_mcmc,
-                                         of_quantization,
                                          {"phi-lr", "densify-size", "split-shrink",
                                           "quantile-minus", "tau-minus", "late-prune-opacity"}}));
   EXPECT_EQ(ineffective_in("flux-paper"),
             all({of_mcmc,
                  of_antialiasing,
                  of_late,
-                 of_quantization,
                  {"sh-max-psnr-drop", "resolution-until", "growth-rank", "cooldown-to"}}));
   const Names vanilla =
       all({of_energy,
@@ -71,7 +67,6 @@ TEST(IneffectiveOptions, OfThePresets) {
            of_antialiasing,
            of_late,
            of_scores,
-           of_quantization,
            {"sh-max-psnr-drop", "phi-lr", "resolution-until", "growth-rank", "densify-loss",
             "quantile-plus", "tau-plus", "quantile-minus", "tau-minus", "cooldown-to"}});
   EXPECT_EQ(ineffective_in("3dgs-sh1"), vanilla);
@@ -102,8 +97,6 @@ TEST(IneffectiveOptions, AreNamedWithWhatTheyNeed) {
   options.compact_output = false;
   EXPECT_THAT(ineffective_options({"max-psnr-drop"}, options),
               ElementsAre(HasSubstr("--max-psnr-drop")));
-  options.get<QuantizationAwareOptions>().mode = QuantizeAware::on;
-  EXPECT_THAT(ineffective_options({"max-psnr-drop"}, options), IsEmpty());
 }
 
 TEST(IneffectiveOptions, PhasesThatNeverTakePlace) {

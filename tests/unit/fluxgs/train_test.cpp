@@ -109,12 +109,12 @@ TEST(Train, ATrainingThatCannotBeStoredIsSavedElsewhere) {
 TEST(Train, PlanOfAResumedTrainingIsThatOfItsCheckpoint) {
   const test::TempFolder folder;
   const auto out = folder / "scene.glb";
-  ASSERT_EQ(fluxgs(train(out, "--iterations 60 --quantize-aware on")).status, 0);
+  ASSERT_EQ(fluxgs(train(out, "--iterations 60")).status, 0);
   const Outcome plan =
       fluxgs(fmt::format("train --plan --resume {}.ckpt --iterations 90", out.string()));
   ASSERT_EQ(plan.status, 0) << plan.err;
   EXPECT_THAT(plan.out, HasSubstr("1-90 "));
-  EXPECT_THAT(plan.out, HasSubstr("\n54-90 "));  // quantization, from where it was
+  EXPECT_THAT(plan.out, ContainsRegex("-30 .*densification"));  // until where it was
 }
 
 TEST(Train, BothResultsSayWhatTheirFormatsLose) {
@@ -186,21 +186,6 @@ Outcome resumed(const std::filesystem::path& out) {
                             quoted(out), out.string()));
 }
 
-// A search for quantization steps that is stopped begins anew from the iteration before it
-TEST(Train, AStoppedSearchResumesToTheSameBytes) {
-  const test::TempFolder folder;
-  const auto straight = folder / "straight.glb", stopped = folder / "stopped.glb";
-  const std::string options = "--iterations 300 --quantize-from 200 --quantize-aware on";
-  ASSERT_EQ(fluxgs(train(straight, options)).status, 0);
-  const Outcome run = interrupted(
-      train(stopped, options), fmt::format("test -e {}.ckpt", stopped.string()), "kill -INT $pid");
-  ASSERT_EQ(run.status, 1) << run.err;
-  EXPECT_THAT(run.err, HasSubstr("interrupted at iteration "));
-  const Outcome whole = resumed(stopped);
-  ASSERT_EQ(whole.status, 0) << whole.err;
-  EXPECT_EQ(*read_file(straight), *read_file(stopped));
-}
-
 TEST(Train, StoppedStoringResumesToTheSameBytes) {
   const test::TempFolder folder;
   const auto straight = folder / "straight.glb", stopped = folder / "stopped.glb";
@@ -231,7 +216,7 @@ TEST(Train, AFinishedTrainingGoesOn) {
   ASSERT_TRUE(std::regex_search(first.err, line, advice)) << first.err;
   const Outcome typed = fluxgs(line[1].str());
   EXPECT_EQ(typed.status, 0) << typed.err;
-  ASSERT_EQ(fluxgs(train(out, "--force --iterations 60 --quantize-aware on")).status, 0);
+  ASSERT_EQ(fluxgs(train(out, "--force --iterations 60")).status, 0);
   const std::string resume = fmt::format("train {} -o {} --resume {}.ckpt --json - ",
                                          quoted(capture_folder()), quoted(out), out.string());
   expect_error(fluxgs(resume + "--iterations 59"), {"--iterations", "fewer than the 60"});
@@ -242,7 +227,6 @@ TEST(Train, AFinishedTrainingGoesOn) {
   EXPECT_EQ(report["iterations"], 90);
   EXPECT_EQ(report["options"]["iterations"], 90);
   EXPECT_EQ(report["options"]["densify-until"], 30);  // as it was
-  EXPECT_EQ(report["options"]["quantize-from"], 54);
   EXPECT_TRUE(read_scene(out));
 }
 

@@ -49,9 +49,6 @@ json json_of(const PhaseReport& r) {
 }  // namespace
 
 void TrainLog::add_phase(const PhaseReport& report) {
-  if (report.error)
-    return spdlog::warn("warning: {} ends at iteration {}: {}", report.name, report.iteration,
-                        report.error->message());
   phases_.push_back(json_of(report));
   if (report.test_psnr)
     for (const double psnr : {report.test_psnr->before, report.test_psnr->after})

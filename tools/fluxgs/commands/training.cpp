@@ -50,13 +50,11 @@ LaterWork later_work(const TrainSettings& settings, const Trainer& trainer) {
   const double scored = tests > 0 ? tests : static_cast<double>(views);
   LaterWork later{.measuring_renders = 20 * tests};
   const bool compact = (*scene_format_for(settings.out))->name == "glb";
-  const bool quantized = std::ranges::any_of(
-      trainer.schedule().phases, [](const auto& phase) { return phase->can_be_stopped(); });
-  if (compact && !quantized) {
+  if (compact) {
     later.storing = compact_search_work(views, trainer.options.iterations);
     later.storing.renders += static_cast<double>(views);
+    later.storing.files += 1;
   }
-  later.storing.files += compact ? 1 : 0;
   later.storing.renders += 3 * scored;  // the score, of what was trained and of what was stored
   return later;
 }
@@ -74,7 +72,6 @@ TrainWork::TrainWork(const TrainSettings& settings, Run run, const Threads& thre
       preview_(settings_, run_.data),
       log_(run_.options.iterations),
       estimate_(trainer_, later_work(settings_, trainer_)) {
-  trainer_.control.stop = [this] { return interrupts_.any(); };
   set_interrupt_lines("stopping after this iteration with a checkpoint");
 }
 
@@ -129,17 +126,16 @@ void TrainWork::save_if_due(bool due) {
 Expected<void> TrainWork::step(Progress& progress) {
   const Phase* event = trainer_.event_at(trainer_.state.iteration + 1);
   if (event != nullptr) {
-    // An interruption loses an event that takes long, and one that cannot be done in part
+    // A crash within an event that takes long should not lose much before it
     const bool old = wall_seconds() - saved_at_ > kEventCheckpointAge;
-    save_if_due(!settings_.checkpoint_every.never() && (old || event->can_be_stopped()));
-    trainer_.control.progress = show_work(event->name());
+    save_if_due(!settings_.checkpoint_every.never() && old);
+    trainer_.progress = show_work(event->name());
   }
   const double begun = wall_seconds();
   const IterationReport done = trainer_.step();
-  trainer_.control.progress = {};
+  trainer_.progress = {};
   estimate_.add(wall_seconds() - begun);
   const int i = trainer_.state.iteration;
-  if (done.stopped) return interrupted({}, fmt::format("iteration {}", i));
 
   const std::size_t splats = trainer_.state.parameters.size();
   log_.add(i, done, splats);

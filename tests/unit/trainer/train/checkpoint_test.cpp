@@ -51,16 +51,13 @@ void expect_resumable(const TrainOptions& options, std::initializer_list<int> st
   }
 }
 
-TEST(Train, ResumingWithOwnDegreesAndQuantization) {
+TEST(Train, ResumingWithOwnDegrees) {
   TrainOptions options = short_run(90);
   options.get<DensificationOptions>().until = 40;
   options.get<ShCurriculumOptions>().interval = 10;
   options.get<ShReductionOptions>().target = ShTarget::adaptive;
   options.get<ShReductionOptions>().max_psnr_drop = 0.5;
   options.get<ShReductionOptions>().iteration = 50;
-  options.get<QuantizationAwareOptions>().mode = QuantizeAware::on;
-  options.get<QuantizationAwareOptions>().from = 60;
-  options.get<QuantizationAwareOptions>().interval = 7;
   expect_resumable(options, {45, 75});
 }
 

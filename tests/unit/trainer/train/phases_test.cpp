@@ -1,4 +1,4 @@
-// SH reduction, network colours and quantization-aware training within a run.
+// SH reduction and network colours within a run.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +10,6 @@
 #include "fluxgs/io/gltf.h"
 #include "support/needs_onnxruntime.h"
 #include "trainer/compress/compression.h"
-#include "trainer/compress/quantization_aware.h"
 #include "trainer/compress/sh_reduction.h"
 #include "trainer/paper/energy_moments.h"
 #include "trainer/train/evaluate.h"
@@ -25,7 +24,7 @@ using namespace test;
 /// A run, with its reports of phases.
 struct Told {
   TrainState state;
-  std::optional<PhaseReport> reduced, quantized;
+  std::optional<PhaseReport> reduced;
   SplatCloud cloud;
   std::optional<StoredScene> stored;
 };
@@ -37,10 +36,8 @@ Told run(const TrainOptions& options) {
   Trainer trainer(data, options, fresh(data, options), threads, times);
   Told told;
   while (!trainer.done()) {
-    for (const PhaseReport& report : trainer.step().phases) {
+    for (const PhaseReport& report : trainer.step().phases)
       if (report.name == "SH reduction") told.reduced = report;
-      if (report.name == "quantization-aware training") told.quantized = report;
-    }
   }
   told.state = trainer.saved_state();
   told.cloud = trainer.cloud();
@@ -50,32 +47,24 @@ Told run(const TrainOptions& options) {
   return told;
 }
 
-/// Events are shown from beginning to end; a stop leaves one undone, of which nothing is told.
-TEST(Events, AreShownAndStopped) {
+TEST(Events, AreShownFromBeginningToEnd) {
   const Dataset& data = small_capture();
   const Threads threads(2);
   TrainOptions options = short_run(40);
-  options.get<QuantizationAwareOptions>().mode = QuantizeAware::on;
-  options.get<QuantizationAwareOptions>().from = 30;
-  options.get<DensificationOptions>().until = 20;
-  for (const bool stops : {false, true}) {
-    Profiler times;
-    Trainer trainer(data, options, fresh(data, options), threads, times);
-    while (trainer.event_at(trainer.state.iteration + 1) == nullptr) trainer.step();
-    EXPECT_EQ(trainer.state.iteration, 29);
-    EXPECT_TRUE(trainer.event_at(30)->can_be_stopped());
-    std::size_t last = 0;
-    trainer.control = {[&](std::size_t done, std::size_t total) {
-                         EXPECT_GE(done, last);
-                         EXPECT_EQ(total, 1000u);
-                         last = done;
-                       },
-                       [&] { return stops && last > 300; }};
-    const IterationReport report = trainer.step();
-    EXPECT_EQ(report.stopped, stops);
-    EXPECT_EQ(report.phases.size(), stops ? 0u : 1u);
-    EXPECT_EQ(last == 1000, !stops);
-  }
+  options.get<ShReductionOptions>().target = ShTarget::adaptive;
+  options.get<ShReductionOptions>().iteration = 30;
+  Profiler times;
+  Trainer trainer(data, options, fresh(data, options), threads, times);
+  while (trainer.event_at(trainer.state.iteration + 1) == nullptr) trainer.step();
+  EXPECT_EQ(trainer.state.iteration, 29);
+  std::size_t last = 0;
+  trainer.progress = [&](std::size_t done, std::size_t total) {
+    EXPECT_GE(done, last);
+    EXPECT_EQ(total, 1000u);
+    last = done;
+  };
+  EXPECT_EQ(trainer.step().phases.size(), 1u);
+  EXPECT_EQ(last, 1000u);
 }
 
 /// The degree 3 is learnt for long before it is reduced, so that there is something to lose.
@@ -221,86 +210,6 @@ TEST(NetworkColors, AreJudgedByTheColoursThatTheyMake) {
   ASSERT_TRUE(stored) << stored.error().message();
   ASSERT_FALSE(stored->networks_error) << stored->networks_error->message();
   EXPECT_GT(psnr_of_mse(*error.mse(stored->cloud)), trainer.compressed_psnr() - 0.5);
-}
-
-TEST(QuantizationAware, TrainsTheValuesOfTheFile) {
-  TrainOptions options = short_run(300);
-  options.get<DensificationOptions>().until = 150;
-  options.get<OpacityResetOptions>().interval = 0;
-  options.get<QuantizationAwareOptions>().mode = QuantizeAware::on;
-  options.get<QuantizationAwareOptions>().from = 200;
-  options.get<QuantizationAwareOptions>().interval = 10;
-  options.get<CompressionOptions>().max_psnr_drop = 0.5;
-  const Told told = run(options);
-  ASSERT_TRUE(told.quantized && !told.quantized->error);
-  EXPECT_LT(told.quantized->train_psnr.after, told.quantized->train_psnr.before);
-  ASSERT_TRUE(told.state.attached.contains(kSensitivity) && told.stored);
-  // The trained scene is what is stored: the same values but for what floats lose on the way
-  const Threads threads(1);
-  const SceneError error(told.cloud, {small_capture().train[0].camera}, options.render, threads);
-  EXPECT_GT(psnr_of_mse(*error.mse(told.stored->cloud)), 60);
-  // In as many bytes, a scene that was not trained for quantization is worse
-  TrainOptions unaware = options;
-  unaware.get<QuantizationAwareOptions>().mode = QuantizeAware::off;
-  const Told plain = run(unaware);
-  ASSERT_FALSE(plain.state.attached.contains(kSensitivity));
-  const auto& views = small_capture().train;
-  const SceneError plain_error(plain.cloud, cameras_of(views), options.render, threads);
-  const CompactSearch search(plain.cloud, plain_error,
-                             {.steps = default_quantization_steps(plain.cloud)});
-  const auto quantized_after = search.within_bytes(told.stored->file.size());
-  ASSERT_TRUE(quantized_after);
-  const auto psnr = [&](const std::vector<std::byte>& file) {
-    const SplatCloud cloud = read_glb(file, "file")->cloud;
-    return evaluate(views, cpu_view_renderer(cloud, options.render, threads), threads)->psnr;
-  };
-  RecordProperty("aware", std::to_string(psnr(told.stored->file)));
-  RecordProperty("unaware", std::to_string(psnr(quantized_after->file)));
-  EXPECT_GT(psnr(told.stored->file), psnr(quantized_after->file));
-}
-
-// A step with the moments that a rotation has leads to the same scene before and after it is stored
-// as another of the four quaternions that mean the same
-TEST(QuantizationAware, MomentsFollowTheRotations) {
-  TrainOptions options = short_run(30);
-  const Dataset& data = small_capture();
-  TrainState state = train(data, options, fresh(data, options), 2, 30);
-  const std::size_t n = state.parameters.size();
-  for (std::size_t i = 0; i < n; ++i)
-    for (int c = 0; c < 4; ++c) {
-      const auto at = static_cast<float>(4 * i + static_cast<std::size_t>(c));
-      state.parameters.row(row::rotation + c)[i] = 2 * std::sin(at);
-      state.adam.first.row(row::rotation + c)[i] = 0.1f * std::cos(3 * at);
-      state.adam.second.row(row::rotation + c)[i] = 1.5f + std::cos(5 * at);
-    }
-  const auto turned = [](const TrainState& s, std::size_t i, double rate) {
-    const glm::dquat q = rotation_of(s.parameters, i);
-    glm::dquat step = rotation_of(s.adam.first, i);
-    const glm::dquat second = rotation_of(s.adam.second, i);
-    for (int c = 0; c < 4; ++c) step[c] *= rate / std::sqrt(second[c]);
-    return glm::mat3_cast(glm::normalize(q + step));
-  };
-  // The same covariance: axes may be turned by half, which changes their signs
-  const auto covariance = [](const glm::dmat3& r) {
-    return r * glm::dmat3(1, 0, 0, 0, 2, 0, 0, 0, 3) * glm::transpose(r);
-  };
-  const TrainState before = state;
-  ASSERT_TRUE(quantize_parameters(state, {.rotation = 1e-5f}));
-  const auto order = compact_order([&] {
-    SplatCloud cloud = to_cloud(before.parameters, sh_degree_of(before.parameters));
-    canonicalize_rotations(cloud);
-    return cloud;
-  }());
-  std::size_t other = 0;
-  for (std::size_t k = 0; k < n; ++k) {
-    const double length = glm::length(rotation_of(before.parameters, order[k]));
-    const glm::dmat3 a = covariance(turned(before, order[k], 0.01 * length)),
-                     b = covariance(turned(state, k, 0.01));
-    for (int c = 0; c < 3; ++c) ASSERT_LT(glm::distance(a[c], b[c]), 2e-4) << k;
-    other += glm::dot(glm::normalize(rotation_of(before.parameters, order[k])),
-                      rotation_of(state.parameters, k)) < 0.99;
-  }
-  EXPECT_GT(other, n / 2);  // or nothing was turned
 }
 
 }  // namespace

@@ -10,7 +10,6 @@
 #include <string>
 
 #include "trainer/compress/compression.h"
-#include "trainer/compress/quantization_aware.h"
 #include "trainer/compress/sh_reduction.h"
 #include "trainer/densify/densification.h"
 #include "trainer/densify/late_pruning.h"
@@ -107,9 +106,6 @@ TEST(Options, ChoicesHaveTheirNames) {
   };
   EXPECT_EQ(late("late-prune", "opacity").mode, LatePrune::opacity);
   EXPECT_EQ(late("late-prune", "contribution").mode, LatePrune::contribution);
-  EXPECT_EQ(with("quantize-aware", "on").get<QuantizationAwareOptions>().mode, QuantizeAware::on);
-  EXPECT_EQ(with("quantize-aware", "auto").get<QuantizationAwareOptions>().mode,
-            QuantizeAware::automatic);
 }
 
 // Whatever an option is set to by its text is what its text then says.
@@ -185,16 +181,6 @@ TEST(Schedule, HasThePhasesOfThePresetsInTheirOrder) {
                           "densification", "opacity reset"));
 }
 
-TEST(Schedule, QuantizesOnlyForCompactFilesUnlessAsked) {
-  TrainOptions flux = preset("flux").value();
-  flux.get<QuantizationAwareOptions>().mode = QuantizeAware::automatic;
-  EXPECT_THAT(phases_of(flux), testing::Contains("quantization-aware training"));
-  flux.compact_output = false;
-  EXPECT_THAT(phases_of(flux), testing::Not(testing::Contains("quantization-aware training")));
-  flux.get<QuantizationAwareOptions>().mode = QuantizeAware::on;
-  EXPECT_THAT(phases_of(flux), testing::Contains("quantization-aware training"));
-}
-
 TEST(Schedule, PlansSayWhenAndWhat) {
   const std::string plan = plan_table(plan_schedule(preset("flux").value()));
   EXPECT_THAT(plan, testing::ContainsRegex("31500 +once +SH reduction"));
@@ -248,11 +234,9 @@ TEST(Options, WhatEndsWithTheRunFollowsItsLength) {
   for (const int iterations : {600, 3000, 7000, 30000}) {
     TrainOptions flux = preset("flux").value();
     flux.iterations = iterations;
-    flux.get<QuantizationAwareOptions>().mode = QuantizeAware::on;
     const TrainOptions o = resolved(flux);
     EXPECT_LT(o.get<DensificationOptions>().until, o.get<ShReductionOptions>().iteration);
-    EXPECT_LT(o.get<ShReductionOptions>().iteration, o.get<QuantizationAwareOptions>().from);
-    EXPECT_LT(o.get<QuantizationAwareOptions>().from, iterations);
+    EXPECT_LT(o.get<ShReductionOptions>().iteration, iterations);
     EXPECT_GE(o.get<DensificationOptions>().interval, 50);
   }
 }
@@ -279,27 +263,6 @@ TEST(Options, ResetOpacitiesHaveTimeToComeBack) {
   o = preset("3dgs").value();
   o.iterations = 7000;
   EXPECT_TRUE(resets_opacity(resolved(o)));
-}
-
-TEST(Options, QuantizationTakesTheSameShareOfLongRuns) {
-  TrainOptions o = preset("flux").value();
-  o.get<QuantizationAwareOptions>().mode = QuantizeAware::on;
-  for (const auto& [iterations, interval] : {std::pair(7000, 40), {45000, 45}, {60000, 60}}) {
-    o.iterations = iterations;
-    EXPECT_EQ(resolved(o).get<QuantizationAwareOptions>().interval, interval);
-  }
-}
-
-TEST(Options, QuantizationWaitsForChangesOfTheScene) {
-  TrainOptions o;
-  o.iterations = 100;
-  o.get<QuantizationAwareOptions>().mode = QuantizeAware::on;
-  o.get<QuantizationAwareOptions>().from = 10;
-  o.get<DensificationOptions>().until = 60;
-  EXPECT_EQ(resolved(o).get<QuantizationAwareOptions>().from, 61);
-  o.get<ShReductionOptions>().target = ShTarget::adaptive;
-  o.get<ShReductionOptions>().iteration = 80;
-  EXPECT_EQ(resolved(o).get<QuantizationAwareOptions>().from, 81);
 }
 
 TEST(Options, PartsThatNeedEachOtherAreCheckedByName) {

@@ -9,7 +9,6 @@
 
 #include "support/temp_folder.h"
 #include "tools/capture/capture.h"
-#include "trainer/compress/quantization_aware.h"
 #include "trainer/compress/sh_reduction.h"
 #include "trainer/densify/densification.h"
 #include "trainer/densify/dropout.h"
@@ -81,8 +80,6 @@ inline TrainOptions everything() {
   options.get<LatePruningOptions>().from = 70;
   options.get<LatePruningOptions>().interval = 5;
   options.get<LatePruningOptions>().until = 80;
-  options.get<QuantizationAwareOptions>().mode = QuantizeAware::on;
-  options.get<QuantizationAwareOptions>().from = 85;
   return options;
 }
 
