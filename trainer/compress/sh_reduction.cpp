@@ -76,11 +76,13 @@ class ShReductionPhase final : public Phase {
   std::optional<PhaseReport> after_step(Training& t) override {
     if (!period().due(t.state.iteration)) return {};
     const std::size_t bytes_before = compact_bytes(t.cloud());
-    const ViewWeights views =
-        view_weights(t.state.parameters, spread_cameras(cameras_of(t.data.train), views_),
-                     t.render_options(), t.threads, {.progress = t.progress});
+    const std::vector<Camera> cameras = spread_cameras(cameras_of(t.data.train), views_);
+    const ProgressParts parts(t.progress, {kWeightRenders * static_cast<double>(cameras.size()),
+                                           static_cast<double>(kMeasuredViews)});
+    const ViewWeights views = view_weights(t.state.parameters, cameras, t.render_options(),
+                                           t.threads, {.progress = parts.part(0)});
     // At the resolution of this iteration: larger images have details that nothing has learned yet
-    const double mse = mse_of_psnr(t.mean_psnr(*t.views));
+    const double mse = mse_of_psnr(t.mean_psnr(*t.views, kMeasuredViews, parts.part(1)));
     const ReductionReport done = reduce_sh(t.state, t.options, views, mse, t.threads);
     PhaseReport report;
     report.bytes = {bytes_before, compact_bytes(t.cloud())};

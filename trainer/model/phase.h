@@ -111,8 +111,8 @@ class Training {
   virtual void complete_colors() = 0;
   virtual SplatCloud cloud() const = 0;  ///< the scene as it is shown
   /// dB, the mean over `most` of the views, evenly spread, each kMaxPsnr at most; 0 without any.
-  virtual double mean_psnr(const std::vector<View>& views,
-                           std::size_t most = kMeasuredViews) const = 0;
+  virtual double mean_psnr(const std::vector<View>& views, std::size_t most = kMeasuredViews,
+                           const ProgressReport& shown = {}) const = 0;
 
  protected:
   Training(const Dataset& data_, const TrainOptions& options_, const Threads& threads_,

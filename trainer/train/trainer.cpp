@@ -144,11 +144,12 @@ std::vector<std::uint8_t> Trainer::visible_of_degree(int degree) const {
   return out;
 }
 
-double Trainer::mean_psnr(const std::vector<View>& of, std::size_t most) const {
+double Trainer::mean_psnr(const std::vector<View>& of, std::size_t most,
+                          const ProgressReport& shown) const {
   if (of.empty()) return 0;
   const ViewRenderer renderer = cpu_view_renderer(cloud(), options.render, threads);
   const std::vector<std::uint32_t> measured = spread_indices(of.size(), most);
-  ProgressCounter counter(progress, measured.size());
+  ProgressCounter counter(shown, measured.size());
   PlanarImage target;
   double sum = 0;
   for (const std::uint32_t i : measured) {
@@ -189,21 +190,20 @@ void Trainer::run_event(Phase& phase, IterationReport& report) {
       outer,
       {train, test, phase.work(state.iteration, data.train.size()).share(), train, test});
   const auto measured = [&](const std::vector<View>& of, std::size_t part) {
-    progress = parts.part(part);
-    return mean_psnr(of, kEventViews);
+    return mean_psnr(of, kEventViews, parts.part(part));
   };
   const double train_psnr = measured(data.train, 0);
   const double test_psnr = measured(data.test, 1);
   const std::size_t splats = state.parameters.size();
   progress = parts.part(2);
   std::optional<PhaseReport> event = phase.after_step(*this);
+  progress = outer;
   if (event) {
     event->train_psnr = {train_psnr, measured(data.train, 3)};
     const double test_after = measured(data.test, 4);
     if (!data.test.empty()) event->test_psnr = {test_psnr, test_after};
     add_event(phase, std::move(*event), splats, report);
   }
-  progress = outer;
 }
 
 void Trainer::add_event(const Phase& phase, PhaseReport event, std::size_t splats_before,

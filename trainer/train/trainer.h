@@ -54,8 +54,8 @@ class Trainer final : public Training {
   /// The state with what phases keep: the content of a checkpoint.
   TrainState saved_state() const;
   SplatCloud cloud() const override;
-  double mean_psnr(const std::vector<View>& views,
-                   std::size_t most = kMeasuredViews) const override;
+  double mean_psnr(const std::vector<View>& views, std::size_t most = kMeasuredViews,
+                   const ProgressReport& shown = {}) const override;
   /// PSNR between renders of the scene and of its compact file (compress/compression.h).
   double compressed_psnr() const;
   /// Gradients that were not finite and were therefore skipped.
