@@ -35,19 +35,14 @@ class OpacityReset final : public Phase {
 
 OptionFields OpacityResetOptions::fields(const TrainOptions& all) {
   const bool by_gradients = all.get<DensificationOptions>().strategy != Densify::mcmc;
-  return {
-      whole("opacity-reset-interval",
-            "iterations between opacity resets, until the last densification (0: never)", interval,
-            0, kUnlimited)
-          .only_if(by_gradients, "--densify gradient or multiview"),
-      whole("opacity-reset-settle", "iterations from a reset to the last densification, at least",
-            settle, 1, kUnlimited)
-          .only_if(by_gradients && interval > 0,
-                   "--densify gradient or multiview with --opacity-reset-interval"),
-      real("opacity-reset-to", "maximum opacity after a reset", to, 1e-4, 0.99)
-          .only_if(resets_opacity(all),
-                   "--densify gradient or multiview with an --opacity-reset-interval that "
-                   "leaves --opacity-reset-settle before --densify-until")};
+  return {whole("opacity-reset-interval",
+                "iterations between opacity resets, until the last densification (0: never)",
+                interval, 0, kUnlimited)
+              .only_if(by_gradients, "--densify gradient or multiview"),
+          real("opacity-reset-to", "maximum opacity after a reset", to, 1e-4, 0.99)
+              .only_if(resets_opacity(all),
+                       "--densify gradient or multiview with an --opacity-reset-interval below "
+                       "--densify-until")};
 }
 
 bool resets_opacity(const TrainOptions& options) {
@@ -55,7 +50,7 @@ bool resets_opacity(const TrainOptions& options) {
   const auto& own = options.get<OpacityResetOptions>();
   // None with the last densification: nothing would remove splats whose opacity stays low
   return densification.strategy != Densify::mcmc && own.interval > 0 &&
-         own.interval <= densification.until - own.settle;
+         own.interval < densification.until;
 }
 
 void reset_opacity(TrainState& state, double to) {
@@ -71,8 +66,7 @@ void reset_opacity(TrainState& state, double to) {
 std::unique_ptr<Phase> make_opacity_reset(TrainOptions& options) {
   if (!resets_opacity(options)) return nullptr;
   const auto& own = options.get<OpacityResetOptions>();
-  return std::make_unique<OpacityReset>(own,
-                                        options.get<DensificationOptions>().until - own.settle);
+  return std::make_unique<OpacityReset>(own, options.get<DensificationOptions>().until - 1);
 }
 
 }  // namespace fluxgs

@@ -12,7 +12,6 @@ struct OpacityResetOptions {
   static constexpr const char* kTitle = "Opacity reset";
   int interval = 3000;  ///< iterations, before the last densification; 0: never
   double to = 0.01;     ///< 0…1, at most
-  int settle = 1;       ///< iterations from a reset to the last densification, at least
 
   OptionFields fields(const TrainOptions& all);
 };

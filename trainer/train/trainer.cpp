@@ -187,8 +187,7 @@ void Trainer::run_event(Phase& phase, IterationReport& report) {
   };
   const double train = renders(data.train), test = renders(data.test);
   const ProgressParts parts(
-      outer,
-      {train, test, phase.work(state.iteration, data.train.size()).share(), train, test});
+      outer, {train, test, phase.work(state.iteration, data.train.size()).share(), train, test});
   const auto measured = [&](const std::vector<View>& of, std::size_t part) {
     return mean_psnr(of, kEventViews, parts.part(part));
   };

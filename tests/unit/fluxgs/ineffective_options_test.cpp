@@ -52,10 +52,12 @@ TEST(IneffectiveOptions, OfThePresets) {
     for (const Names& part : parts) names.insert(part.begin(), part.end());
     return names;
   };
-  EXPECT_EQ(ineffective_in("flux"), all({of_energy,
-                                         of_mcmc,
-                                         {"phi-lr", "densify-size", "split-shrink",
-                                          "quantile-minus", "tau-minus", "late-prune-opacity"}}));
+  EXPECT_EQ(
+      ineffective_in("flux"),
+      all({of_energy,
+           of_mcmc,
+           {"phi-lr", "densify-size", "split-shrink", "quantile-minus", "tau-minus",
+            "late-prune-opacity", "opacity-reset-to", "prune-world-size", "prune-screen-radius"}}));
   EXPECT_EQ(ineffective_in("flux-paper"),
             all({of_mcmc,
                  of_antialiasing,

@@ -174,8 +174,7 @@ TEST(Schedule, HasThePhasesOfThePresetsInTheirOrder) {
               ElementsAre("SH curriculum", "SH reduction", "densification", "opacity reset"));
   EXPECT_THAT(phases_of(preset("flux").value()),
               ElementsAre("progressive resolution", "SH curriculum", "dropout", "SH reduction",
-                          "densification", "late pruning", "camera clearance", "opacity reset",
-                          "anti-aliasing"));
+                          "densification", "late pruning", "camera clearance", "anti-aliasing"));
   EXPECT_THAT(phases_of(preset("flux-paper").value()),
               ElementsAre("SH curriculum", "energy moments", "SH reduction", "network colours",
                           "densification", "opacity reset"));
@@ -183,9 +182,10 @@ TEST(Schedule, HasThePhasesOfThePresetsInTheirOrder) {
 
 TEST(Schedule, PlansSayWhenAndWhat) {
   const std::string plan = plan_table(plan_schedule(preset("flux").value()));
-  EXPECT_THAT(plan, testing::ContainsRegex("31500 +once +SH reduction"));
-  EXPECT_THAT(plan, testing::ContainsRegex("9000-27000 +4500 +late pruning"));
-  EXPECT_THAT(plan, testing::ContainsRegex("3000-12000 +3000 +opacity reset"));
+  EXPECT_THAT(plan, testing::ContainsRegex("21000 +once +SH reduction"));
+  EXPECT_THAT(plan, testing::ContainsRegex("6000-18000 +3000 +late pruning"));
+  EXPECT_THAT(plan_table(plan_schedule(preset("3dgs").value())),
+              testing::ContainsRegex("3000-12000 +3000 +opacity reset"));
   TrainOptions never = preset("3dgs-sh1").value();
   never.get<ShReductionOptions>().iteration = 40000;
   EXPECT_THAT(plan_table(plan_schedule(never)),
@@ -254,15 +254,13 @@ TEST(Options, LatePruningByContributionDoesNotWaitForTheLastDensification) {
   EXPECT_EQ(resolved(o).get<LatePruningOptions>().until, 20000);
 }
 
-TEST(Options, ResetOpacitiesHaveTimeToComeBack) {
-  TrainOptions o = preset("flux").value();
-  for (const auto& [iterations, resets] : {std::pair(7000, false), {15000, true}, {45000, true}}) {
+TEST(Options, OpacitiesAreResetWhileSplatsAreAdded) {
+  TrainOptions o = preset("3dgs").value();
+  for (const auto& [iterations, resets] : {std::pair(6000, false), {7000, true}, {30000, true}}) {
     o.iterations = iterations;
     EXPECT_EQ(resets_opacity(resolved(o)), resets) << iterations;
   }
-  o = preset("3dgs").value();
-  o.iterations = 7000;
-  EXPECT_TRUE(resets_opacity(resolved(o)));
+  EXPECT_FALSE(resets_opacity(resolved(preset("flux").value())));
 }
 
 TEST(Options, PartsThatNeedEachOtherAreCheckedByName) {
