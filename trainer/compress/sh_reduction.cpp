@@ -77,8 +77,9 @@ class ShReductionPhase final : public Phase {
     if (!period().due(t.state.iteration)) return {};
     const std::size_t bytes_before = compact_bytes(t.cloud());
     const std::vector<Camera> cameras = spread_cameras(cameras_of(t.data.train), views_);
-    const ProgressParts parts(t.progress, {kWeightRenders * static_cast<double>(cameras.size()),
-                                           static_cast<double>(kMeasuredViews)});
+    const ProgressParts parts(t.progress,
+                              {kWeightRenders * static_cast<double>(cameras.size()),
+                               static_cast<double>(std::min(t.views->size(), kMeasuredViews))});
     const ViewWeights views = view_weights(t.state.parameters, cameras, t.render_options(),
                                            t.threads, {.progress = parts.part(0)});
     // At the resolution of this iteration: larger images have details that nothing has learned yet
