@@ -8,6 +8,7 @@
 #include "trainer/core/profiler.h"
 #include "trainer/densify/camera_sampling.h"
 #include "trainer/densify/density_control.h"
+#include "trainer/densify/late_pruning.h"
 #include "trainer/densify/mcmc.h"
 #include "trainer/densify/opacity_reset.h"
 
@@ -89,6 +90,7 @@ OptionFields DensificationOptions::fields(const TrainOptions& all) {
   const bool limited =
       growth > 0 || all.max_splats > 0 || all.target_splats > 0 || all.max_memory > 0;
   const bool prunes = prune != Prune::none;
+  const bool late_pruning = all.get<LatePruningOptions>().mode != LatePrune::off;
   const char* by_gradients = "--densify gradient or multiview";
   const char* random_split = "--densify gradient or multiview with --split random";
   const char* after_resets =
@@ -116,6 +118,12 @@ OptionFields DensificationOptions::fields(const TrainOptions& all) {
           loss, 0, 1)
           .only_if(multiview && all.target_splats == 0,
                    "--densify multiview without --target-splats"),
+      real("densify-worth",
+           "dB; smaller gradients suffice where late pruning lost more PSNR for its share of the "
+           "splats (its logarithm; 0: never)",
+           worth, 0, 1000)
+          .only_if(!mcmc && all.target_splats == 0 && late_pruning,
+                   "--late-prune and --densify gradient or multiview without --target-splats"),
       real("densify-size", "size that separates cloning from splitting, x scene extent", size, 0,
            kUnlimited)
           .only_if(!mcmc && split == Split::random, random_split),

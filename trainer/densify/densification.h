@@ -48,7 +48,8 @@ struct DensificationOptions {
   int interval = 500;      ///< iterations; 0: a hundredth of the run, at least 50
   double gradient = 2e-4;  ///< mean |∂L/∂centre| in normalised device coordinates
   double loss = 0;         ///< multiview: SplatScores::loss at which `gradient` holds; 0: at any
-  double size = 0.01;      ///< × scene extent: smaller splats are cloned, larger ones split
+  double worth = 0;  ///< dB: smaller gradients suffice above this TrainState::splat_worth; 0: never
+  double size = 0.01;  ///< × scene extent: smaller splats are cloned, larger ones split
   Split split = Split::random;
   double split_shrink = 1.6;  ///< a split splat's scale is divided by this
   double growth = 0;          ///< at most this × the splats are added at once; 0: no limit

@@ -38,13 +38,20 @@ std::size_t room(const TrainState& state, const TrainOptions& options, std::size
 }
 
 /// The gradient from which on a splat may grow. What a new splat is worth is the share of the error
-/// that it removes: the less error is left, the smaller the gradients that are worth one.
-double least_gradient(const TrainOptions& options, const SplatScores* scores) {
-  constexpr double kPower = 0.3, kMost = 8;  // docs/method.md, "Growth by the loss"
+/// that it removes: the less error is left, the smaller the gradients that are worth one. Where the
+/// removal of some has just cost much, smaller ones still are.
+double least_gradient(const TrainState& state, const TrainOptions& options,
+                      const SplatScores* scores) {
+  // docs/method.md, "Growth by the loss", "Growth by worth"
+  constexpr double kLossPower = 0.3, kMostLoss = 8, kWorthPower = -0.5, kMostWorth = 3;
   const auto& own = options.get<DensificationOptions>();
   if (options.target_splats > 0) return 0;
-  if (own.loss == 0 || scores == nullptr) return own.gradient;
-  return own.gradient * std::pow(std::clamp(scores->loss / own.loss, 1 / kMost, kMost), kPower);
+  double least = own.gradient;
+  if (own.loss > 0 && scores)
+    least *= std::pow(std::clamp(scores->loss / own.loss, 1 / kMostLoss, kMostLoss), kLossPower);
+  if (own.worth > 0)
+    least *= std::pow(std::clamp(state.splat_worth / own.worth, 1.0, kMostWorth), kWorthPower);
+  return least;
 }
 
 /// The splats that stay and are to grow, the first by rank if there is room for some
@@ -54,7 +61,7 @@ std::vector<std::uint32_t> select_for_growth(const TrainState& state, const Trai
                                              const std::vector<RefineAction>& actions) {
   const auto& own = options.get<DensificationOptions>();
   const auto& score = options.get<ScoreOptions>();
-  const auto least = static_cast<float>(least_gradient(options, scores));
+  const auto least = static_cast<float>(least_gradient(state, options, scores));
   const float quantile =
       scores ? score_quantile(scores->plus, *scores, score.quantile_plus, score.normalization)
              : 0.0f;

@@ -37,6 +37,9 @@ struct TrainState {
   std::map<std::string, std::vector<double>> phase_values;  ///< Phase::save() by name
   int iteration = 0;                                        ///< iterations done
   double max_pairs = 0;  ///< largest number of splat–tile pairs for each visible splat so far
+  /// PSNR that training images lost when an event last removed splats, dB, over the logarithm of
+  /// the splats before to those after it; 0: none has yet.
+  double splat_worth = 0;
   Random random;
   std::vector<std::uint32_t> view_order;  ///< a random permutation of the training views
   std::uint32_t next_view = 0;            ///< position in it

@@ -26,7 +26,7 @@ using nlohmann::json;
 
 constexpr char kMagic[] = "FLUXGSCK";
 constexpr std::size_t kMagicSize = 8;
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersion = 4;
 constexpr std::size_t kPrefix = kMagicSize + 2 * sizeof(std::uint32_t);
 
 template <class T>
@@ -93,6 +93,7 @@ json header_of(const Checkpoint& c) {
           {"phase_values", phase_values},
           {"iteration", c.state.iteration},
           {"max_pairs", c.state.max_pairs},
+          {"splat_worth", c.state.splat_worth},
           {"random", random.str()},
           {"view_order", c.state.view_order},
           {"next_view", c.state.next_view},
@@ -132,6 +133,7 @@ void read_header(const json& header, Checkpoint& c) {
     c.state.view_order.push_back(static_cast<std::uint32_t>(whole_int(view)));
   c.state.next_view = static_cast<std::uint32_t>(whole_int(header.at("next_view")));
   c.state.max_pairs = header.at("max_pairs").get<double>();
+  c.state.splat_worth = header.at("splat_worth").get<double>();
   c.history = header.at("history").get<std::string>();
   if (const auto start = header.find("start"); start != header.end()) c.start = read_start(*start);
 }

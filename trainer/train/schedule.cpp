@@ -127,6 +127,8 @@ TrainOptions flux() {
   densification.gradient = 4.8e-4;
   // Scenes that match their images well are worth more splats (a wall of fine texture: +2 dB)
   densification.loss = 0.045;
+  // and the more where late pruning shows that each of them counts
+  densification.worth = 9;
   densification.growth = 0.15;
   densification.growth_rank = GrowthRank::error;
   densification.split = Split::long_axis;

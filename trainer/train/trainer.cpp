@@ -199,6 +199,11 @@ void Trainer::run_event(Phase& phase, IterationReport& report) {
   progress = outer;
   if (event) {
     event->train_psnr = {train_psnr, measured(data.train, 3)};
+    if (state.parameters.size() < splats)
+      state.splat_worth =
+          (train_psnr - event->train_psnr.after) /
+          std::log(static_cast<double>(splats) /
+                   static_cast<double>(std::max<std::size_t>(state.parameters.size(), 1)));
     const double test_after = measured(data.test, 4);
     if (!data.test.empty()) event->test_psnr = {test_psnr, test_after};
     add_event(phase, std::move(*event), splats, report);

@@ -44,7 +44,8 @@ TEST(IneffectiveOptions, OfThePresets) {
   const Names of_mcmc = {"mcmc-growth", "mcmc-noise"};  // no preset uses it
   const Names of_antialiasing = {"dilation", "min-variance"};
   const Names of_late = {"late-prune-from",    "late-prune-interval", "late-prune-until",
-                         "late-prune-opacity", "late-prune-share",    "late-prune-views"};
+                         "late-prune-opacity", "late-prune-share",    "late-prune-views",
+                         "densify-worth"};
   const Names of_scores = {"score-views", "camera-sampling",     "score-weight", "score-loss",
                            "score-unit",  "score-normalization", "azimuth-bins", "elevation-bins"};
   const auto all = [](std::initializer_list<Names> parts) {

@@ -162,6 +162,27 @@ TEST(Densify, SmallerGradientsSufficeWhereLessLossIsLeft) {
   EXPECT_EQ(grown(0.01), 2u);
 }
 
+TEST(Densify, SmallerGradientsSufficeWhereRemovedSplatsWereWorthMuch) {
+  TrainOptions options;
+  auto& own = options.get<DensificationOptions>();
+  own.gradient = 1e-3;
+  own.worth = 8;
+  const auto grown = [&](double worth) {
+    TrainState state = state_of({0.3e-3f, 0.5e-3f, 0.7e-3f, 0.9e-3f, 2e-3f},
+                                {0.005f, 0.005f, 0.005f, 0.005f, 0.005f});
+    state.splat_worth = worth;
+    return densify_and_prune(state, options, 1.0, nullptr).cloned;
+  };
+  EXPECT_EQ(grown(0), 1u);   // not yet measured
+  EXPECT_EQ(grown(-3), 1u);  // better without them
+  EXPECT_EQ(grown(8), 1u);
+  EXPECT_EQ(grown(12), 2u);   // from 0.82e-3 on
+  EXPECT_EQ(grown(20), 3u);   // 0.63e-3
+  EXPECT_EQ(grown(1e9), 3u);  // 0.58e-3: a perfect scene does not grow everywhere
+  own.worth = 0;
+  EXPECT_EQ(grown(20), 1u);
+}
+
 TEST(Densify, UnseenSplatsDoNotCountInQuantiles) {
   SplatScores scores = scores_of({0, 0, 0, 1, 2, 3}, {0, 0, 0, 0, 0, 0}, {0, 0, 0, 1, 1, 1});
   for (std::size_t i = 0; i < 3; ++i) scores.pixels[i] = 0;

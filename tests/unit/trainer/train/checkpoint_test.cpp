@@ -194,6 +194,7 @@ TEST(Checkpoint, WhatNoTrainingHasIsAnErrorThatNamesTheField) {
       {R"({"splats": 2})", "splats"},
       {R"({"downscale": -1})", "downscale"},
       {R"({"max_pairs": -1})", "max_pairs"},
+      {R"({"splat_worth": "high"})", "header"},
       {R"({"random": ""})", "random"},
       {R"({"next_view": 1000})", "next_view"},
       {R"({"next_view": -1})", "next_view"},

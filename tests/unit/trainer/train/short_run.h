@@ -128,6 +128,7 @@ inline void expect_same(const TrainState& a, const TrainState& b) {
   EXPECT_EQ(a.phase_values, b.phase_values);
   EXPECT_EQ(a.iteration, b.iteration);
   EXPECT_EQ(a.max_pairs, b.max_pairs);
+  EXPECT_EQ(a.splat_worth, b.splat_worth);
   EXPECT_EQ(a.random, b.random);
   EXPECT_EQ(a.view_order, b.view_order);
   EXPECT_EQ(a.next_view, b.next_view);
