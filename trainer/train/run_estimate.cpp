@@ -19,7 +19,10 @@ namespace {
 
 /// Seconds for which a rate remembers: so long, and a share of what has passed.
 constexpr double kMemory = 20, kMemoryShare = 0.2;
-constexpr double kSettled = 3;            // seconds before files are measured
+constexpr double kSettled = 3;  // seconds before files are measured
+/// An iteration that takes so many seconds, and so many times what is expected, was stopped
+/// (Ctrl-Z): it tells nothing of the others.
+constexpr double kStoppedSeconds = 10, kStoppedFactor = 20;
 constexpr double kFilesMeasured = 2000;   // splats from which a file says what larger ones take
 constexpr double kFileSeconds = 0.25e-6;  // of a value of a splat, before it was measured
 /// Growth of the time of blending with pixels, before it was measured, and with splats.
@@ -161,7 +164,10 @@ void RunEstimate::add(double seconds) {
     ++phases;
     predicted += work_seconds(items_[next_], splats_before_) / learned_[phase].factor();
   }
-  if (phase == nullptr) {
+  if (phase == nullptr && was_stopped(seconds)) {
+    skip_stages();
+    seconds = 0;
+  } else if (phase == nullptr) {
     learn_stages(seconds,
                  {pixels_of(trainer_.view->camera), splats_before_, trainer_.render.sh_degree});
   } else {
@@ -170,7 +176,7 @@ void RunEstimate::add(double seconds) {
     learned.predicted += predicted;
     if (phases == 1 && splats > 0 && splats_before_ > 0)
       learned.growth.push_back(std::log(splats / splats_before_));
-    for (const auto& [name, total] : trainer_.profiler.entries()) stages_before_[name] = total;
+    skip_stages();
   }
   elapsed_ += seconds;
   splats_before_ = splats;
@@ -219,6 +225,15 @@ double RunEstimate::measured_blend_power() {
   for (const char* stage : {"forward", "backward"})
     rates_[stage].units *= std::pow(pixels / kBlendViews, power - kBlendPixels);
   return power;
+}
+
+bool RunEstimate::was_stopped(double seconds) const {
+  if (rates_.empty() || seconds < kStoppedSeconds) return false;
+  return seconds > kStoppedFactor * plain_seconds(trainer_.state.iteration, splats_before_);
+}
+
+void RunEstimate::skip_stages() {
+  for (const auto& [name, total] : trainer_.profiler.entries()) stages_before_[name] = total;
 }
 
 int RunEstimate::sh_degree(int iteration) const {

@@ -61,7 +61,9 @@ class RunEstimate {
   };
 
   double units_of(const std::string& stage, const Load& load) const;
+  bool was_stopped(double seconds) const;
   void learn_stages(double seconds, const Load& load);
+  void skip_stages();
   double measured_blend_power();
   int sh_degree(int iteration) const;
   double plain_seconds(int iteration, double splats) const;

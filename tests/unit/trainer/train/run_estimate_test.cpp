@@ -47,6 +47,17 @@ TEST(RunEstimate, IterationsLikeThoseBeforeTakeAsLong) {
   }
 }
 
+TEST(RunEstimate, AnIterationThatWasStoppedDoesNotCount) {
+  Running run(quiet_run(60));
+  RunEstimate estimate(run.trainer, {});
+  while (!run.trainer.done()) {
+    run.trainer.step();
+    estimate.add(run.trainer.state.iteration == 30 ? 2000 * kEach : kEach);
+    const int left = 60 - run.trainer.state.iteration;
+    EXPECT_NEAR(estimate.seconds_left(), kEach * left, 0.05 * kEach * left + 1e-9) << left;
+  }
+}
+
 TEST(RunEstimate, SmallerImagesAreCountedAsSuch) {
   TrainOptions options = quiet_run(40);
   options.get<ProgressiveResolutionOptions>().levels = 1;
