@@ -19,10 +19,10 @@ namespace {
 
 /// Seconds for which a rate remembers: so long, and a share of what has passed.
 constexpr double kMemory = 20, kMemoryShare = 0.2;
-constexpr double kSettled = 3;  // seconds before files are measured
 /// An iteration that takes so many seconds, and so many times what is expected, was stopped
 /// (Ctrl-Z): it tells nothing of the others.
 constexpr double kStoppedSeconds = 10, kStoppedFactor = 20;
+constexpr double kSettled = 3;            // seconds before files are measured
 constexpr double kFilesMeasured = 2000;   // splats from which a file says what larger ones take
 constexpr double kFileSeconds = 0.25e-6;  // of a value of a splat, before it was measured
 /// Growth of the time of blending with pixels, before it was measured, and with splats.

@@ -20,6 +20,12 @@ double pairs_per_splat(const RasterCounts& counts) {
   return static_cast<double>(counts.tile_pairs) / static_cast<double>(counts.visible);
 }
 
+/// TrainState::splat_worth of an event that removed splats.
+double worth(const Change<double>& psnr, const Change<std::size_t>& splats) {
+  const auto left = static_cast<double>(std::max<std::size_t>(splats.after, 1));
+  return (psnr.before - psnr.after) / std::log(static_cast<double>(splats.before) / left);
+}
+
 }  // namespace
 
 double scene_extent(const std::vector<View>& views) {
@@ -200,10 +206,7 @@ void Trainer::run_event(Phase& phase, IterationReport& report) {
   if (event) {
     event->train_psnr = {train_psnr, measured(data.train, 3)};
     if (state.parameters.size() < splats)
-      state.splat_worth =
-          (train_psnr - event->train_psnr.after) /
-          std::log(static_cast<double>(splats) /
-                   static_cast<double>(std::max<std::size_t>(state.parameters.size(), 1)));
+      state.splat_worth = worth(event->train_psnr, {splats, state.parameters.size()});
     const double test_after = measured(data.test, 4);
     if (!data.test.empty()) event->test_psnr = {test_psnr, test_after};
     add_event(phase, std::move(*event), splats, report);
