@@ -17,7 +17,7 @@ namespace {
 // dB)
 constexpr glm::vec3 kGrey(0.5f);
 
-// Between the cameras, points that few images show grow to veils that no other image contradicts:
+// Between the cameras, points in few images grow to floaters that no other image contradicts:
 // they cost the test images of chesscat at a quarter 0.2 dB and 0.013 of SSIM
 constexpr double kFewestViews = 1.0 / 3;  // of the median's
 

@@ -1,6 +1,6 @@
 // Camera clearance: photos are taken from free space, so that no splat may have a camera inside.
-// Splats that do are veils: a view sees one as a faint colour over all of the image, which the
-// views of the training correct with others, and a view beside them does not.
+// Splats that do are floaters: a view sees one as a faint colour over all of the image, which
+// training views correct with other splats, and a view beside them does not.
 #pragma once
 
 #include <memory>

@@ -42,7 +42,7 @@ std::size_t room(const TrainState& state, const TrainOptions& options, std::size
 /// removal of some has just cost much, smaller ones still are.
 double least_gradient(const TrainState& state, const TrainOptions& options,
                       const SplatScores* scores) {
-  // docs/method.md, "Growth by the loss", "Growth by worth"
+  // docs/method/experiments.md, "Growth by the loss", "Growth by worth"
   constexpr double kLossPower = 0.3, kMostLoss = 8, kWorthPower = -0.5, kMostWorth = 3;
   const auto& own = options.get<DensificationOptions>();
   if (options.target_splats > 0) return 0;

@@ -33,22 +33,19 @@ constexpr double kGeometry = 11;
 constexpr int kSegments = 200;               // of the iterations between two items
 constexpr std::ptrdiff_t kGrowthEvents = 3;  // events whose growth is remembered
 constexpr std::size_t kGrowthSeen = 2;       // events from which it counts alone
-/// Scenes seldom have more splats for each pixel of an image: no growth is expected beyond. In a
-/// run that has more all the same it fades with each event.
-constexpr double kSplatsPerPixel = 0.6;
+/// Usual number of splats, beyond which no growth is expected; in a run that has more all the same
+/// it fades with each event. Eight captures of 1 to 27 megapixels in all have 0.4 to 2.0 times as
+/// many (docs/method.md). The longer splats are added, the more there are; where each densification
+/// adds a share only, what counts are the images, until gradients are known.
+constexpr double kUsualSplats = 55e3, kUsualUntil = 3500, kUsualPower = 0.7;
+constexpr double kLimitedSplats = 45e3, kLimitedPixels = 6e6, kLimitedPower = 0.3;
 constexpr double kFade = 0.87;
-/// Usual number of splats of runs whose densifications each add a share only: splats that have a
-/// reason to grow run out, and the more iterations are between two densifications, the sooner.
-/// Before the first densification by the pixels of captures of 2 to 13 megapixels in all.
-constexpr double kLimitedSplats = 30e3, kLimitedPixels = 6e6, kLimitedPower = 0.3;
-constexpr double kLimitedIterations = 7000, kIterationsPower = -0.25;
-/// Then by the gradients: the number grows by exp(a + b·ln g), where g is the 85th percentile of
+/// By gradients: the number grows by exp(a + b·ln g), where g is the 85th percentile of
 /// the splats' mean gradients over the threshold, at the first densification and at later ones.
-/// Fitted to the peaks of five captures in runs of this length, which it meets within a fifth; over
-/// fewer iterations between densifications the gradients are not those of enough views.
-constexpr double kGradientQuantile = 0.85, kGradientIterations = 45000;
+/// Over fewer iterations between densifications the gradients are not those of enough views.
+constexpr double kGradientQuantile = 0.85;
 constexpr int kGradientInterval = 200;
-constexpr double kFirstA = 1.05, kFirstB = 1.18, kLaterA = 0.35, kLaterB = 1.3;
+constexpr double kFirstA = 1.35, kFirstB = 1.18, kLaterA = 0.65, kLaterB = 1.3;
 /// Share of the bound that training_memory() is: not all of it is needed at once.
 constexpr double kMemoryUsed = 0.8;
 
@@ -69,17 +66,13 @@ bool adds_shares(const DensificationOptions& densification) {
   return densification.strategy == Densify::multiview && densification.growth > 0;
 }
 
-double factor_of_length(double iterations) {
-  return std::pow(std::max(iterations / kLimitedIterations, 1.0), kIterationsPower);
-}
-
 /// Number of splats that scenes have usually.
 double usual_splats(const Trainer& trainer, double pixels) {
   const auto& densification = trainer.options.get<DensificationOptions>();
-  if (!adds_shares(densification)) return kSplatsPerPixel * pixels;
+  if (!adds_shares(densification))
+    return kUsualSplats * std::pow(densification.until / kUsualUntil, kUsualPower);
   const double all_pixels = pixels * static_cast<double>(trainer.data.train.size());
-  return kLimitedSplats * std::pow(all_pixels / kLimitedPixels, kLimitedPower) *
-         factor_of_length(trainer.options.iterations);
+  return kLimitedSplats * std::pow(all_pixels / kLimitedPixels, kLimitedPower);
 }
 
 /// The same as the gradients say, just before a densification; nothing without a threshold.
@@ -99,8 +92,7 @@ std::optional<double> splats_by_gradients(const Trainer& trainer) {
   const bool first = state.iteration < densification.from + densification.interval;
   const double growth =
       first ? kFirstA + kFirstB * std::log(gradient) : kLaterA + kLaterB * std::log(gradient);
-  return static_cast<double>(size) * std::exp(std::max(growth, 0.0)) *
-         factor_of_length(trainer.options.iterations) / factor_of_length(kGradientIterations);
+  return static_cast<double>(size) * std::exp(std::max(growth, 0.0));
 }
 
 double pixel_share(const Schedule& schedule, int iteration) {

@@ -25,7 +25,8 @@ namespace fluxgs {
 
 namespace {
 
-/// Inverse to the length of the run, from 3DGS's rate to four times that (docs/method.md).
+/// Inverse to the length of the run, from 3DGS's rate to four times that
+/// (docs/method/experiments.md).
 double scale_lr_of(int iterations) { return std::clamp(140.0 / iterations, 0.005, 0.02); }
 
 }  // namespace
@@ -109,7 +110,7 @@ TrainOptions flux() {
   o.lambda_dssim = 0.3;
   // Values settle where several views want them: +0.25 dB and +0.003 SSIM on snowmiku after 7,000
   o.cooldown = 0.3;
-  // As it will be drawn: no veils (the glossy capture: +1.3 dB in the views of its test)
+  // As it will be drawn: no floaters (the glossy capture: +1.3 dB in the views of its test)
   o.depth_spread = RenderOptions().depth_spread_max;
   // Scenes are seen from nearer and farther than their photos: at half the resolution of the
   // training +1 to +6 dB, at a quarter +5 to +10, at twice +0.1 to +1.8, and less than 0.1 dB lost
@@ -118,9 +119,9 @@ TrainOptions flux() {
   o.get<AntialiasingOptions>().dilation = 0.1;
   // Twelve views: +1.1 dB on the test views, a third fewer bytes
   o.get<DropoutOptions>().dropout = 2.4;
-  // No veils that hide between two cameras
+  // No floaters that hide between two cameras
   o.get<CameraClearanceOptions>().clearance = 2;
-  // A few new splats at a time, where several views see the most error, for a third of the run
+  // A few new splats at a time, where several views see the most error, for half of the run
   auto& densification = o.get<DensificationOptions>();
   densification.strategy = Densify::multiview;
   densification.interval = 0;

@@ -61,6 +61,11 @@ LaterWork later_work(const TrainSettings& settings, const Trainer& trainer) {
 
 std::string shown(const std::string& path) { return one_line(path, std::string::npos); }
 
+/// True where one is more than half as much again as the other.
+bool much_else(double now, double before) {
+  return std::max(now, before) > 1.5 * std::min(now, before);
+}
+
 }  // namespace
 
 TrainWork::TrainWork(const TrainSettings& settings, Run run, const Threads& threads)
@@ -154,20 +159,26 @@ Expected<void> TrainWork::step(Progress& progress) {
   return {};
 }
 
-/// Once, after the first seconds: what the whole run will take.
+/// After the first seconds, what the whole run will take; again when that has changed much.
 void TrainWork::say_expected() {
-  constexpr double kAfter = 5;  // seconds
+  constexpr double kEvery = 5;  // seconds
   constexpr int kLeast = 10;    // iterations
   const double passed = wall_seconds() - start_;
-  if (expected_seconds_ > 0 || passed < kAfter || trainer_.state.iteration - first_ < kLeast)
+  if (passed < estimated_at_ + kEvery || trainer_.state.iteration - first_ < kLeast) return;
+  estimated_at_ = passed;
+  const Needs needs{passed + estimate_.seconds_left(),
+                    static_cast<double>(estimate_.peak_memory())};
+  if (said_ && !much_else(needs.seconds, said_->seconds) && !much_else(needs.memory, said_->memory))
     return;
-  expected_seconds_ = passed + estimate_.seconds_left();
-  expected_peak_ = static_cast<double>(estimate_.peak_memory());
   if (isatty(STDERR_FILENO)) say("\r\x1b[K");
-  spdlog::info("expected: {} in all, storing included; up to {:.0f} splats, {} of memory",
-               duration(expected_seconds_), estimate_.peak_splats(),
-               expected_peak_ < 1e9 ? fmt::format("{:.0f} MB", expected_peak_ / 1e6)
-                                    : fmt::format("{:.1f} GB", expected_peak_ / 1e9));
+  spdlog::info(
+      "expected{}: {} in all, compression included; about {:.0f} splats at most, {} of "
+      "memory",
+      said_ ? " now" : "", duration(needs.seconds), estimate_.peak_splats(),
+      needs.memory < 1e9 ? fmt::format("{:.0f} MB", needs.memory / 1e6)
+                         : fmt::format("{:.1f} GB", needs.memory / 1e9));
+  if (!expected_) expected_ = needs;
+  said_ = needs;
 }
 
 /// History of the iterations up to now, without the time of measuring them.
@@ -382,10 +393,10 @@ Expected<void> TrainWork::write_results() {
   report_["checkpoints"] = {{"saved", saves_}, {"seconds", saving_seconds_}};
   report_["total_seconds"] = run_.history.seconds + wall_seconds() - start_;
   report_["peak_memory_bytes"] = peak_memory();
-  if (expected_seconds_ > 0)
-    report_["expected"] = {{"seconds", expected_seconds_},
+  if (expected_)
+    report_["expected"] = {{"seconds", expected_->seconds},
                            {"seconds_taken", wall_seconds() - start_},
-                           {"peak_memory_bytes", expected_peak_}};
+                           {"peak_memory_bytes", expected_->memory}};
   tell(fmt::format("{}: {} splats, {} bytes, {:.1f} s\n", shown(settings_.out),
                    trainer_.state.parameters.size(), report_["bytes"].dump(),
                    report_["total_seconds"].get<double>()));

@@ -71,7 +71,12 @@ class TrainWork {
   TrainLog log_;
   const double start_ = wall_seconds(), cpu_start_ = cpu_seconds();
   RunEstimate estimate_;
-  double expected_peak_ = 0, expected_seconds_ = 0;  ///< as said after the first seconds
+  /// What the whole run takes: seconds, bytes.
+  struct Needs {
+    double seconds = 0, memory = 0;
+  };
+  std::optional<Needs> expected_, said_;  ///< as said first, and last
+  double estimated_at_ = 0;               ///< seconds since the start
   double smooth_loss_ = 0;
   std::optional<TrainHistory> whole_;  ///< once all iterations are done
   double saved_at_ = start_;           ///< time of the last checkpoint
