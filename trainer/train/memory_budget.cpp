@@ -63,6 +63,11 @@ double bytes_per_splat(const Dataset& data, const TrainOptions& options, double 
 
 }  // namespace
 
+double pairs_per_splat(const RasterCounts& counts) {
+  if (counts.visible < 1000) return 0;
+  return static_cast<double>(counts.tile_pairs) / static_cast<double>(counts.visible);
+}
+
 std::size_t training_memory(const Dataset& data, const TrainOptions& options, std::size_t splats,
                             double pairs) {
   return static_cast<std::size_t>(fixed_bytes(data, options) +

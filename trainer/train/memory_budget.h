@@ -6,11 +6,15 @@
 #include "fluxgs/error.h"
 #include "trainer/data/dataset.h"
 #include "trainer/model/options.h"
+#include "trainer/raster/rasterizer.h"
 
 namespace fluxgs {
 
 /// Splat–tile pairs of a visible splat, before anything was measured.
 inline constexpr double kDefaultPairs = 12;
+
+/// Splat–tile pairs of a visible splat; 0 of few splats, whose mean would say nothing.
+double pairs_per_splat(const RasterCounts& counts);
 
 /// Upper bound in bytes, the program's own included: images, planes of the largest image, and for
 /// each splat its parameters, moments and gradients, one more copy while splats are rearranged,

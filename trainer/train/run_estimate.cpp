@@ -48,6 +48,9 @@ constexpr double kFade = 0.87;
 constexpr double kGradientQuantile = 0.85, kLastGradient = 0.78, kGradientPower = 1.1;
 constexpr double kImagePower = 0.38;  // of the pixels of full images over those of now
 constexpr int kGradientInterval = 200;
+/// Splat-tile pairs of a visible splat: more splats are smaller ones, and cover more tiles of
+/// larger images. Powers of the number of splats and of pixels; iterations whose mean counts.
+constexpr double kPairsOfSplats = -0.7, kPairsOfPixels = 0.5, kPairsMemory = 30;
 /// Share of the bound that training_memory() is: not all of it is needed at once.
 constexpr double kMemoryUsed = 0.8;
 
@@ -173,6 +176,8 @@ void RunEstimate::add(double seconds) {
   }
   elapsed_ += seconds;
   splats_before_ = splats;
+  if (const double pairs = pairs_per_splat(trainer_.rasterizer.counts()); pairs > 0)
+    pairs_ = pairs_ == 0 ? pairs : pairs_ + (pairs - pairs_) / kPairsMemory;
   if (next_ < items_.size() && items_[next_].iteration == iteration + 1 &&
       items_[next_].work.growth > 0)
     by_gradients_ = splats_by_gradients(trainer_);
@@ -321,10 +326,19 @@ RunEstimate::Forecast RunEstimate::forecast() const {
   return result;
 }
 
+/// Splat-tile pairs of a visible splat in full images, once there are so many splats.
+double RunEstimate::pairs_at(double splats) const {
+  if (pairs_ == 0) return kDefaultPairs;
+  const double larger = pixels_ / mean_pixels(*trainer_.views);
+  return pairs_ * std::pow(splats / std::max(splats_before_, 1.0), kPairsOfSplats) *
+         std::pow(larger, kPairsOfPixels);
+}
+
 std::size_t RunEstimate::peak_memory() const {
+  const double splats = forecast().splats;
   const std::size_t bound =
-      training_memory(trainer_.data, trainer_.options, static_cast<std::size_t>(forecast().splats),
-                      std::max(trainer_.state.max_pairs, kDefaultPairs));
+      training_memory(trainer_.data, trainer_.options, static_cast<std::size_t>(splats),
+                      std::max(pairs_at(splats), kDefaultPairs));
   return static_cast<std::size_t>(kMemoryUsed * static_cast<double>(bound));
 }
 

@@ -71,6 +71,7 @@ class RunEstimate {
   double work_seconds(const Item& item, double splats) const;
   double growth_of(const Item& item, bool limited) const;
   Forecast forecast() const;
+  double pairs_at(double splats) const;
 
   const Trainer& trainer_;
   LaterWork later_;
@@ -81,6 +82,7 @@ class RunEstimate {
   std::optional<double> by_gradients_;  ///< splats that the last densification had a reason for
   double elapsed_ = 0;
   double splats_before_ = 0;
+  double pairs_ = 0;  ///< splat-tile pairs of a visible splat, the mean of the last iterations
   std::map<std::string, double> stages_before_;
   std::map<std::string, Rate> rates_;
   std::map<const Phase*, Learned> learned_;

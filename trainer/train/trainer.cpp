@@ -14,12 +14,6 @@
 namespace fluxgs {
 namespace {
 
-/// Splat–tile pairs of a visible splat; of few splats the mean would say nothing.
-double pairs_per_splat(const RasterCounts& counts) {
-  if (counts.visible < 1000) return 0;
-  return static_cast<double>(counts.tile_pairs) / static_cast<double>(counts.visible);
-}
-
 /// TrainState::splat_worth of an event that removed splats.
 double worth(const Change<double>& psnr, const Change<std::size_t>& splats) {
   const auto left = static_cast<double>(std::max<std::size_t>(splats.after, 1));
