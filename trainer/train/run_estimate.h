@@ -32,7 +32,15 @@ class RunEstimate {
   /// The most splats, from now on.
   double peak_splats() const { return forecast().splats; }
   /// Bytes that the program will have held at its largest.
-  std::size_t peak_memory() const;
+  std::size_t peak_memory() const { return memory_of(forecast().splats); }
+
+  /// Seconds of everything to come, and the most splats from now on.
+  struct Forecast {
+    double seconds = 0, splats = 0;
+  };
+  Forecast forecast() const;
+  /// The same bytes, if there will be so many splats at most.
+  std::size_t memory_of(double splats) const;
 
  private:
   /// Seconds and the units of work that they were for, both forgotten bit by bit.
@@ -56,9 +64,6 @@ class RunEstimate {
     double factor() const;
     double growth_or(double expected) const;
   };
-  struct Forecast {
-    double seconds = 0, splats = 0;
-  };
 
   double units_of(const std::string& stage, const Load& load) const;
   bool was_stopped(double seconds) const;
@@ -70,7 +75,7 @@ class RunEstimate {
   double render_seconds(int iteration, double splats) const;
   double work_seconds(const Item& item, double splats) const;
   double growth_of(const Item& item, bool limited) const;
-  Forecast forecast() const;
+  double growth_of_images() const;
   double pairs_at(double splats) const;
 
   const Trainer& trainer_;

@@ -159,22 +159,23 @@ Expected<void> TrainWork::step(Progress& progress) {
   return {};
 }
 
-/// After the first seconds, what the whole run will take; again when that has changed much.
+/// Says what the whole run will take, after the first seconds and again when that has changed much.
 void TrainWork::say_expected() {
   constexpr double kEvery = 5;  // seconds
   constexpr int kLeast = 10;    // iterations
   const double passed = wall_seconds() - start_;
   if (passed < estimated_at_ + kEvery || trainer_.state.iteration - first_ < kLeast) return;
   estimated_at_ = passed;
-  const Needs needs{passed + estimate_.seconds_left(),
-                    static_cast<double>(estimate_.peak_memory())};
+  const RunEstimate::Forecast to_come = estimate_.forecast();
+  const Needs needs{passed + to_come.seconds,
+                    static_cast<double>(estimate_.memory_of(to_come.splats))};
   if (said_ && !much_else(needs.seconds, said_->seconds) && !much_else(needs.memory, said_->memory))
     return;
   if (isatty(STDERR_FILENO)) say("\r\x1b[K");
   spdlog::info(
       "expected{}: {} in all, compression included; about {:.0f} splats at most, {} of "
       "memory",
-      said_ ? " now" : "", duration(needs.seconds), estimate_.peak_splats(),
+      said_ ? " now" : "", duration(needs.seconds), to_come.splats,
       needs.memory < 1e9 ? fmt::format("{:.0f} MB", needs.memory / 1e6)
                          : fmt::format("{:.1f} GB", needs.memory / 1e9));
   if (!expected_) expected_ = needs;

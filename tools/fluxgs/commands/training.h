@@ -71,7 +71,7 @@ class TrainWork {
   TrainLog log_;
   const double start_ = wall_seconds(), cpu_start_ = cpu_seconds();
   RunEstimate estimate_;
-  /// What the whole run takes: seconds, bytes.
+  /// Time and memory of the whole run: seconds, bytes.
   struct Needs {
     double seconds = 0, memory = 0;
   };
