@@ -89,6 +89,7 @@ inline std::size_t texel_bytes(GLenum format) {
     case GL_RGBA32UI:
       return 16;
     case GL_RGBA16F:
+    case GL_RG32UI:
       return 8;
     case GL_DEPTH_COMPONENT16:
       return 2;
@@ -187,6 +188,8 @@ bool before(A... arguments) {
       return false;
     }
     if (faults.defects.loses_vertex_storage) bind_zeros(1);
+  } else if constexpr (kIs<Member, &gl::Api::DrawElementsInstanced>) {
+    ++faults.draws;
   } else if constexpr (kIs<Member, &gl::Api::MemoryBarrier>) {
     if ((std::get<0>(all) & GL_SHADER_STORAGE_BARRIER_BIT) != 0) faults.read_of_draw = false;
   } else if constexpr (kIs<Member, &gl::Api::DispatchCompute>) {
@@ -252,6 +255,7 @@ class GlFaults {
     faults = {};
 #define FLUXGS_PUT_BETWEEN(name) put_between<&gl::Api::name>(api, api.name);
     FLUXGS_GL_FUNCTIONS(FLUXGS_PUT_BETWEEN)
+    FLUXGS_GL_COMPUTE_FUNCTIONS(FLUXGS_PUT_BETWEEN)
     FLUXGS_PUT_BETWEEN(GetGraphicsResetStatus)
     FLUXGS_PUT_BETWEEN(QueryCounter)
     FLUXGS_PUT_BETWEEN(GetQueryObjectui64v)
@@ -264,6 +268,7 @@ class GlFaults {
     if (faults.zeros != 0) driver<&gl::Api::DeleteBuffers>(1, &faults.zeros);
 #define FLUXGS_PUT_BACK(name) api_.name = driver<&gl::Api::name>;
     FLUXGS_GL_FUNCTIONS(FLUXGS_PUT_BACK)
+    FLUXGS_GL_COMPUTE_FUNCTIONS(FLUXGS_PUT_BACK)
     FLUXGS_PUT_BACK(GetGraphicsResetStatus)
     FLUXGS_PUT_BACK(QueryCounter)
     FLUXGS_PUT_BACK(GetQueryObjectui64v)

@@ -5,8 +5,10 @@
 
 #include <map>
 #include <memory>
+#include <ostream>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "platform/host/host_context.h"
 #include "render/renderer.h"
@@ -20,16 +22,28 @@ T must(Expected<T> value) {
   if constexpr (!std::is_void_v<T>) return std::move(*value);
 }
 
+/// An OpenGL, and what of it the renderer uses.
+struct GlForm {
+  host::HostGl gl;
+  bool compute = true;  ///< otherwise as if the driver had no compute shaders
+
+  constexpr GlForm(host::HostGl implementation, bool with_compute = true)  // NOLINT: stands for it
+      : gl(implementation), compute(with_compute) {}
+  operator host::HostGl() const { return gl; }  // NOLINT
+};
+
 /// What is made once and used by all tests of one implementation.
 struct Shared {
   Expected<std::unique_ptr<host::HostContext>> context;
-  std::unique_ptr<render::Renderer> renderer;
+  std::unique_ptr<render::Renderer> renderer, without_compute;
 
   explicit Shared(host::HostGl gl) : context(host::HostContext::create(gl)) {}
   Shared(const Shared&) = delete;
   Shared& operator=(const Shared&) = delete;
   ~Shared() {
-    if (context && (*context)->make_current()) renderer.reset();
+    if (!context || !(*context)->make_current()) return;
+    renderer.reset();
+    without_compute.reset();
   }
 };
 
@@ -48,18 +62,21 @@ inline testing::Environment* const shared_end = testing::AddGlobalTestEnvironmen
 
 /// Runs every test on each implementation, or skips it where the machine lacks the library. Any
 /// complaint of the driver (KHR_debug) is a failure.
-class GlTest : public testing::TestWithParam<host::HostGl> {
+class GlTest : public testing::TestWithParam<GlForm> {
  protected:
   void SetUp() override {
     Shared& all = shared(GetParam());
     if (!all.context) GTEST_SKIP() << all.context.error().message();
     must((*all.context)->make_current());
     api().debug.messages.clear();
+    has_compute_ = api().capabilities.compute;
+    if (!GetParam().compute) api().capabilities.compute = false;
   }
 
   void TearDown() override {
     if (!shared(GetParam()).context) return;
     must(context().make_current());
+    api().capabilities.compute = has_compute_;
     EXPECT_EQ(api().GetError(), GLenum{GL_NO_ERROR});
     for (const gl::DebugMessage& message : api().debug.mistakes())
       ADD_FAILURE() << "the driver complains: " << message.text;
@@ -70,22 +87,53 @@ class GlTest : public testing::TestWithParam<host::HostGl> {
 
   /// With the default settings, and the stage times.
   render::Renderer& renderer() {
-    auto& made = shared(GetParam()).renderer;
+    Shared& all = shared(GetParam());
+    auto& made = GetParam().compute ? all.renderer : all.without_compute;
     if (!made) made = must(render::Renderer::create(api(), {.timestamps = true}));
     return *made;
   }
+
+ private:
+  bool has_compute_ = true;
 };
 
-inline std::string implementation_name(const testing::TestParamInfo<host::HostGl>& info) {
-  return std::string(host::name(info.param));
+inline std::string name_of(host::HostGl gl) { return std::string(host::name(gl)); }
+inline std::string name_of(const GlForm& form) {
+  return name_of(form.gl) + (form.compute ? "" : "_without_compute");
+}
+
+inline void PrintTo(const GlForm& form, std::ostream* out) { *out << name_of(form); }
+
+template <class Parameter>
+std::string implementation_name(const testing::TestParamInfo<Parameter>& info) {
+  return name_of(info.param);
 }
 
 /// All of them; GlTest skips those that the machine lacks.
 inline constexpr host::HostGl kImplementations[] = {host::HostGl::egl, host::HostGl::osmesa,
                                                     host::HostGl::angle};
 
+/// The same as parameters of a suite.
+template <class Parameter>
+std::vector<Parameter> implementations() {
+  return {std::begin(kImplementations), std::end(kImplementations)};
+}
+
+/// With compute shaders, and without.
+inline std::vector<GlForm> all_forms() {
+  std::vector<GlForm> forms = implementations<GlForm>();
+  for (const host::HostGl gl : kImplementations) forms.emplace_back(gl, false);
+  return forms;
+}
+
 }  // namespace fluxgs::test
 
-#define FLUXGS_GL_TEST_SUITE(suite)                                                      \
-  INSTANTIATE_TEST_SUITE_P(Gl, suite, testing::ValuesIn(fluxgs::test::kImplementations), \
-                           fluxgs::test::implementation_name)
+#define FLUXGS_GL_TEST_SUITE(suite)                                                              \
+  INSTANTIATE_TEST_SUITE_P(Gl, suite,                                                            \
+                           testing::ValuesIn(fluxgs::test::implementations<suite::ParamType>()), \
+                           fluxgs::test::implementation_name<suite::ParamType>)
+
+/// For suites of GlTest whose pictures must come out in either form.
+#define FLUXGS_GL_FORMS_TEST_SUITE(suite)                                           \
+  INSTANTIATE_TEST_SUITE_P(Gl, suite, testing::ValuesIn(fluxgs::test::all_forms()), \
+                           fluxgs::test::implementation_name<fluxgs::test::GlForm>)

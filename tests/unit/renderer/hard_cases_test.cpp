@@ -55,14 +55,14 @@ TEST_P(HardCasesTest, AcrossAndBehindTheNearPlane) {
   add(cloud, {.position = {0, 0, -5}});
   const Camera camera = front_camera(60, 60, 2);
   expect_like_reference("behind the camera", cloud, camera, kRose);
-  EXPECT_EQ(must(renderer().stats()).drawn, 0U);
+  expect_drawn(0);
   // Centres on both sides of the near plane at 0.01, bodies across it.
   for (const float z : {-2.2F, -1.995F, -1.9895F, -1.9F, -1.5F})
     add(cloud, {.position = {0.01F, 0.005F, z}, .scale = {0.2F, 0.01F, 0.3F}, .opacity = 0.3F});
   RenderOptions options = kRose;
   options.depth_spread_max = 0;
   expect_like_reference("across the near plane", cloud, camera, options);
-  EXPECT_EQ(must(renderer().stats()).drawn, 3U);
+  expect_drawn(3);
 }
 
 // A sheet seen from its edge, 20 units long, whose centre lies a little in front of the camera's
@@ -83,7 +83,7 @@ TEST_P(HardCasesTest, SheetsThatReachBehindTheCameraDrawNoVeil) {
   // Long sheets beside the camera stay: what of them lies in front of it is as it should be
   cloud.log_scales[1].z = std::log(0.44F);
   expect_like_reference("shorter sheet", cloud, camera, kRose);
-  EXPECT_EQ(must(renderer().stats()).drawn, 2U);
+  expect_drawn(2);
 }
 
 // In directions from 20° to 89.4° off the axis, the image reaching to 27°: without a limit to the
@@ -332,7 +332,7 @@ TEST_P(HardCasesTest, HalfFloatOverflowOfColors) {
     const Image<float> image = draw(camera, kRose, TargetFormat::rgba16f, accumulation);
     const double error = greatest_relative_error(image, reference);
     std::printf("%-7s colours up to 1e12, %s: greatest relative error %.5f\n",
-                std::string(host::name(GetParam())).c_str(), halves ? "RGBA16F" : "RGBA32F", error);
+                name_of(GetParam()).c_str(), halves ? "RGBA16F" : "RGBA32F", error);
     EXPECT_LE(error, halves ? 0.04 : 0.005);
   }
   const Image<float> bytes = draw(camera, kRose, TargetFormat::rgba8, accurate());
@@ -356,7 +356,7 @@ TEST_P(HardCasesTest, HalfFloatOverflowOfAxes) {
     EXPECT_TRUE(finite(image)) << label;
     const Difference d = compare(image, render_reference(cloud, camera, options), false);
     print(label, d);
-    keep_image(std::string(host::name(GetParam())) + "_" + label, image);
+    keep_image(name_of(GetParam()) + "_" + label, image);
     return d.psnr;
   };
   SplatCloud cloud = random_cloud(60, 0, 15);
@@ -389,7 +389,7 @@ TEST_P(HardCasesTest, CompensatedOpacities) {
   expect_like_reference("compensated, 0.1 px²", cloud, camera, kRose);
 }
 
-FLUXGS_GL_TEST_SUITE(HardCasesTest);
+FLUXGS_GL_FORMS_TEST_SUITE(HardCasesTest);
 
 }  // namespace
 }  // namespace fluxgs::test

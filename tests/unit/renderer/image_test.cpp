@@ -76,7 +76,7 @@ TEST_P(ImageTest, PlushDog) {
                           orbit_camera(400, 399, mean_position(cloud), 0.35, i, 4));
 }
 
-FLUXGS_GL_TEST_SUITE(ImageTest);
+FLUXGS_GL_FORMS_TEST_SUITE(ImageTest);
 
 }  // namespace
 }  // namespace fluxgs::test

@@ -50,6 +50,13 @@ TEST_P(MemoryTest, IsAsEstimated) {
   expect_as_estimated("exact", 3000, 1, {.sorter = SorterKind::exact}, plain);
   expect_as_estimated("half", 3000, 1, {.splat_precision = render::SplatPrecision::half}, plain);
   expect_as_estimated("textures", 3000, 1, {.texture_fetch = true}, plain);
+  for (const std::size_t count : {0, 1, 2047, 5000})
+    expect_as_estimated("without compute shaders", count, 3, {.compute = false}, plain);
+  expect_as_estimated("half, without compute shaders", 3000, 1,
+                      {.sorter = SorterKind::exact,
+                       .splat_precision = render::SplatPrecision::half,
+                       .compute = false},
+                      plain);
   expect_as_estimated("4 bits, batches of 7", 3000, 1, {.batch = 7, .sort_digit_bits = 4}, plain);
   expect_as_estimated("marks", 3000, 1, {.slices = 8}, {.width = 65, .height = 33, .marks = true});
   if (!api().capabilities.half_float_targets) return;

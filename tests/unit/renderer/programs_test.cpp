@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <set>
+#include <utility>
 
 #include "fluxgs/io/file.h"
 #include "gl_fixture.h"
@@ -19,7 +20,8 @@ std::vector<render::RendererSettings> all_settings() {
   using enum render::SplatPrecision;
   // Does not compile when a setting is added: does it change a shader? Then it has to vary below.
   [[maybe_unused]] const auto& [sorter, splat_precision, batch, sort_digit_bits, timestamps,
-                                texture_fetch, slices, approximation] = render::RendererSettings{};
+                                compute, texture_fetch, slices, approximation] =
+      render::RendererSettings{};
   std::vector<render::RendererSettings> all;
   for (int bits = 4; bits <= 8; ++bits) all.push_back({.sort_digit_bits = bits});
   for (const auto precision : {full, half})
@@ -29,6 +31,8 @@ std::vector<render::RendererSettings> all_settings() {
     all.push_back({.splat_precision = precision, .slices = 2});
   for (const auto kind : {render::SorterKind::cpu_async, render::SorterKind::exact})
     all.push_back({.sorter = kind});
+  for (const auto precision : {full, half})
+    all.push_back({.splat_precision = precision, .compute = false});
   return all;
 }
 
@@ -50,21 +54,29 @@ std::set<std::string> listed() {
   return texts;
 }
 
-class ProgramsTest : public GlTest {};
+class ProgramsTest : public GlTest {
+ protected:
+  void make_all() {
+    for (const render::RendererSettings& settings : all_settings())
+      for (const bool compensated : {false, true}) {
+        const auto renderer = must(render::Renderer::create(api(), settings));
+        const auto target =
+            must(render::RenderTarget::create(api(), 4, 4, render::TargetFormat::rgba8));
+        must(renderer->draw(front_camera(4, 4, 1),
+                            {.filter = ScreenFilter{.compensated = compensated}}, target));
+      }
+  }
+};
 
 TEST_P(ProgramsTest, AreThoseOfTheList) {
   std::set<std::string> made;
   recorded = &made;
   hand_to_driver = api().ShaderSource;
   api().ShaderSource = record;
-  for (const render::RendererSettings& settings : all_settings())
-    for (const bool compensated : {false, true}) {
-      const auto renderer = must(render::Renderer::create(api(), settings));
-      const auto target =
-          must(render::RenderTarget::create(api(), 4, 4, render::TargetFormat::rgba8));
-      must(renderer->draw(front_camera(4, 4, 1),
-                          {.filter = ScreenFilter{.compensated = compensated}}, target));
-    }
+  make_all();
+  const bool compute = std::exchange(api().capabilities.compute, false);
+  make_all();  // the same shaders as of ES 3.0
+  api().capabilities.compute = compute;
   api().ShaderSource = hand_to_driver;
 
   const std::set<std::string> list = listed();

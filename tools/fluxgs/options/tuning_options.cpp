@@ -70,6 +70,11 @@ void add_tuning_options(CLI::App& command, TuningOptions& t) {
       .add_flag("--texture-fetch", t.texture_fetch,
                 "read splats from textures, for devices without vertex storage buffers")
       ->group("Tuning");
+  command
+      .add_flag(
+          "--no-compute", t.no_compute,
+          "project in fragment shaders and sort on the CPU, for devices without compute shaders")
+      ->group("Tuning");
 }
 
 render::RendererSettings settings_of(const TuningOptions& t) {
@@ -81,6 +86,7 @@ render::RendererSettings settings_of(const TuningOptions& t) {
       .batch = t.batch,
       .sort_digit_bits = t.digit_bits,
       .timestamps = true,
+      .compute = !t.no_compute,
       .texture_fetch = t.texture_fetch,
       .slices = t.slices,
       .approximation = {.key_bits = t.key_bits,

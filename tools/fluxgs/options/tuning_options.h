@@ -21,7 +21,7 @@ struct TuningOptions {
       digit_bits = render::RendererSettings().sort_digit_bits;
   int batch = render::RendererSettings().batch, slices = 1, sh_degree = 3;
   double min_weight = 0, max_deviations = 0, resort_degrees = 0, scale = 1, alpha_min = 1.0 / 255;
-  bool texture_fetch = false;
+  bool texture_fetch = false, no_compute = false;
 };
 
 void add_tuning_options(CLI::App& command, TuningOptions& tuning);

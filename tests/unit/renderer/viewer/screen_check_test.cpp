@@ -138,12 +138,16 @@ TEST_P(ScreenCheckTest, BrokenFilesAreNamed) {
 
 TEST_P(ScreenCheckTest, LimitsHoldForEveryContext) {
   Presenter presenter(std::move(screen_));
-  presenter.set_limits({.no_gpu_sort = true, .no_vertex_storage = true, .no_float_targets = true});
+  presenter.set_limits({.no_gpu_sort = true,
+                        .no_vertex_storage = true,
+                        .no_float_targets = true,
+                        .no_compute = true});
   for (int round = 0; round < 2; ++round) {
     const auto api = presenter.context();
     ASSERT_TRUE(api) << api.error().message();
     EXPECT_TRUE((*api)->quirks.gpu_sort_fails);
     EXPECT_EQ((*api)->capabilities.max_vertex_storage_blocks, 0);
+    EXPECT_FALSE((*api)->capabilities.compute);
     EXPECT_EQ(render::accurate_accumulation((*api)->capabilities), render::Accumulation::direct);
     presenter.lose_context();
   }
@@ -154,7 +158,7 @@ TEST_P(ScreenCheckTest, LimitsHoldForEveryContext) {
 }
 
 TEST(DriverLimits, AreKnownByTheirNames) {
-  const render::DriverLimits all{true, true, true};
+  const render::DriverLimits all{true, true, true, true};
   std::string names;
   for (const std::string& name : all.names()) names += name + " ";
   EXPECT_EQ(render::limits_named(names), all);

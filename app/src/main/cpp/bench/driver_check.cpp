@@ -12,7 +12,6 @@
 #include <nlohmann/json.hpp>
 
 #include "gl/expected_chain.h"
-#include "render/projected_splat.h"
 #include "render/renderer.h"
 #include "render/sort_view.h"
 #include "sort/cpu_radix_sort.h"
@@ -24,7 +23,7 @@ using render::Accumulation;
 using render::DriverLimits;
 
 /// The part of a drawing that went wrong, as far as that is known.
-enum class Suspect { none, sort, vertex_storage, float_targets, unknown };
+enum class Suspect { none, sort, vertex_storage, float_targets, compute, unknown };
 
 struct Attempt {
   Suspect suspect = Suspect::none;
@@ -39,6 +38,7 @@ Accumulation accumulation_for(const DriverLimits& limits, const gl::Api& api) {
 render::RendererSettings settings_for(const DriverLimits& limits, const gl::Quirks& quirks) {
   return {
       .sorter = limits.no_gpu_sort ? render::SorterKind::cpu_async : render::SorterKind::gpu_radix,
+      .compute = !limits.no_compute,
       .texture_fetch = limits.no_vertex_storage,
       .approximation = render::default_approximation(quirks)};
 }
@@ -48,6 +48,7 @@ Suspect suspect_of(const Error& error) {
   const std::string text = error.message();
   if (text.contains("sort_")) return Suspect::sort;
   if (text.contains("splat.")) return Suspect::vertex_storage;
+  if (text.contains(".comp")) return Suspect::compute;
   return Suspect::unknown;
 }
 
@@ -83,17 +84,21 @@ Expected<std::string> fault_of_order(const render::Renderer& renderer) {
              : fmt::format("the sort put {} splats of {} in a wrong place", wrong, expected.size());
 }
 
+/// The depth keys of the last frame; nothing where nobody makes them.
+Expected<std::vector<std::uint32_t>> keys_of(const render::Renderer& renderer) {
+  if (!renderer.settings().compute) return std::vector<std::uint32_t>();
+  return renderer.projection().keys().read_all<std::uint32_t>(renderer.scene().count);
+}
+
 /// Compares the centres and depths of the last frame with a projection in doubles. A line if they
 /// differ.
 Expected<std::string> fault_of_projection(const render::Renderer& renderer, const SplatCloud& scene,
                                           const Camera& camera, double near_plane) {
   const auto count = static_cast<std::uint32_t>(scene.size());
-  const auto keys = renderer.projection().keys().read_all<std::uint32_t>(count);
+  const auto keys = keys_of(renderer);
   if (!keys) return std::unexpected(keys.error());
   const render::RendererSettings& settings = renderer.settings();
-  const auto splats =
-      render::read_projected_splats(renderer.projection().projected_splats(), count,
-                                    settings.splat_precision, camera.width, camera.height);
+  const auto splats = renderer.read_projected(camera.width, camera.height);
   if (!splats) return std::unexpected(splats.error());
   const sort::DepthKeys depths =
       render::sort_view(camera, near_plane, renderer.scene(), settings.approximation.key_bits).keys;
@@ -102,14 +107,16 @@ Expected<std::string> fault_of_projection(const render::Renderer& renderer, cons
   std::size_t seen = 0, wrong = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
     const render::ProjectedSplat& splat = (*splats)[i];
-    if ((*keys)[i] == sort::kDropped || !(splat.level > kLeastLevel)) continue;
+    if (!(splat.level > kLeastLevel)) continue;
     const glm::dvec3 p = camera.rotation * glm::dvec3(scene.positions[i]) + camera.translation;
     const glm::dvec2 centre(camera.fx * p.x / p.z + camera.cx, camera.fy * p.y / p.z + camera.cy);
-    const std::int64_t key = sort::depth_key(depths, static_cast<float>(p.z));
-    // Depths are rounded a few times on their way, here they are not
-    const std::int64_t rounding = 1 + (64 >> depths.shift);
-    const bool right = glm::distance(centre, glm::dvec2(splat.centre)) < kNearby &&
-                       std::abs(key - std::int64_t{(*keys)[i]}) <= rounding;
+    bool right = glm::distance(centre, glm::dvec2(splat.centre)) < kNearby;
+    if (!keys->empty()) {
+      const std::int64_t key = sort::depth_key(depths, static_cast<float>(p.z));
+      // Depths are rounded a few times on their way, here they are not
+      const std::int64_t rounding = 1 + (64 >> depths.shift);
+      right = right && std::abs(key - std::int64_t{(*keys)[i]}) <= rounding;
+    }
     ++seen;
     wrong += right ? 0 : 1;
   }
@@ -140,7 +147,7 @@ class OneWay {
     if (!drawn) return {Suspect::unknown, drawn.error().message()};
     const auto fault = fault_of_projection(*renderer_, scene, camera, near_plane);
     if (!fault) return {Suspect::unknown, fault.error().message()};
-    if (!fault->empty()) return {Suspect::unknown, *fault};
+    if (!fault->empty()) return {Suspect::compute, *fault};
     return judge(*target, golden);
   }
 
@@ -159,7 +166,7 @@ class OneWay {
     const auto image = renderer_->read(target);
     if (!image) return {Suspect::unknown, image.error().message()};
     const double psnr = psnr_of(*image, golden);
-    if (!limits_.no_gpu_sort) {
+    if (renderer_->settings().sorter == render::SorterKind::gpu_radix) {
       const auto fault = fault_of_order(*renderer_);
       if (!fault) return {Suspect::unknown, fault.error().message(), psnr};
       if (!fault->empty()) return {Suspect::sort, *fault, psnr};
@@ -181,13 +188,15 @@ class OneWay {
 DriverLimits remedy(Suspect suspect, const DriverLimits& limits) {
   return {.no_gpu_sort = suspect == Suspect::sort && !limits.no_gpu_sort,
           .no_vertex_storage = suspect == Suspect::vertex_storage && !limits.no_vertex_storage,
-          .no_float_targets = suspect == Suspect::float_targets && !limits.no_float_targets};
+          .no_float_targets = suspect == Suspect::float_targets && !limits.no_float_targets,
+          .no_compute = suspect == Suspect::compute && !limits.no_compute};
 }
 
 DriverLimits both(const DriverLimits& a, const DriverLimits& b) {
   return {.no_gpu_sort = a.no_gpu_sort || b.no_gpu_sort,
           .no_vertex_storage = a.no_vertex_storage || b.no_vertex_storage,
-          .no_float_targets = a.no_float_targets || b.no_float_targets};
+          .no_float_targets = a.no_float_targets || b.no_float_targets,
+          .no_compute = a.no_compute || b.no_compute};
 }
 
 std::string way(const DriverLimits& limits) {
@@ -229,7 +238,9 @@ DriverCheck check_driver(gl::Api& api, const SplatCloud& scene, const Camera& ca
                                       {.no_vertex_storage = true},
                                       {.no_float_targets = true},
                                       {.no_vertex_storage = true, .no_float_targets = true},
-                                      {true, true, true}};
+                                      {true, true, true},
+                                      {.no_compute = true},
+                                      {.no_float_targets = true, .no_compute = true}};
   for (const DriverLimits& rung : kLadder) {
     if (!check.faults.empty() && both(known, rung) == check.limits) continue;  // just tried
     for (DriverLimits needed = attempt(both(known, rung)); needed != DriverLimits();) {

@@ -261,19 +261,14 @@ Expected<FrameCounts> count_frame(const Renderer& renderer, const render::Render
   for (const glm::vec3& p : cloud.base.positions)
     counts.in_front += glm::dot(forward, glm::dvec3(p) - centre) > options.near_plane;
 
-  const auto keys = renderer.projection().keys().read_all<std::uint32_t>(count);
-  if (!keys) return std::unexpected(keys.error());
   const int width = target.blend_width(), height = target.blend_height();
-  const auto projected_splats = read_projected_splats(
-      renderer.projection().projected_splats(), count, settings.splat_precision, width, height);
+  const auto projected_splats = renderer.read_projected(width, height);
   if (!projected_splats) return std::unexpected(projected_splats.error());
   const double level_min = std::log2(options.alpha_min);
   const double deviations = settings.approximation.max_deviations;
   const double radius_max = render::radius_limit(deviations);
   for (std::uint32_t i = 0; i < count; ++i) {
-    if ((*keys)[i] == sort::kDropped ||
-        static_cast<double>((*projected_splats)[i].level) < level_min)
-      continue;
+    if (static_cast<double>((*projected_splats)[i].level) < level_min) continue;  // hidden
     ++counts.drawn;
     ++counts
           .evaluated[static_cast<std::size_t>(std::min(options.sh_degree, sh_degree_of(cloud, i)))];

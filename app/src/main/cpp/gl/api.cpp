@@ -36,15 +36,25 @@ std::string error_name(GLenum error) {
   }
 }
 
-Expected<void> load_core(Api& api, const ProcLoader& loader) {
+/// The names of those of the functions that the driver lacks.
+std::string load_core(Api& api, const ProcLoader& loader) {
   std::string missing;
 #define FLUXGS_GL_LOAD(name)          \
   load(api.name, loader, "gl" #name); \
   if (!api.name) missing += " gl" #name;
   FLUXGS_GL_FUNCTIONS(FLUXGS_GL_LOAD)
 #undef FLUXGS_GL_LOAD
-  if (missing.empty()) return {};
-  return fail("OpenGL", "functions", "missing:" + missing + "; OpenGL ES 3.1 is needed");
+  return missing;
+}
+
+bool load_compute(Api& api, const ProcLoader& loader) {
+  bool all = true;
+#define FLUXGS_GL_LOAD(name)          \
+  load(api.name, loader, "gl" #name); \
+  all = all && api.name;
+  FLUXGS_GL_COMPUTE_FUNCTIONS(FLUXGS_GL_LOAD)
+#undef FLUXGS_GL_LOAD
+  return all;
 }
 
 /// The extension allows a clock without digits: its times are all 0.
@@ -79,13 +89,19 @@ void load_extensions(Api& api, const ProcLoader& loader) {
 
 Expected<std::unique_ptr<Api>> load_api(const ProcLoader& loader) {
   auto api = std::make_unique<Api>();
-  if (auto loaded = load_core(*api, loader); !loaded) return std::unexpected(loaded.error());
+  if (const std::string missing = load_core(*api, loader); !missing.empty())
+    return fail("OpenGL", "functions", "missing:" + missing + "; OpenGL ES 3.0 is needed");
   auto capabilities = query_capabilities(*api);
   if (!capabilities) return std::unexpected(capabilities.error());
   api->capabilities = std::move(*capabilities);
+  if (!load_compute(*api, loader)) api->capabilities.compute = false;
   api->quirks = find_quirks(api->capabilities);
   load_extensions(*api, loader);
   return api;
+}
+
+void memory_barrier(Api& api, GLbitfield barriers) {
+  if (api.MemoryBarrier) api.MemoryBarrier(barriers);
 }
 
 GLenum clear_errors(Api& api) {

@@ -1,4 +1,4 @@
-// OpenGL ES 3.1 as a table of functions that the platform's getProcAddress filled. Nothing here is
+// OpenGL ES as a table of functions that the platform's getProcAddress filled. Nothing here is
 // linked against GL, so that one program can talk to several implementations (EGL, OSMesa, ANGLE).
 #pragma once
 
@@ -15,23 +15,26 @@
 #include "gl/debug_log.h"
 #include "gl/quirks.h"
 
-// Every function that the renderer, and whoever times it, calls; all belong to ES 3.1 and to
-// desktop GL 4.5.
+// Every function that the renderer, and whoever times it, calls: all of ES 3.0, and what ES 3.1
+// adds for compute shaders (Capabilities::compute). Desktop GL 4.5 has both.
 // clang-format off
 #define FLUXGS_GL_FUNCTIONS(X) \
   X(ActiveTexture) X(AttachShader) X(BeginQuery) X(BindBuffer) X(BindBufferBase) \
-  X(BindFramebuffer) X(BindImageTexture) X(BindTexture) X(BindVertexArray) X(BlendFuncSeparate) X(BlitFramebuffer) \
+  X(BindFramebuffer) X(BindTexture) X(BindVertexArray) X(BlendFuncSeparate) X(BlitFramebuffer) \
   X(BufferData) X(BufferSubData) X(CheckFramebufferStatus) X(ClearBufferfv) X(ClientWaitSync) X(ColorMask) \
   X(CompileShader) X(CopyBufferSubData) X(CreateProgram) X(CreateShader) X(DeleteBuffers) \
   X(DeleteFramebuffers) X(DeleteProgram) X(DeleteQueries) X(DeleteShader) X(DeleteSync) \
-  X(DeleteTextures) X(DeleteVertexArrays) X(DepthFunc) X(DepthMask) X(Disable) X(DispatchCompute) \
-  X(DispatchComputeIndirect) X(DrawArrays) X(DrawElementsIndirect) X(Enable) X(EndQuery) \
+  X(DeleteTextures) X(DeleteVertexArrays) X(DepthFunc) X(DepthMask) X(Disable) \
+  X(DrawArrays) X(DrawBuffers) X(DrawElementsInstanced) X(Enable) X(EndQuery) \
   X(FenceSync) X(Finish) X(FramebufferTexture2D) X(GenBuffers) X(GenFramebuffers) X(GenQueries) \
   X(GenTextures) X(GenVertexArrays) X(GetError) X(GetInteger64v) X(GetIntegeri_v) X(GetIntegerv) \
   X(GetProgramInfoLog) X(GetProgramiv) X(GetShaderInfoLog) X(GetShaderiv) X(GetString) \
-  X(GetStringi) X(InvalidateFramebuffer) X(LinkProgram) X(MapBufferRange) X(MemoryBarrier) \
-  X(PixelStorei) X(ReadPixels) X(Scissor) X(ShaderSource) X(TexParameteri) X(TexStorage2D) X(TexSubImage2D) \
-  X(Uniform1ui) X(Uniform2f) X(Uniform3f) X(UnmapBuffer) X(UseProgram) X(Viewport)
+  X(GetStringi) X(GetUniformBlockIndex) X(GetUniformLocation) X(InvalidateFramebuffer) X(LinkProgram) \
+  X(MapBufferRange) X(PixelStorei) X(ReadBuffer) X(ReadPixels) X(Scissor) X(ShaderSource) X(TexParameteri) X(TexStorage2D) \
+  X(TexSubImage2D) X(Uniform1i) X(Uniform1ui) X(Uniform2f) X(Uniform3f) X(UniformBlockBinding) X(UnmapBuffer) \
+  X(UseProgram) X(Viewport)
+#define FLUXGS_GL_COMPUTE_FUNCTIONS(X) \
+  X(BindImageTexture) X(DispatchCompute) X(DispatchComputeIndirect) X(DrawElementsIndirect) X(MemoryBarrier)
 // clang-format on
 
 namespace fluxgs::gl {
@@ -43,6 +46,7 @@ struct Api {
 // NOLINTNEXTLINE(bugprone-macro-parentheses): it is a name, not an expression
 #define FLUXGS_GL_MEMBER(name) decltype(&::gl##name) name = nullptr;
   FLUXGS_GL_FUNCTIONS(FLUXGS_GL_MEMBER)
+  FLUXGS_GL_COMPUTE_FUNCTIONS(FLUXGS_GL_MEMBER)  // null where Capabilities::compute is false
 #undef FLUXGS_GL_MEMBER
 
   // Extensions: null where the driver has none.
@@ -69,9 +73,12 @@ struct Api {
 using ProcLoader = std::function<void*(const char* name)>;
 
 /// Fills the table for the context that is current on this thread and asks the driver for its
-/// capabilities. Fails if a function is missing or the context is older than ES 3.1 (or desktop GL
+/// capabilities. Fails if a function is missing or the context is older than ES 3.0 (or desktop GL
 /// 4.5 with ARB_ES3_1_compatibility).
 Expected<std::unique_ptr<Api>> load_api(const ProcLoader& loader);
+
+/// glMemoryBarrier, for stores of shaders; nothing where no shader can store.
+void memory_barrier(Api& api, GLbitfield barriers);
 
 /// Takes all pending errors of the context, and notes down in `api` what they say of it. Returns
 /// the first, or GL_NO_ERROR.

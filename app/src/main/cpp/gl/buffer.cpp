@@ -44,7 +44,7 @@ void Buffer::write(std::size_t offset, std::span<const std::byte> data) {
 Expected<void> Buffer::read(std::size_t offset, std::span<std::byte> out) const {
   if (out.empty()) return {};
   Api& api = handle_.api();
-  api.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  memory_barrier(api, GL_BUFFER_UPDATE_BARRIER_BIT);
   bind(GL_COPY_READ_BUFFER);
   const void* mapped = api.MapBufferRange(GL_COPY_READ_BUFFER, static_cast<GLintptr>(offset),
                                           static_cast<GLsizeiptr>(out.size()), GL_MAP_READ_BIT);

@@ -32,7 +32,7 @@ std::set<std::string> extensions(Api& api) {
   return names;
 }
 
-void ask_limits(Api& api, Capabilities& c) {
+void ask_compute_limits(Api& api, Capabilities& c) {
   GLint64 bytes = 0;
   api.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
   c.max_storage_block_bytes = bytes;
@@ -41,6 +41,10 @@ void ask_limits(Api& api, Capabilities& c) {
   c.max_work_group_invocations = integer(api, GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS);
   api.GetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &c.max_work_groups_x);
   c.max_shared_memory_bytes = integer(api, GL_MAX_COMPUTE_SHARED_MEMORY_SIZE);
+}
+
+void ask_limits(Api& api, Capabilities& c) {
+  if (c.compute) ask_compute_limits(api, c);
   c.max_texture_size = integer(api, GL_MAX_TEXTURE_SIZE);
   GLint viewport[2] = {};
   api.GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
@@ -86,19 +90,21 @@ Expected<Capabilities> query_capabilities(Api& api) {
     return c.major > major || (c.major == major && c.minor >= minor);
   };
   const bool enough =
-      c.is_es ? at_least(3, 1)
+      c.is_es ? at_least(3, 0)
               : at_least(4, 5) && extensions(api).contains("GL_ARB_ES3_1_compatibility");
   if (!enough) {
     return fail(
         c.renderer, "GL_VERSION",
-        "OpenGL ES 3.1 or desktop OpenGL 4.5 is needed; the driver offers \"" + c.version + "\"");
+        "OpenGL ES 3.0 or desktop OpenGL 4.5 is needed; the driver offers \"" + c.version + "\"");
   }
+  c.compute = !c.is_es || at_least(3, 1);
   ask_limits(api, c);
   ask_extensions(api, c);
   return c;
 }
 
 Expected<void> check_limits(const Capabilities& c) {
+  if (!c.compute) return {};
   const auto need = [&](const char* name, std::int64_t have,
                         std::int64_t wanted) -> Expected<void> {
     if (have >= wanted) return {};

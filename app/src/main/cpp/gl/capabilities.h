@@ -14,8 +14,9 @@ struct Api;
 struct Capabilities {
   std::string vendor, renderer, version;
   std::set<std::string> extensions;
-  bool is_es = true;                ///< an ES context; otherwise desktop GL with ES 3.1 shaders
+  bool is_es = true;                ///< an ES context; otherwise desktop GL with shaders of ES 3.1
   int major = 0, minor = 0;         ///< of the context's version
+  bool compute = true;              ///< compute shaders and storage buffers (ES 3.1)
   bool half_float_targets = false;  ///< RGBA16F can be rendered to and blended
   bool float_targets = false;       ///< RGBA32F can be rendered to and blended (EXT_float_blend)
   bool framebuffer_fetch = false;   ///< shaders read the pixel (EXT_shader_framebuffer_fetch)
@@ -31,10 +32,11 @@ struct Capabilities {
   int max_viewport_width = 0, max_viewport_height = 0;
 };
 
-/// Fails if the context is older than ES 3.1, or a desktop one without ARB_ES3_1_compatibility.
+/// Fails if the context is older than ES 3.0, or a desktop one without ARB_ES3_1_compatibility.
 Expected<Capabilities> query_capabilities(Api& api);
 
-/// Fails, naming the limit, where the driver offers less than the renderer needs.
+/// Fails, naming the limit, where a driver with compute shaders offers less than the renderer
+/// needs.
 Expected<void> check_limits(const Capabilities& capabilities);
 
 }  // namespace fluxgs::gl

@@ -1,5 +1,7 @@
-// A framebuffer object with one colour texture, and one of depths if need be.
+// A framebuffer object with colour textures, and one of depths if need be.
 #pragma once
+
+#include <span>
 
 #include "gl/handle.h"
 #include "gl/texture.h"
@@ -13,6 +15,9 @@ class Framebuffer {
   /// The textures must outlive the framebuffer. Fails when the driver cannot render to their
   /// formats.
   static Expected<Framebuffer> create(Api& api, const Texture& color,
+                                      const Texture* depth = nullptr);
+  /// Shaders write to output k what texture k gets; 4 textures at most.
+  static Expected<Framebuffer> create(Api& api, std::span<const Texture* const> colors,
                                       const Texture* depth = nullptr);
 
   /// `use`: GL_FRAMEBUFFER, or only one of GL_READ_FRAMEBUFFER and GL_DRAW_FRAMEBUFFER.

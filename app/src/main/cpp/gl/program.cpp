@@ -12,9 +12,10 @@ void destroy_shader(Api& api, GLuint name) { api.DeleteShader(name); }
 using Shader = Handle<destroy_shader>;
 
 // The #version directive must stay the first line (GLSL ES 3.10, section 3.4).
-std::string with_defines(std::string_view source, std::span<const std::string> defines) {
+std::string with_defines(std::string_view source, std::span<const std::string> defines,
+                         bool compute) {
   const std::size_t first_line = source.find('\n') + 1;
-  std::string text(source.substr(0, first_line));
+  std::string text(compute ? source.substr(0, first_line) : "#version 300 es\n");
   for (const std::string& define : defines) text += "#define " + define + "\n";
   text += "#line 2\n";
   return text.append(source.substr(first_line));
@@ -60,7 +61,7 @@ std::string stage_name(GLenum stage) {
 Expected<Shader> compile(Api& api, const ShaderSource& source,
                          std::span<const std::string> defines) {
   Shader shader(api, api.CreateShader(source.stage));
-  const std::string text = with_defines(source.text, defines);
+  const std::string text = with_defines(source.text, defines, api.capabilities.compute);
   const char* pointer = text.c_str();
   api.ShaderSource(shader.name(), 1, &pointer, nullptr);
   api.CompileShader(shader.name());
@@ -89,8 +90,16 @@ Expected<Program> Program::create(Api& api, std::span<const ShaderSource> stages
   api.LinkProgram(program.handle_.name());
   GLint ok = GL_FALSE;
   api.GetProgramiv(program.handle_.name(), GL_LINK_STATUS, &ok);
-  if (ok == GL_TRUE) return program;
-  return fail("shader " + names, "link", program_log(api, program.handle_.name()));
+  if (ok != GL_TRUE)
+    return fail("shader " + names, "link", program_log(api, program.handle_.name()));
+  const GLuint frame = api.GetUniformBlockIndex(program.handle_.name(), "Frame");
+  if (frame != GL_INVALID_INDEX) api.UniformBlockBinding(program.handle_.name(), frame, 0);
+  return program;
+}
+
+void Program::set_sampler(const char* name, GLint unit) const {
+  use();
+  handle_.api().Uniform1i(uniform(name), unit);
 }
 
 }  // namespace fluxgs::gl

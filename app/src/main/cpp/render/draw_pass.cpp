@@ -5,40 +5,21 @@
 #include <vector>
 
 #include "gl/expected_chain.h"
+#include "render/quad_indices.h"
 #include "shaders/shaders.h"
 
 namespace fluxgs::render {
 namespace {
 
-constexpr int kMaxPerBatch = 128;           // the work group of shaders/draw_arguments.comp
 constexpr std::size_t kDispatchOffset = 0;  // shaders/draw_arguments.comp
-constexpr GLint kSlice = 0, kSlices = 1;    // shaders/splat.vert
-
-// Two triangles per quad of corners 4q … 4q + 3 (bit 0: right, bit 1: bottom).
-std::vector<std::uint16_t> quad_indices(int quads) {
-  std::vector<std::uint16_t> indices;
-  for (int q = 0; q < quads; ++q)
-    for (const int corner : {0, 1, 2, 2, 1, 3})
-      indices.push_back(static_cast<std::uint16_t>(4 * q + corner));
-  return indices;
-}
 
 }  // namespace
 
 Expected<DrawPass> DrawPass::create(gl::Api& api, const RendererSettings& settings) {
-  if (settings.batch < 1 || settings.batch > kMaxPerBatch) {
-    return fail("renderer", "batch",
-                std::to_string(settings.batch) + " quads; 1…128 were expected");
-  }
-  if (settings.slices < 1 || settings.slices > kMostSlices) {
-    return fail("renderer", "slices", std::to_string(settings.slices) + "; 1 to 64 were expected");
-  }
   DrawPass pass;
   pass.batch_ = settings.batch;
   pass.slices_ = settings.slices;
   pass.texture_fetch_ = settings.texture_fetch;
-  const std::vector<std::uint16_t> corners = quad_indices(settings.batch);
-  const std::size_t corner_bytes = corners.size() * sizeof(corners[0]);
   auto made = gl::chain(
       [&] { return pass.create_programs(api, settings); },
       [&]() -> Expected<void> {
@@ -50,18 +31,17 @@ Expected<DrawPass> DrawPass::create(gl::Api& api, const RendererSettings& settin
         if (settings.slices == 1) return {};
         return gl::assign_or_error(SaturationMarks::create(api), pass.marks_);
       },
-      [&] {
-        return gl::assign_or_error(
-            gl::Buffer::create(api, corner_bytes, corners.data(), GL_STATIC_DRAW), pass.indices_);
-      },
+      [&] { return gl::assign_or_error(create_quad_indices(api, settings.batch), pass.indices_); },
       [&] {
         return gl::assign_or_error(gl::Buffer::create(api, draw_arguments_bytes(settings.slices)),
                                    pass.arguments_);
       });
   if (!made) return std::unexpected(made.error());
+  if (settings.texture_fetch) pass.splat_program_.set_sampler("ordered", 0);
   if (settings.slices > 1) {
     pass.splat_program_.use();
-    api.Uniform1ui(kSlices, static_cast<GLuint>(settings.slices));
+    pass.slice_ = pass.splat_program_.uniform("slice");
+    api.Uniform1ui(pass.splat_program_.uniform("slices"), static_cast<GLuint>(settings.slices));
   }
   pass.vertex_array_ = gl::VertexArray(api);
   return pass;
@@ -123,7 +103,7 @@ void clear(gl::Api& api, const glm::dvec3& background, const RenderTarget& targe
 
 void DrawPass::draw(gl::Api& api, int slice) const {
   splat_program_.use();
-  if (slices_ > 1) api.Uniform1ui(kSlice, static_cast<GLuint>(slice));
+  if (slices_ > 1) api.Uniform1ui(slice_, static_cast<GLuint>(slice));
   vertex_array_.bind();
   indices_.bind(GL_ELEMENT_ARRAY_BUFFER);  // drivers of Mali forget that it belongs to the array
   // OpenGL takes the offset as a pointer

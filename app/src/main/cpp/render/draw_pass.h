@@ -29,11 +29,9 @@ class DrawPass {
   Expected<void> reserve(gl::Api& api, std::uint64_t entries);
 
   /// Clears the target to the background and blends the sorted splats over it. The frame's uniforms
-  /// must be bound at 0; the sorter must have room for batch() spare entries.
+  /// must be bound at 0; the sorter must have room for a batch of spare entries.
   void run(gl::Api& api, const gl::Buffer& projected_splats, const sort::Sorter& sorter,
            const glm::dvec3& background, const RenderTarget& target) const;
-
-  int batch() const { return batch_; }
 
  private:
   Expected<void> create_programs(gl::Api& api, const RendererSettings& settings);
@@ -41,6 +39,7 @@ class DrawPass {
   void draw(gl::Api& api, int slice) const;
 
   int batch_ = 0, slices_ = 1;
+  GLint slice_ = -1;
   bool texture_fetch_ = false;
   OrderedSplats ordered_;
   SaturationMarks marks_;

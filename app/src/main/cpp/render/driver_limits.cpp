@@ -4,7 +4,7 @@ namespace fluxgs::render {
 namespace {
 
 constexpr std::string_view kNoGpuSort = "no_gpu_sort", kNoVertexStorage = "no_vertex_storage",
-                           kNoFloatTargets = "no_float_targets";
+                           kNoFloatTargets = "no_float_targets", kNoCompute = "no_compute";
 
 }  // namespace
 
@@ -13,13 +13,15 @@ std::vector<std::string> DriverLimits::names() const {
   if (no_gpu_sort) set.emplace_back(kNoGpuSort);
   if (no_vertex_storage) set.emplace_back(kNoVertexStorage);
   if (no_float_targets) set.emplace_back(kNoFloatTargets);
+  if (no_compute) set.emplace_back(kNoCompute);
   return set;
 }
 
 DriverLimits limits_named(std::string_view names) {
   return {.no_gpu_sort = names.contains(kNoGpuSort),
           .no_vertex_storage = names.contains(kNoVertexStorage),
-          .no_float_targets = names.contains(kNoFloatTargets)};
+          .no_float_targets = names.contains(kNoFloatTargets),
+          .no_compute = names.contains(kNoCompute)};
 }
 
 void apply(const DriverLimits& limits, gl::Api& api) {
@@ -27,6 +29,7 @@ void apply(const DriverLimits& limits, gl::Api& api) {
   if (limits.no_gpu_sort) api.quirks.gpu_sort_fails = true;
   if (limits.no_vertex_storage) has.max_vertex_storage_blocks = 0;
   if (limits.no_float_targets) has.float_targets = has.half_float_targets = false;
+  if (limits.no_compute) has.compute = false;
 }
 
 }  // namespace fluxgs::render

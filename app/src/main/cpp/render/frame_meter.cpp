@@ -1,6 +1,7 @@
 #include "render/frame_meter.h"
 
 #include <algorithm>
+#include <chrono>
 
 namespace fluxgs::render {
 
@@ -27,15 +28,23 @@ void FrameMeter::stamp(int place) const {
   if (timestamps_) ring_[last_].stamps[static_cast<std::size_t>(place)].record();
 }
 
-void FrameMeter::end(const gl::Buffer* count) {
+void FrameMeter::end(const gl::Buffer& count) {
   Slot& slot = ring_[last_];
-  slot.counted = count != nullptr;
-  if (count != nullptr) {
-    api_->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-    count->bind(GL_COPY_READ_BUFFER);
-    slot.count.bind(GL_COPY_WRITE_BUFFER);
-    api_->CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, sizeof(std::uint32_t));
-  }
+  slot.known = {};
+  gl::memory_barrier(*api_, GL_BUFFER_UPDATE_BARRIER_BIT);
+  count.bind(GL_COPY_READ_BUFFER);
+  slot.count.bind(GL_COPY_WRITE_BUFFER);
+  api_->CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, sizeof(std::uint32_t));
+  finish(slot);
+}
+
+void FrameMeter::end(std::uint32_t count) {
+  Slot& slot = ring_[last_];
+  slot.known = count;
+  finish(slot);
+}
+
+void FrameMeter::finish(Slot& slot) const {
   slot.fence = gl::Fence(*api_);
   slot.drawn = true;
 }
@@ -63,7 +72,10 @@ void FrameMeter::clear() {
 /// Waits for the GPU where the frame is not finished.
 Expected<std::optional<FrameStats>> FrameMeter::read(Slot& slot) const {
   FrameStats stats;
-  if (slot.counted) {
+  if (slot.known) {
+    slot.fence.wait(std::chrono::seconds(10));
+    stats.drawn = *slot.known;
+  } else {
     auto count = slot.count.read_all<std::uint32_t>(1);
     if (!count) return std::unexpected(count.error());
     stats.drawn = count->front();

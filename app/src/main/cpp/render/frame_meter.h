@@ -34,8 +34,9 @@ class FrameMeter {
   void begin();
   /// Records the time at which everything before is finished; the place of a stamp, 0…4.
   void stamp(int place) const;
-  /// The frame is enqueued. `count`: its first word is the number of splats drawn; null: none.
-  void end(const gl::Buffer* count);
+  /// The frame is enqueued. `count`: its first word is the number of splats drawn.
+  void end(const gl::Buffer& count);
+  void end(std::uint32_t count);  ///< the same, of a number that is known
 
   /// The newest frame that is finished and was not spoken of yet.
   Expected<std::optional<FrameStats>> poll();
@@ -47,12 +48,13 @@ class FrameMeter {
  private:
   struct Slot {
     gl::Buffer count;
+    std::optional<std::uint32_t> known;  ///< in place of `count`
     std::array<gl::Timestamp, kStamps> stamps;
     gl::Fence fence;
-    bool counted = false;  ///< there is a number of splats
-    bool drawn = false;    ///< a frame has ended here
-    bool told = false;     ///< and poll() has spoken of it
+    bool drawn = false;  ///< a frame has ended here
+    bool told = false;   ///< and poll() has spoken of it
   };
+  void finish(Slot& slot) const;
   Expected<std::optional<FrameStats>> read(Slot& slot) const;
   std::optional<FrameTimes> times_of(const Slot& slot) const;
 

@@ -5,9 +5,11 @@
 #include <numeric>
 
 #include "render/draw_pass.h"
+#include "render/fragment_pipeline.h"
 #include "render/frame_meter.h"
 #include "render/frame_uniforms.h"
 #include "render/ordered_splats.h"
+#include "render/quad_indices.h"
 #include "render/scene_packing.h"
 
 namespace fluxgs::render {
@@ -21,7 +23,8 @@ std::uint64_t sum(const DegreeCounts& splats) {
   return std::accumulate(splats.begin(), splats.end(), std::uint64_t{0});
 }
 
-std::size_t scene_bytes(const DegreeCounts& splats) {
+std::size_t scene_bytes(const DegreeCounts& splats, bool compute) {
+  if (!compute) return FragmentPipeline::scene_bytes(splats);
   return at_least_a_word(4 * kVec4 * sum(splats)) + at_least_a_word(sh_bytes(splats));
 }
 
@@ -31,25 +34,29 @@ std::size_t gpu_sorter_bytes(std::uint64_t count, int digit_bits) {
   return kWord * (4 + radix + radix * blocks) + 2 * at_least_a_word(2 * kWord * count);
 }
 
-std::size_t frame_bytes(std::uint64_t count, const RendererSettings& s) {
+/// The orders that a sorter of the CPU uploads.
+std::size_t uploaded_orders(SorterKind kind) { return kind == SorterKind::cpu_async ? 3 : 1; }
+
+/// Of the passes with compute shaders.
+std::size_t compute_bytes(std::uint64_t count, const RendererSettings& s) {
   const std::size_t projected_splats = projected_splat_bytes(s.splat_precision) * (count + 1);
   const std::uint64_t entries = count + static_cast<std::uint64_t>(s.batch);
   const std::size_t order = kWord * entries;
   std::size_t bytes = projected_splats + at_least_a_word(kWord * count);
-  switch (s.sorter) {
-    case SorterKind::gpu_radix:
-      bytes += order + gpu_sorter_bytes(count, s.sort_digit_bits);
-      break;
-    case SorterKind::cpu_async:
-      bytes += 3 * (order + kWord);
-      break;
-    case SorterKind::exact:
-      bytes += order + kWord;
-      break;
-  }
+  bytes += s.sorter == SorterKind::gpu_radix ? order + gpu_sorter_bytes(count, s.sort_digit_bits)
+                                             : uploaded_orders(s.sorter) * (order + kWord);
   if (s.texture_fetch) bytes += ordered_splat_bytes(entries, s.splat_precision);
-  constexpr std::size_t kIndexBytesOfAQuad = 12;
-  return bytes + draw_arguments_bytes(s.slices) +
+  return bytes + draw_arguments_bytes(s.slices);
+}
+
+std::size_t fragment_bytes(std::uint64_t count, const RendererSettings& s) {
+  const std::uint64_t entries = count + static_cast<std::uint64_t>(s.batch);
+  return FragmentPipeline::projected_bytes(count, s.splat_precision) +
+         uploaded_orders(s.sorter) * gl::TexelArray::bytes(GL_R32UI, entries);
+}
+
+std::size_t frame_bytes(std::uint64_t count, const RendererSettings& s) {
+  return (s.compute ? compute_bytes(count, s) : fragment_bytes(count, s)) +
          kIndexBytesOfAQuad * static_cast<std::size_t>(s.batch) + sizeof(FrameUniforms) +
          FrameMeter::kBytes;
 }
@@ -92,7 +99,7 @@ std::size_t blend_pixel_bytes(const TargetPlan& t) {
 
 MemoryEstimate estimate_memory(const DegreeCounts& splats, const RendererSettings& settings,
                                const TargetPlan& target) {
-  return {.scene = scene_bytes(splats),
+  return {.scene = scene_bytes(splats, settings.compute),
           .frame = frame_bytes(sum(splats), settings),
           .targets = target_bytes(target),
           .reading = reading_bytes(target)};

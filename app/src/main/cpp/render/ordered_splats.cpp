@@ -1,6 +1,5 @@
 #include "render/ordered_splats.h"
 
-#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -10,17 +9,17 @@
 namespace fluxgs::render {
 namespace {
 
-constexpr std::size_t kTextureWidth = 2048, kTexelBytes = 16;  // shaders/ordered_splats.glsl
+constexpr std::size_t kTexelBytes = 16;
 
-std::size_t texture_rows(std::uint64_t count, SplatPrecision precision) {
-  const std::size_t texels = count * projected_splat_bytes(precision) / kTexelBytes;
-  return std::max<std::size_t>((texels + kTextureWidth - 1) / kTextureWidth, 1);
+/// Texels of so many projected splats.
+std::uint64_t texels_of(std::uint64_t count, SplatPrecision precision) {
+  return count * projected_splat_bytes(precision) / kTexelBytes;
 }
 
 }  // namespace
 
 std::size_t ordered_splat_bytes(std::uint64_t count, SplatPrecision precision) {
-  return texture_rows(count, precision) * kTextureWidth * kTexelBytes;
+  return gl::TexelArray::bytes(GL_RGBA32UI, texels_of(count, precision));
 }
 
 Expected<OrderedSplats> OrderedSplats::create(gl::Api& api, int batch, SplatPrecision precision) {
@@ -36,16 +35,9 @@ Expected<OrderedSplats> OrderedSplats::create(gl::Api& api, int batch, SplatPrec
 }
 
 Expected<void> OrderedSplats::reserve(gl::Api& api, std::uint64_t entries) {
-  texture_ = {};  // There may not be room for both
-  const auto rows = static_cast<int>(texture_rows(entries, precision_));
-  if (rows > api.capabilities.max_texture_size) {
-    return fail("scene", "size",
-                "its projected splats need a texture of " + std::to_string(rows) + " rows; " +
-                    api.capabilities.renderer + " offers " +
-                    std::to_string(api.capabilities.max_texture_size));
-  }
+  texels_ = {};  // There may not be room for both
   return gl::assign_or_error(
-      gl::Texture::create(api, GL_RGBA32UI, static_cast<int>(kTextureWidth), rows), texture_);
+      gl::TexelArray::create(api, GL_RGBA32UI, texels_of(entries, precision_)), texels_);
 }
 
 void OrderedSplats::update(gl::Api& api, const gl::Buffer& projected_splats,
@@ -54,12 +46,12 @@ void OrderedSplats::update(gl::Api& api, const gl::Buffer& projected_splats,
   sorter.count().bind_base(GL_SHADER_STORAGE_BUFFER, 0);
   sorter.order().bind_base(GL_SHADER_STORAGE_BUFFER, 1);
   projected_splats.bind_base(GL_SHADER_STORAGE_BUFFER, 2);
-  api.BindImageTexture(0, texture_.name(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
+  api.BindImageTexture(0, texels_.texture().name(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
   arguments.bind(GL_DISPATCH_INDIRECT_BUFFER);
   program_.use();
   api.DispatchComputeIndirect(static_cast<GLintptr>(dispatch_offset));
   api.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
-  texture_.bind(0);
+  texels_.bind(0);
 }
 
 }  // namespace fluxgs::render

@@ -6,7 +6,7 @@
 
 #include "gl/buffer.h"
 #include "gl/program.h"
-#include "gl/texture.h"
+#include "gl/texel_array.h"
 #include "render/settings.h"
 #include "sort/sorter.h"
 
@@ -36,7 +36,7 @@ class OrderedSplats {
  private:
   SplatPrecision precision_ = SplatPrecision::full;
   gl::Program program_;
-  gl::Texture texture_;
+  gl::TexelArray texels_;
 };
 
 }  // namespace fluxgs::render

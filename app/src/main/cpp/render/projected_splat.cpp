@@ -33,17 +33,14 @@ ProjectedSplat unpack_half(const Words* w, const glm::vec2& middle) {
 
 }  // namespace
 
-Expected<std::vector<ProjectedSplat>> read_projected_splats(const gl::Buffer& projected_splats,
-                                                            std::uint32_t count,
-                                                            SplatPrecision precision, int width,
-                                                            int height) {
-  const std::size_t words = projected_splat_bytes(precision) / sizeof(Words);
-  const auto data = projected_splats.read_all<Words>(words * count);
-  if (!data) return std::unexpected(data.error());
+std::vector<ProjectedSplat> unpack_projected_splats(std::span<const std::uint32_t> words,
+                                                    SplatPrecision precision, int width,
+                                                    int height) {
+  const std::size_t each = projected_splat_bytes(precision) / sizeof(Words);
   const glm::vec2 middle(0.5F * static_cast<float>(width), 0.5F * static_cast<float>(height));
-  std::vector<ProjectedSplat> all(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const Words* at = data->data() + words * i;
+  std::vector<ProjectedSplat> all(words.size() / each);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Words* at = words.data() + each * i;
     all[i] = precision == SplatPrecision::full ? unpack_full(at) : unpack_half(at, middle);
   }
   return all;

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "gl/buffer.h"
 #include "render/settings.h"
 
 namespace fluxgs::render {
@@ -20,10 +20,9 @@ struct ProjectedSplat {
   glm::vec3 color{0.0F};
 };
 
-/// The first `count` projected_splats of an image of that size. Waits for the GPU.
-Expected<std::vector<ProjectedSplat>> read_projected_splats(const gl::Buffer& projected_splats,
-                                                            std::uint32_t count,
-                                                            SplatPrecision precision, int width,
-                                                            int height);
+/// Their words (projected_splat_bytes() each), of an image of that size.
+std::vector<ProjectedSplat> unpack_projected_splats(std::span<const std::uint32_t> words,
+                                                    SplatPrecision precision, int width,
+                                                    int height);
 
 }  // namespace fluxgs::render

@@ -24,6 +24,7 @@ class ProjectionPass {
   /// Preconditions: scene.count ≤ what was reserved; prepare() for that kind of filter.
   void run(gl::Api& api, const SceneBuffers& scene, bool compensated) const;
 
+  SplatPrecision precision() const { return precision_; }
   /// One per splat, at its index, and an empty one behind the last. shaders/projected_splat.glsl
   const gl::Buffer& projected_splats() const { return projected_splats_; }
   /// One per splat: the key of its depth, or sort::kDropped.

@@ -6,7 +6,10 @@
 #include <span>
 
 #include "gl/expected_chain.h"
+#include "render/compute_pipeline.h"
+#include "render/fragment_pipeline.h"
 #include "render/scaled_camera.h"
+#include "render/scene_buffers.h"
 #include "render/sort_view.h"
 #include "render/view_check.h"
 #include "sort/async_cpu_sorter.h"
@@ -22,28 +25,37 @@ Expected<std::unique_ptr<Renderer>> Renderer::create(gl::Api& api,
   return renderer;
 }
 
+/// To what the driver has.
+void Renderer::limit_settings() {
+  const gl::Capabilities& driver = api_.capabilities;
+  RendererSettings& s = settings_;
+  s.timestamps = s.timestamps && driver.timestamps;
+  s.compute = s.compute && driver.compute;
+  s.texture_fetch = s.compute && (s.texture_fetch || driver.max_vertex_storage_blocks < 2);
+  const bool can_mark = s.compute && driver.framebuffer_fetch && !s.texture_fetch &&
+                        driver.max_vertex_storage_blocks >= 3;
+  if (!can_mark) s.slices = 1;
+  if (!s.compute && s.sorter == SorterKind::gpu_radix) s.sorter = SorterKind::cpu_async;
+}
+
 Expected<void> Renderer::create_passes() {
-  settings_.timestamps = settings_.timestamps && api_.capabilities.timestamps;
-  settings_.texture_fetch =
-      settings_.texture_fetch || api_.capabilities.max_vertex_storage_blocks < 2;
-  const bool can_mark = api_.capabilities.framebuffer_fetch && !settings_.texture_fetch &&
-                        api_.capabilities.max_vertex_storage_blocks >= 3;
-  if (!can_mark && settings_.slices > 1) settings_.slices = 1;
+  if (auto ok = check_settings(settings_); !ok) return ok;
+  limit_settings();
   constexpr std::size_t kUniformBytes = sizeof(FrameUniforms);
   return gl::chain(
-      [&] { return check_approximation(settings_.approximation); },
       [&] { return gl::assign_or_error(FrameMeter::create(api_, settings_.timestamps), meter_); },
-      [&] {
-        return gl::assign_or_error(ProjectionPass::create(api_, settings_.splat_precision),
-                                   projection_);
-      },
-      [&] { return create_sorter(); },
-      [&] { return gl::assign_or_error(DrawPass::create(api_, settings_), draw_); },
+      [&] { return create_pipeline(); }, [&] { return create_sorter(); },
       [&] { return gl::assign_or_error(ResolvePass::create(api_), resolve_); },
       [&] {
         return gl::assign_or_error(
             gl::Buffer::create(api_, kUniformBytes, nullptr, GL_DYNAMIC_DRAW), uniforms_);
       });
+}
+
+Expected<void> Renderer::create_pipeline() {
+  return gl::assign_or_error(settings_.compute ? ComputePipeline::create(api_, settings_)
+                                               : FragmentPipeline::create(api_, settings_),
+                             pipeline_);
 }
 
 Expected<void> Renderer::create_sorter() {
@@ -52,13 +64,14 @@ Expected<void> Renderer::create_sorter() {
     sorter_ = std::move(*made);
     return {};
   };
+  const auto place = settings_.compute ? sort::OrderPlace::buffers : sort::OrderPlace::texture;
   switch (settings_.sorter) {
     case SorterKind::gpu_radix:
       return keep(sort::GpuRadixSorter::create(api_, settings_.sort_digit_bits));
     case SorterKind::cpu_async:
-      return keep(sort::AsyncCpuSorter::create(api_));
+      return keep(sort::AsyncCpuSorter::create(api_, place));
     case SorterKind::exact:
-      return keep(sort::ExactSorter::create(api_));
+      return keep(sort::ExactSorter::create(api_, place));
   }
   return fail("renderer", "sorter", "unknown");
 }
@@ -69,30 +82,25 @@ Expected<void> Renderer::set_approximation(const ApproximationSettings& approxim
   return {};
 }
 
-Expected<void> Renderer::make_room(std::uint32_t count, std::vector<glm::vec3> positions) {
-  const auto spare = static_cast<std::uint32_t>(settings_.batch);  // fill up the last instance
-  return gl::chain([&] { return projection_.reserve(api_, count); },
-                   [&] { return sorter_->set_scene(count, spare, std::move(positions)); },
-                   [&] { return draw_.reserve(api_, std::uint64_t{count} + spare); });
-}
-
 Expected<void> Renderer::upload(const RenderCloud& cloud,
                                 std::optional<std::span<const std::uint32_t>> splats,
                                 int max_sh_degree) {
   if (auto ok = check_cloud(cloud); !ok) return ok;
   ScenePacker packer(cloud, splats, max_sh_degree);
   if (auto ok = check_size(api_.capabilities, packer.degrees()); !ok) return ok;
-  scene_ = {};  // There may not be room for both
+  scene_ = {};
+  pipeline_->unload();  // There may not be room for both
   undrawable_ = packer.undrawable();
   sorted_.reset();
   meter_.clear();
   std::vector<glm::vec3> positions;
-  auto scene =
-      SceneBuffers::create(api_, packer, sorter_->needs_positions() ? &positions : nullptr);
-  if (!scene) return std::unexpected(scene.error());
-  const std::uint32_t count = scene->constants.count;
-  if (auto room = make_room(count, std::move(positions)); !room) return room;
-  scene_ = std::move(*scene);
+  const std::uint32_t count = packer.constants().count;
+  const auto spare = static_cast<std::uint32_t>(settings_.batch);  // fill up the last instance
+  auto loaded = gl::chain(
+      [&] { return pipeline_->load(packer, sorter_->needs_positions() ? &positions : nullptr); },
+      [&] { return sorter_->set_scene(count, spare, std::move(positions)); });
+  if (!loaded) return loaded;
+  scene_ = packer.constants();
   return {};
 }
 
@@ -102,12 +110,12 @@ void Renderer::stamp(int place) const {
 
 Expected<void> Renderer::draw(const Camera& camera, const RenderOptions& asked,
                               const RenderTarget& target) {
-  const RenderOptions options = for_scene(asked, scene_.constants.filter);
+  const RenderOptions options = for_scene(asked, scene_.filter);
   if (auto ok = check_view(camera, options); !ok) return ok;
-  if (auto ok = projection_.prepare(api_, options.filter->compensated); !ok) return ok;
+  if (auto ok = pipeline_->prepare(options.filter->compensated); !ok) return ok;
   if (measured_) meter_.begin();
   stamp(0);
-  const bool any = scene_.constants.count > 0;
+  const bool any = scene_.count > 0;
   if (any) {
     draw_scene(camera, options, target);
   } else {
@@ -119,8 +127,17 @@ Expected<void> Renderer::draw(const Camera& camera, const RenderOptions& asked,
   stamp(3);
   resolve_.run(api_, target);
   stamp(4);
-  if (measured_) meter_.end(any ? &sorter_->count() : nullptr);
+  if (measured_) end_measuring(any);
   return {};
+}
+
+void Renderer::end_measuring(bool any) {
+  const sort::OrderTexture* known = sorter_->order_texture();
+  if (any && known == nullptr) {
+    meter_.end(sorter_->count());
+  } else {
+    meter_.end(any ? known->count : 0U);
+  }
 }
 
 void Renderer::draw_scene(const Camera& camera, const RenderOptions& options,
@@ -128,20 +145,16 @@ void Renderer::draw_scene(const Camera& camera, const RenderOptions& options,
   const Camera view = scaled_camera(camera, target.blend_width(), target.blend_height());
   const ApproximationSettings& approximation = settings_.approximation;
   const sort::SortView sorted_for =
-      sort_view(camera, options.near_plane, scene_.constants, approximation.key_bits);
+      sort_view(camera, options.near_plane, scene_, approximation.key_bits);
   const FrameUniforms values =
-      make_frame_uniforms(view, options, approximation, scene_.constants, sorted_for.keys);
+      make_frame_uniforms(view, options, approximation, scene_, sorted_for.keys);
   uniforms_.write(0, std::as_bytes(std::span(&values, 1)));
   uniforms_.bind_base(GL_UNIFORM_BUFFER, 0);
-  // The frame before may still draw from what is written now: stores of shaders wait for nobody
-  // unasked (ES 3.1, 7.11.2), and a tiler reads projected_splats late
-  api_.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
-                     GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
-  projection_.run(api_, scene_, options.filter->compensated);
+  pipeline_->project(options.filter->compensated);
   stamp(1);
   sort(sorted_for);
   stamp(2);
-  draw_.run(api_, projection_.projected_splats(), *sorter_, options.background, target);
+  pipeline_->draw(*sorter_, options.background, target);
 }
 
 void Renderer::sort(const sort::SortView& view) {
@@ -150,7 +163,8 @@ void Renderer::sort(const sort::SortView& view) {
   const bool same = sorter_->needs_positions() && sorted_ == view;
   const bool near = sorted_ && allowed > 0 && motion_between(*sorted_, view) <= allowed;
   if (!same && !near) {
-    sorter_->sort(view, projection_.keys());
+    static const gl::Buffer kNone;  // sorters of the CPU have no use for keys
+    sorter_->sort(view, settings_.compute ? projection().keys() : kNone);
     sorted_ = view;
   }
   if (waits_) sorter_->finish();
@@ -192,6 +206,12 @@ Expected<RenderTarget> Renderer::make_strip(const glm::ivec2& size) const {
     if (strip || !api_.out_of_memory || rows == 1) return strip;
     api_.out_of_memory = false;
   }
+}
+
+Expected<std::vector<ProjectedSplat>> Renderer::read_projected(int width, int height) const {
+  const auto words = pipeline_->read_projected(scene_.count);
+  if (!words) return std::unexpected(words.error());
+  return unpack_projected_splats(*words, settings_.splat_precision, width, height);
 }
 
 Expected<FrameStats> Renderer::stats() {

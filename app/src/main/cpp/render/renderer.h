@@ -8,14 +8,15 @@
 #include <span>
 #include <vector>
 
-#include "render/draw_pass.h"
 #include "render/frame_meter.h"
 #include "render/frame_uniforms.h"
+#include "render/projected_splat.h"
 #include "render/projection_pass.h"
 #include "render/render_target.h"
 #include "render/resolve_pass.h"
 #include "render/scene_buffers.h"
 #include "render/settings.h"
+#include "render/splat_pipeline.h"
 #include "sort/sorter.h"
 
 namespace fluxgs::render {
@@ -84,33 +85,38 @@ class Renderer {
   /// Number of splats of the scene that are kept out of every image.
   std::size_t undrawable() const { return undrawable_; }
 
-  /// The settings in use: texture_fetch where the driver makes it necessary, timestamps where it
-  /// can.
+  /// The settings in use: texture_fetch where the driver makes it necessary, compute and
+  /// timestamps where it can.
   const RendererSettings& settings() const { return settings_; }
 
   // The intermediate results of the last frame, for tests and diagnostics.
-  const SceneConstants& scene() const { return scene_.constants; }
-  const ProjectionPass& projection() const { return projection_; }
+  const SceneConstants& scene() const { return scene_; }
+  /// The splats that the last frame projected for an image of that size; those that it does not
+  /// draw have the level that says so. Waits for the GPU.
+  Expected<std::vector<ProjectedSplat>> read_projected(int width, int height) const;
+  /// Precondition: settings().compute.
+  const ProjectionPass& projection() const { return *pipeline_->projection(); }
   const sort::Sorter& sorter() const { return *sorter_; }
 
  private:
   Renderer(gl::Api& api, const RendererSettings& settings) : api_(api), settings_(settings) {}
   Expected<void> create_passes();
+  void limit_settings();
+  Expected<void> create_pipeline();
   Expected<void> create_sorter();
-  Expected<void> make_room(std::uint32_t count, std::vector<glm::vec3> positions);
   void draw_scene(const Camera& camera, const RenderOptions& options, const RenderTarget& target);
   void sort(const sort::SortView& view);
+  void end_measuring(bool any);
   void stamp(int place) const;
   Expected<RenderTarget> make_strip(const glm::ivec2& size) const;
 
   gl::Api& api_;
   RendererSettings settings_;
-  ProjectionPass projection_;
+  std::unique_ptr<SplatPipeline> pipeline_;
   std::unique_ptr<sort::Sorter> sorter_;
-  DrawPass draw_;
   ResolvePass resolve_;
   gl::Buffer uniforms_;
-  SceneBuffers scene_;
+  SceneConstants scene_;
   FrameMeter meter_;
   std::optional<sort::SortView> sorted_;  // the view that the order was last asked for
   std::size_t undrawable_ = 0;

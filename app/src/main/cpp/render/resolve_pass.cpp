@@ -10,8 +10,6 @@ namespace fluxgs::render {
 
 namespace {
 
-constexpr GLint kRatio = 0, kStart = 1, kLast = 2;  // shaders/resolve.frag
-
 /// The framebuffer that is bound is written all over: tilers would load what is covered.
 void forget(gl::Api& api, GLenum attachment) {
   api.InvalidateFramebuffer(GL_FRAMEBUFFER, 1, &attachment);
@@ -26,11 +24,18 @@ Expected<ResolvePass> ResolvePass::create(gl::Api& api) {
   const std::string enlarge = "ENLARGE";
   ResolvePass pass;
   auto compiled = gl::chain(
-      [&] { return gl::assign_or_error(gl::Program::create(api, stages), pass.copy_); },
+      [&] { return gl::assign_or_error(gl::Program::create(api, stages), pass.copy_.program); },
       [&] {
-        return gl::assign_or_error(gl::Program::create(api, stages, {&enlarge, 1}), pass.enlarge_);
+        return gl::assign_or_error(gl::Program::create(api, stages, {&enlarge, 1}),
+                                   pass.enlarge_.program);
       });
   if (!compiled) return std::unexpected(compiled.error());
+  for (Copy* copy : {&pass.copy_, &pass.enlarge_}) {
+    copy->program.set_sampler("accumulated", 0);
+    copy->ratio = copy->program.uniform("ratio");
+    copy->start = copy->program.uniform("start");
+    copy->last = copy->program.uniform("last");
+  }
   pass.vertex_array_ = gl::VertexArray(api);
   return pass;
 }
@@ -58,12 +63,14 @@ void ResolvePass::draw(gl::Api& api, const RenderTarget& target, const Part& par
   const glm::vec2 ratio = glm::vec2(size) / glm::vec2(part.whole);
   target.blend_texture().bind(0);
   api.Viewport(0, 0, part.part.x, part.part.y);
-  (same ? copy_ : enlarge_).use();
-  api.Uniform2f(kRatio, ratio.x, part.upwards ? -ratio.y : ratio.y);
+  const Copy& copy = same ? copy_ : enlarge_;
+  copy.program.use();
+  api.Uniform2f(copy.ratio, ratio.x, part.upwards ? -ratio.y : ratio.y);
   api.Uniform2f(
-      kStart, 0,
+      copy.start, 0,
       part.upwards ? static_cast<float>(size.y) : ratio.y * static_cast<float>(part.first));
-  if (!same) api.Uniform2f(kLast, static_cast<float>(size.x - 1), static_cast<float>(size.y - 1));
+  if (!same)
+    api.Uniform2f(copy.last, static_cast<float>(size.x - 1), static_cast<float>(size.y - 1));
   vertex_array_.bind();
   api.DrawArrays(GL_TRIANGLES, 0, 3);
   api.BindVertexArray(0);

@@ -32,7 +32,12 @@ class ResolvePass {
   };
   void draw(gl::Api& api, const RenderTarget& target, const Part& part) const;
 
-  gl::Program copy_, enlarge_;
+  /// shaders/resolve.frag and the places of its uniforms.
+  struct Copy {
+    gl::Program program;
+    GLint ratio = -1, start = -1, last = -1;
+  };
+  Copy copy_, enlarge_;
   gl::VertexArray vertex_array_;
 };
 

@@ -20,6 +20,7 @@ Expected<SaturationMarks> SaturationMarks::create(gl::Api& api) {
       },
       [&] { return gl::assign_or_error(gl::Program::create(api, stages), marks.background_); });
   if (!compiled) return std::unexpected(compiled.error());
+  marks.color_ = marks.background_.uniform("background");
   marks.vertex_array_ = gl::VertexArray(api);
   return marks;
 }
@@ -56,7 +57,7 @@ void SaturationMarks::mark(gl::Api& api) const {
 void SaturationMarks::end(gl::Api& api, const glm::dvec3& background) const {
   api.Disable(GL_DEPTH_TEST);
   background_.use();
-  api.Uniform3f(0, static_cast<GLfloat>(background.r), static_cast<GLfloat>(background.g),
+  api.Uniform3f(color_, static_cast<GLfloat>(background.r), static_cast<GLfloat>(background.g),
                 static_cast<GLfloat>(background.b));
   cover(api, background_);
   const GLenum marks = GL_DEPTH_ATTACHMENT;  // they need not leave the tile

@@ -34,6 +34,7 @@ class SaturationMarks {
   void cover(gl::Api& api, const gl::Program& program) const;
 
   gl::Program mark_, background_;
+  GLint color_ = -1;  // of the background
   gl::VertexArray vertex_array_;
 };
 

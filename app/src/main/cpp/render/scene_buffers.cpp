@@ -6,6 +6,7 @@
 #include <string>
 
 #include "gl/expected_chain.h"
+#include "render/fragment_pipeline.h"
 
 namespace fluxgs::render {
 namespace {
@@ -13,20 +14,6 @@ namespace {
 constexpr std::uint64_t kVec4Bytes = 16;
 constexpr std::uint64_t kWordBytes = sizeof(PackedSplats::sh[0]);
 constexpr std::uint64_t kMaxSh = kWordBytes << 30;  // what sh_word() can point into
-
-/// Number of splats of largest_of() whose coefficients fit into that many bytes.
-std::uint64_t with_sh_in(std::uint64_t bytes, const DegreeCounts& scene) {
-  std::uint64_t count = 0;
-  for (int degree = 3; degree >= 0; --degree) {
-    const std::uint64_t all = scene[static_cast<std::size_t>(degree)];
-    const std::uint64_t each = kWordBytes * sh_stride(degree);
-    const std::uint64_t fit = each > 0 ? std::min(all, bytes / each) : all;
-    count += fit;
-    bytes -= fit * each;
-    if (fit < all) break;
-  }
-  return count;
-}
 
 /// Splats of a part of a scene, after those that are there.
 class Writer {
@@ -60,6 +47,7 @@ Expected<void> check_cloud(const RenderCloud& cloud) {
 }
 
 std::uint64_t max_splats(const gl::Capabilities& driver, const DegreeCounts& scene) {
+  if (!driver.compute) return FragmentPipeline::max_splats(driver, scene);
   const auto block = static_cast<std::uint64_t>(driver.max_storage_block_bytes);
   const auto by_groups = static_cast<std::uint64_t>(driver.max_work_groups_x) * 128 - 1;
   return std::min({block / (4 * kVec4Bytes), by_groups, std::uint64_t{0xFFFF0000},

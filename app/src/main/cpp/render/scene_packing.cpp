@@ -69,6 +69,19 @@ DegreeCounts largest_of(const DegreeCounts& scene, std::uint64_t count) {
   return largest;
 }
 
+std::uint64_t with_sh_in(std::uint64_t bytes, const DegreeCounts& scene) {
+  std::uint64_t count = 0;
+  for (int degree = 3; degree >= 0; --degree) {
+    const std::uint64_t all = scene[static_cast<std::size_t>(degree)];
+    const std::uint64_t each = sizeof(PackedSplats::sh[0]) * sh_stride(degree);
+    const std::uint64_t fit = each > 0 ? std::min(all, bytes / each) : all;
+    count += fit;
+    bytes -= fit * each;
+    if (fit < all) break;
+  }
+  return count;
+}
+
 DegreeCounts limited(const DegreeCounts& scene, int sh_degree) {
   DegreeCounts result{};
   for (std::size_t degree = 0; degree < scene.size(); ++degree)

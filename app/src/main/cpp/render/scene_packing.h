@@ -32,6 +32,9 @@ DegreeCounts largest_of(const DegreeCounts& scene, std::uint64_t count);
 /// The same splats without the harmonics beyond a degree.
 DegreeCounts limited(const DegreeCounts& scene, int sh_degree);
 
+/// Number of splats of largest_of() whose coefficients fit into that many bytes.
+std::uint64_t with_sh_in(std::uint64_t bytes, const DegreeCounts& scene);
+
 /// Splats as the projection pass reads them (shaders/project.comp). The coefficients beyond the
 /// constant one are half floats, as the colour is that comes of them: they are three quarters of a
 /// splat of degree 3, and halves take a hundredth of a level of 255 from its colour.

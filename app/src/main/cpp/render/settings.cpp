@@ -14,6 +14,14 @@ ApproximationSettings default_approximation(const gl::Quirks& quirks) {
   return made;
 }
 
+Expected<void> check_settings(const RendererSettings& s) {
+  if (s.batch < 1 || s.batch > kMostQuads)
+    return fail("renderer", "batch", std::to_string(s.batch) + " quads; 1…128 were expected");
+  if (s.slices < 1 || s.slices > kMostSlices)
+    return fail("renderer", "slices", std::to_string(s.slices) + "; 1 to 64 were expected");
+  return check_approximation(s.approximation);
+}
+
 Expected<void> check_approximation(const ApproximationSettings& s) {
   if (s.key_bits < sort::kFewestKeyBits || s.key_bits > sort::kMaxKeyBits) {
     return fail("approximation", "key_bits",

@@ -43,7 +43,7 @@ struct ApproximationSettings {
   bool operator==(const ApproximationSettings&) const = default;
 };
 
-constexpr int kMostSlices = 64;
+constexpr int kMostSlices = 64, kMostQuads = 128;  // the work group of shaders/draw_arguments.comp
 
 /// Settings that the programs and buffers are made for.
 struct RendererSettings {
@@ -52,6 +52,10 @@ struct RendererSettings {
   int batch = 128;          ///< quads per instance, 1…128
   int sort_digit_bits = 8;  ///< 4…8, for gpu_radix
   bool timestamps = false;  ///< record stage times where the driver can
+  /// Project in compute shaders; otherwise in fragment shaders, with a sorter of the CPU (cpu_async
+  /// in place of gpu_radix) and without slices. False where the driver has none
+  /// (gl::Capabilities::compute).
+  bool compute = true;
   /// Read projected_splats through textures even where the vertex stage has storage buffers.
   bool texture_fetch = false;
   /// Blend front to back in so many parts and mark finished pixels between them, which later parts
@@ -65,7 +69,8 @@ struct RendererSettings {
 /// take two passes instead of three and cost less than half floats do (docs/renderer.md).
 ApproximationSettings default_approximation(const gl::Quirks& quirks);
 
-/// Fails, naming the field, on values out of their range.
+/// Fail, naming the field, on values out of their range.
+Expected<void> check_settings(const RendererSettings& settings);
 Expected<void> check_approximation(const ApproximationSettings& approximation);
 
 }  // namespace fluxgs::render

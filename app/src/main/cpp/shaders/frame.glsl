@@ -1,5 +1,5 @@
 // The constants of a frame: the twin of FrameUniforms in render/frame_uniforms.h.
-layout(std140, binding = 0) uniform Frame {
+layout(std140) uniform Frame {  // at binding 0 (gl/program.cpp)
   highp vec4 rotation_row0;  // world → camera, xyz; w unused
   highp vec4 rotation_row1;
   highp vec4 rotation_row2;

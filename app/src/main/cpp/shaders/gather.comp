@@ -5,8 +5,8 @@ precision highp float;
 precision highp int;
 
 #include "frame.glsl"
-#include "ordered_splats.glsl"
 #include "projected_splat.glsl"
+#include "texel_array.glsl"
 
 layout(local_size_x = 128) in;
 
@@ -20,6 +20,6 @@ void main() {
   if (place >= (drawn + batch - 1u) / batch * batch) return;
   uint splat = order[place];
   for (uint k = 0u; k < PROJECTED_SPLAT_SIZE; ++k)
-    imageStore(ordered, ordered_texel(PROJECTED_SPLAT_SIZE * place + k),
+    imageStore(ordered, texel_of(PROJECTED_SPLAT_SIZE * place + k),
                projected_splats[PROJECTED_SPLAT_SIZE * splat + k]);
 }

@@ -15,7 +15,7 @@ void main() {
   if (blended.a >= FINISHED) discard;
 }
 #else
-layout(location = 0) uniform vec3 background;
+uniform vec3 background;
 
 void main() { blended = vec4(blended.rgb + blended.a * background, 1.0 - blended.a); }
 #endif

@@ -4,15 +4,15 @@
 // filterable in ES 3.1).
 precision highp float;
 
-layout(binding = 0) uniform highp sampler2D accumulated;
+uniform highp sampler2D accumulated;
 layout(location = 0) out highp vec4 out_color;
 
 // From pixels of the framebuffer to those of the accumulated image: at * ratio + start.
-layout(location = 0) uniform vec2 ratio;
-layout(location = 1) uniform vec2 start;
+uniform vec2 ratio;
+uniform vec2 start;
 
 #ifdef ENLARGE
-layout(location = 2) uniform vec2 last;  // its last pixel; the texture may be larger
+uniform vec2 last;  // its last pixel; the texture may be larger
 
 vec4 sample_at(vec2 at) {
   vec2 low = floor(at), f = at - low;

@@ -6,7 +6,7 @@
 // make up for. Halves below 2^-14 may count as zero. unpackHalf2x16() is a long calculation for some
 // compilers.
 vec4 four_coefficients(uint at) {
-  uvec2 halves = coefficients[at];
+  uvec2 halves = sh_word(at);
   return uintBitsToFloat(uvec4(ivec4(halves.x << 16, halves.x, halves.y << 16, halves.y) >> 3) &
                          0x8FFFE000u);
 }

@@ -5,25 +5,39 @@ precision highp float;
 precision highp int;
 
 #include "frame.glsl"
-#include "ordered_splats.glsl"
 #include "projected_splat.glsl"
+#include "texel_array.glsl"
 
 #ifdef TEXTURE_FETCH
 // For drivers without storage buffers in the vertex stage: the splats in drawing order.
-layout(binding = 0) uniform highp usampler2D ordered;
+uniform highp usampler2D ordered;
 uint splat_at(uint place) { return place; }
-uvec4 part_of_splat(uint i) { return texelFetch(ordered, ordered_texel(i), 0); }
+uvec4 part_of_splat(uint splat, uint k) { return texelFetch(ordered, texel_of(PROJECTED_SPLAT_SIZE * splat + k), 0); }
+#elif defined(PROJECTED_BY_FRAGMENTS)
+// For drivers without compute shaders: what project.frag wrote, and the order of the CPU.
+uniform highp usampler2D order;
+uniform highp uint drawn;  // entries of the order; the splat behind the last is the empty one
+uniform highp usampler2D first_words;
+uint splat_at(uint place) { return place < drawn ? texelFetch(order, texel_of(place), 0).x : frame.splat_count; }
+#ifdef PROJECTED_SPLAT_HALF
+uvec4 part_of_splat(uint splat, uint k) { return texelFetch(first_words, texel_of(splat), 0); }
+#else
+uniform highp usampler2D second_words;
+uvec4 part_of_splat(uint splat, uint k) {
+  return k == 0u ? texelFetch(first_words, texel_of(splat), 0) : texelFetch(second_words, texel_of(splat), 0);
+}
+#endif
 #else
 layout(std430, binding = 0) restrict readonly buffer ProjectedSplats { uvec4 projected_splats[]; };
 layout(std430, binding = 1) restrict readonly buffer Order { uint order[]; };
 uint splat_at(uint place) { return order[place]; }
-uvec4 part_of_splat(uint i) { return projected_splats[i]; }
+uvec4 part_of_splat(uint splat, uint k) { return projected_splats[PROJECTED_SPLAT_SIZE * splat + k]; }
 #endif
 
 #ifdef FRONT_TO_BACK
 layout(std430, binding = 2) restrict readonly buffer State { uint drawn; };
-layout(location = 0) uniform uint slice;  // of how many in a frame
-layout(location = 1) uniform uint slices;
+uniform uint slice;  // of how many in a frame
+uniform uint slices;
 
 // The order is back to front, with spare entries behind its end.
 uint place_of(uint quad) {
@@ -46,7 +60,7 @@ const float LARGE = 4096.0;  // px: beyond this a quad's interpolation loses the
 
 ProjectedSplat read_projected_splat(uint splat) {
   uvec4 words[PROJECTED_SPLAT_SIZE];
-  for (uint k = 0u; k < PROJECTED_SPLAT_SIZE; ++k) words[k] = part_of_splat(PROJECTED_SPLAT_SIZE * splat + k);
+  for (uint k = 0u; k < PROJECTED_SPLAT_SIZE; ++k) words[k] = part_of_splat(splat, k);
   return unpack_projected_splat(words);
 }
 

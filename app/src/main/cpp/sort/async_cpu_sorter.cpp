@@ -2,8 +2,8 @@
 
 namespace fluxgs::sort {
 
-Expected<std::unique_ptr<AsyncCpuSorter>> AsyncCpuSorter::create(gl::Api& api) {
-  std::unique_ptr<AsyncCpuSorter> sorter(new AsyncCpuSorter(api));
+Expected<std::unique_ptr<AsyncCpuSorter>> AsyncCpuSorter::create(gl::Api& api, OrderPlace place) {
+  std::unique_ptr<AsyncCpuSorter> sorter(new AsyncCpuSorter(api, place));
   if (auto ok = sorter->set_scene(0, 0, {}); !ok) return std::unexpected(ok.error());
   return sorter;
 }
@@ -14,7 +14,8 @@ Expected<void> AsyncCpuSorter::set_scene(std::uint32_t count, std::uint32_t spar
   wanted_ = shown_ = 0;
   for (UploadedOrder& slot : slots_) {
     slot = {};  // There may not be room for both
-    auto made = gl::assign_or_error(UploadedOrder::create(api_, std::size_t{count} + spare), slot);
+    auto made =
+        gl::assign_or_error(UploadedOrder::create(api_, std::size_t{count} + spare, place_), slot);
     if (!made) return made;
   }
   return {};

@@ -15,7 +15,8 @@ namespace fluxgs::sort {
 /// to a view some frames ago.
 class AsyncCpuSorter final : public Sorter {
  public:
-  static Expected<std::unique_ptr<AsyncCpuSorter>> create(gl::Api& api);
+  static Expected<std::unique_ptr<AsyncCpuSorter>> create(gl::Api& api,
+                                                          OrderPlace place = OrderPlace::buffers);
 
   bool needs_positions() const override { return true; }
   Expected<void> set_scene(std::uint32_t count, std::uint32_t spare,
@@ -25,16 +26,18 @@ class AsyncCpuSorter final : public Sorter {
   bool is_current() const override { return shown_ == wanted_; }
   double latency() const override { return latency_; }
   void finish() override;
-  const gl::Buffer& order() const override { return slots_[current_].order; }
-  const gl::Buffer& count() const override { return slots_[current_].count; }
+  const gl::Buffer& order() const override { return slots_[current_].order(); }
+  const gl::Buffer& count() const override { return slots_[current_].count(); }
+  const OrderTexture* order_texture() const override { return slots_[current_].texture(); }
 
  private:
-  explicit AsyncCpuSorter(gl::Api& api) : api_(api) {}
+  AsyncCpuSorter(gl::Api& api, OrderPlace place) : api_(api), place_(place) {}
   using Clock = std::chrono::steady_clock;
 
   void show(const SharedIndices& indices);
 
   gl::Api& api_;
+  OrderPlace place_;
   std::unique_ptr<SortThread> thread_;
   std::uint64_t wanted_ = 0, shown_ = 0;       // tickets
   std::array<Clock::time_point, 64> asked_{};  // for the last tickets

@@ -18,8 +18,8 @@ void sort_exactly(const std::vector<glm::vec3>& positions, const SortView& view,
   std::ranges::reverse(indices);
 }
 
-Expected<std::unique_ptr<ExactSorter>> ExactSorter::create(gl::Api& api) {
-  std::unique_ptr<ExactSorter> sorter(new ExactSorter(api));
+Expected<std::unique_ptr<ExactSorter>> ExactSorter::create(gl::Api& api, OrderPlace place) {
+  std::unique_ptr<ExactSorter> sorter(new ExactSorter(api, place));
   if (auto ok = sorter->set_scene(0, 0, {}); !ok) return std::unexpected(ok.error());
   return sorter;
 }
@@ -30,7 +30,8 @@ Expected<void> ExactSorter::set_scene(std::uint32_t count, std::uint32_t spare,
   depths_.reserve(count);
   indices_.reserve(count);
   uploaded_ = {};  // There may not be room for both
-  return gl::assign_or_error(UploadedOrder::create(api_, std::size_t{count} + spare), uploaded_);
+  return gl::assign_or_error(UploadedOrder::create(api_, std::size_t{count} + spare, place_),
+                             uploaded_);
 }
 
 void ExactSorter::sort(const SortView& view, const gl::Buffer& /*keys*/) {

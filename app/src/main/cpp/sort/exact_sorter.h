@@ -3,7 +3,6 @@
 
 #include <memory>
 
-#include "sort/sorter.h"
 #include "sort/uploaded_order.h"
 
 namespace fluxgs::sort {
@@ -12,19 +11,22 @@ namespace fluxgs::sort {
 /// the caller waits. Slow, and obviously right. SortView::keys is not used.
 class ExactSorter final : public Sorter {
  public:
-  static Expected<std::unique_ptr<ExactSorter>> create(gl::Api& api);
+  static Expected<std::unique_ptr<ExactSorter>> create(gl::Api& api,
+                                                       OrderPlace place = OrderPlace::buffers);
 
   bool needs_positions() const override { return true; }
   Expected<void> set_scene(std::uint32_t count, std::uint32_t spare,
                            std::vector<glm::vec3> positions) override;
   void sort(const SortView& view, const gl::Buffer& keys) override;
-  const gl::Buffer& order() const override { return uploaded_.order; }
-  const gl::Buffer& count() const override { return uploaded_.count; }
+  const gl::Buffer& order() const override { return uploaded_.order(); }
+  const gl::Buffer& count() const override { return uploaded_.count(); }
+  const OrderTexture* order_texture() const override { return uploaded_.texture(); }
 
  private:
-  explicit ExactSorter(gl::Api& api) : api_(api) {}
+  ExactSorter(gl::Api& api, OrderPlace place) : api_(api), place_(place) {}
 
   gl::Api& api_;
+  OrderPlace place_;
   std::vector<glm::vec3> positions_;
   std::vector<double> depths_;
   std::vector<std::uint32_t> indices_;

@@ -7,6 +7,7 @@
 #include <glm/vec3.hpp>
 
 #include "gl/buffer.h"
+#include "gl/texel_array.h"
 #include "sort/depth_keys.h"
 
 namespace fluxgs::sort {
@@ -18,6 +19,17 @@ struct SortView {
   double near_plane = 0;    ///< nothing nearer is drawn
   DepthKeys keys;
   bool operator==(const SortView&) const = default;
+};
+
+/// Where an order lies that was made on the CPU.
+enum class OrderPlace {
+  buffers,  ///< Sorter::order() and count()
+  texture,  ///< Sorter::order_texture(), for drivers without storage buffers
+};
+
+struct OrderTexture {
+  gl::TexelArray indices;   ///< GL_R32UI
+  std::uint32_t count = 0;  ///< valid ones
 };
 
 /// The interface of every sorter: two on the CPU, which know the positions, and one on the GPU,
@@ -59,6 +71,10 @@ class Sorter {
 
   /// A buffer whose first 32-bit word is the number of valid entries of order().
   virtual const gl::Buffer& count() const = 0;
+
+  /// The order in place of order() and count(), which then are empty; null with
+  /// OrderPlace::buffers.
+  virtual const OrderTexture* order_texture() const { return nullptr; }
 };
 
 }  // namespace fluxgs::sort

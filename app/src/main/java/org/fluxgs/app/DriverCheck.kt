@@ -79,6 +79,7 @@ internal class DriverCheck(val json: JSONObject) {
             "no_gpu_sort" to R.string.limit_gpu_sort,
             "no_vertex_storage" to R.string.limit_vertex_storage,
             "no_float_targets" to R.string.limit_float_targets,
+            "no_compute" to R.string.limit_compute,
         )
 
         private fun check(context: Context, kept: Kept, anew: Boolean): DriverCheck? {
@@ -101,7 +102,7 @@ internal class DriverCheck(val json: JSONObject) {
         private fun afterDeaths() = DriverCheck(
             JSONObject()
                 .put("right", false)
-                .put("limits", JSONArray(listOf("no_gpu_sort", "no_vertex_storage", "no_float_targets")))
+                .put("limits", JSONArray(LIMIT_NAMES.keys))
                 .put("faults", JSONArray(listOf(DIED))),
         )
     }
