@@ -163,8 +163,7 @@ void Renderer::sort(const sort::SortView& view) {
   const bool same = sorter_->needs_positions() && sorted_ == view;
   const bool near = sorted_ && allowed > 0 && motion_between(*sorted_, view) <= allowed;
   if (!same && !near) {
-    static const gl::Buffer kNone;  // sorters of the CPU have no use for keys
-    sorter_->sort(view, settings_.compute ? projection().keys() : kNone);
+    sorter_->sort(view, settings_.compute ? &projection().keys() : nullptr);
     sorted_ = view;
   }
   if (waits_) sorter_->finish();

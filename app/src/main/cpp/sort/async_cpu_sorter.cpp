@@ -21,7 +21,7 @@ Expected<void> AsyncCpuSorter::set_scene(std::uint32_t count, std::uint32_t spar
   return {};
 }
 
-void AsyncCpuSorter::sort(const SortView& view, const gl::Buffer& /*keys*/) {
+void AsyncCpuSorter::sort(const SortView& view, const gl::Buffer* /*keys*/) {
   wanted_ = thread_->request(view);
   asked_[wanted_ % asked_.size()] = Clock::now();
   if (shown_ == 0) finish();  // There is nothing yet that could be drawn meanwhile

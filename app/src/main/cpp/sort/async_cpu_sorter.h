@@ -21,7 +21,7 @@ class AsyncCpuSorter final : public Sorter {
   bool needs_positions() const override { return true; }
   Expected<void> set_scene(std::uint32_t count, std::uint32_t spare,
                            std::vector<glm::vec3> positions) override;
-  void sort(const SortView& view, const gl::Buffer& keys) override;
+  void sort(const SortView& view, const gl::Buffer* keys) override;
   void collect() override;
   bool is_current() const override { return shown_ == wanted_; }
   double latency() const override { return latency_; }

@@ -34,7 +34,7 @@ Expected<void> ExactSorter::set_scene(std::uint32_t count, std::uint32_t spare,
                              uploaded_);
 }
 
-void ExactSorter::sort(const SortView& view, const gl::Buffer& /*keys*/) {
+void ExactSorter::sort(const SortView& view, const gl::Buffer* /*keys*/) {
   sort_exactly(positions_, view, depths_, indices_);
   uploaded_.write(indices_);
 }

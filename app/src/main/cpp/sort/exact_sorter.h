@@ -17,7 +17,7 @@ class ExactSorter final : public Sorter {
   bool needs_positions() const override { return true; }
   Expected<void> set_scene(std::uint32_t count, std::uint32_t spare,
                            std::vector<glm::vec3> positions) override;
-  void sort(const SortView& view, const gl::Buffer& keys) override;
+  void sort(const SortView& view, const gl::Buffer* keys) override;
   const gl::Buffer& order() const override { return uploaded_.order(); }
   const gl::Buffer& count() const override { return uploaded_.count(); }
   const OrderTexture* order_texture() const override { return uploaded_.texture(); }

@@ -95,8 +95,8 @@ void GpuRadixSorter::later_pass(int pass, bool last) {
   per_block(last ? scatter_last_ : scatter_.later);
 }
 
-void GpuRadixSorter::sort(const SortView& view, const gl::Buffer& keys) {
-  sort_keys(keys, count_, view.keys.bits);
+void GpuRadixSorter::sort(const SortView& view, const gl::Buffer* keys) {
+  sort_keys(*keys, count_, view.keys.bits);
 }
 
 void GpuRadixSorter::sort_keys(const gl::Buffer& keys, std::uint32_t count, int key_bits) {

@@ -26,7 +26,7 @@ class GpuRadixSorter final : public Sorter {
   bool needs_positions() const override { return false; }
   Expected<void> set_scene(std::uint32_t count, std::uint32_t spare,
                            std::vector<glm::vec3> positions) override;
-  void sort(const SortView& view, const gl::Buffer& keys) override;
+  void sort(const SortView& view, const gl::Buffer* keys) override;
   /// The same for the first `count` of `keys`, of which `key_bits` matter.
   void sort_keys(const gl::Buffer& keys, std::uint32_t count, int key_bits);
   const gl::Buffer& order() const override { return order_; }

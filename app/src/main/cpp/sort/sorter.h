@@ -49,8 +49,9 @@ class Sorter {
                                    std::vector<glm::vec3> positions) = 0;
 
   /// Sorts the splats of the scene for this view, or lets a thread begin to. `keys` holds a depth
-  /// key or kDropped for every splat. What order() and count() hold then can be used by shaders.
-  virtual void sort(const SortView& view, const gl::Buffer& keys) = 0;
+  /// key or kDropped for every splat; null will do where needs_positions() is true. What order()
+  /// and count() hold then can be used by shaders.
+  virtual void sort(const SortView& view, const gl::Buffer* keys) = 0;
 
   /// Makes an order that has become ready since available; to be called once a frame.
   virtual void collect() {}
