@@ -38,7 +38,7 @@ class DriverCheckTest : ViewerScreen() {
         DriverCheck.forget()
     }
 
-    private fun isPlainest(check: DriverCheck) = !check.right && check.limits.size == 3
+    private fun isPlainest(check: DriverCheck) = !check.right && check.limits.size == 4
 
     @Test
     fun thisDriverIsRight() {
@@ -103,6 +103,7 @@ class DriverCheckTest : ViewerScreen() {
         assertTrue(driver.getJSONArray("quirks").toString().contains("gpu_sort_fails"))
         assertEquals(0, driver.getInt("max_vertex_storage_blocks"))
         assertFalse(driver.getBoolean("half_float_targets"))
+        assertFalse(driver.getBoolean("compute"))
     }
 
     @Test

@@ -204,6 +204,7 @@ std::string driver_json(const gl::Api& api) {
               {"half_float_targets", c.half_float_targets},
               {"float_targets", c.float_targets},
               {"max_shared_memory_bytes", c.max_shared_memory_bytes},
+              {"compute", c.compute},
               {"max_vertex_storage_blocks", c.max_vertex_storage_blocks},
               {"max_texture_size", c.max_texture_size}}
       .dump(-1, ' ', false, json::error_handler_t::replace);
