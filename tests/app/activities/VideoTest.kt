@@ -131,6 +131,7 @@ class VideoTest : ViewerScreen() {
         until("it is being made") { encoder != null && isRunning() && session.video()!!.getInt("done") > 2 }
         button(DialogInterface.BUTTON_NEGATIVE)
         until("it has ended") { encoder!!.closed && !isRunning() }
+        until("its file is gone") { Media.files.isEmpty() } // which comes after the encoder
         pump(500)
         assertEquals("", said())
         nothingIsLeft()
