@@ -119,10 +119,11 @@ std::vector<Parameter> implementations() {
   return {std::begin(kImplementations), std::end(kImplementations)};
 }
 
-/// With compute shaders, and without.
+/// With compute shaders, and without (where OSMesa is what Mesa by EGL is).
 inline std::vector<GlForm> all_forms() {
   std::vector<GlForm> forms = implementations<GlForm>();
-  for (const host::HostGl gl : kImplementations) forms.emplace_back(gl, false);
+  for (const host::HostGl gl : {host::HostGl::egl, host::HostGl::angle})
+    forms.emplace_back(gl, false);
   return forms;
 }
 

@@ -43,7 +43,8 @@ struct ApproximationSettings {
   bool operator==(const ApproximationSettings&) const = default;
 };
 
-constexpr int kMostSlices = 64, kMostQuads = 128;  // the work group of shaders/draw_arguments.comp
+constexpr int kMostSlices = 64;
+constexpr int kMostQuads = 128;  // of a batch: the work group of shaders/draw_arguments.comp
 
 /// Settings that the programs and buffers are made for.
 struct RendererSettings {
