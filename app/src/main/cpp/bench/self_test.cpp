@@ -80,13 +80,8 @@ std::vector<Camera> views_of(const render::RenderCloud& cloud) {
 }
 
 std::vector<glm::vec3> positions_of(render::ScenePacker& packer) {
-  render::PackedSplats part;
   std::vector<glm::vec3> positions;
-  positions.reserve(packer.constants().count);
-  while (positions.size() < packer.constants().count) {
-    packer.next(render::kSplatsPacked, part);
-    render::add_positions(part, positions);
-  }
+  render::pack_in_parts(packer, &positions, [](const render::PackedSplats&) {});
   return positions;
 }
 

@@ -13,7 +13,7 @@ struct Layout {
   std::size_t bytes;
 };
 
-/// Of the entries in the CPU's memory.
+/// The layout of the entries in the CPU's memory.
 Layout layout_of(GLenum format) {
   switch (format) {
     case GL_RGBA32UI:

@@ -84,9 +84,7 @@ Expected<gl::Program> FragmentPipeline::compile_draw() const {
 }
 
 std::uint64_t FragmentPipeline::scene_bytes(const DegreeCounts& splats) {
-  std::uint64_t count = 0;
-  for (const std::uint64_t of_degree : splats) count += of_degree;
-  return gl::TexelArray::bytes(GL_RGBA32UI, kTexelsOfASplat * count) +
+  return gl::TexelArray::bytes(GL_RGBA32UI, kTexelsOfASplat * count_of(splats)) +
          gl::TexelArray::bytes(GL_RG32UI, words_of(splats));
 }
 
@@ -124,15 +122,11 @@ Expected<void> FragmentPipeline::load_scene(ScenePacker& packer,
             gl::TexelArray::create(api_, GL_RG32UI, words_of(packer.degrees())), coefficients_);
       });
   if (!made) return made;
-  if (positions != nullptr) positions->reserve(count);
   TexelWriter geometry(api_, geometry_), coefficients(api_, coefficients_);
-  PackedSplats part;
-  for (std::size_t done = 0; done < count; done += kSplatsPacked) {
-    packer.next(kSplatsPacked, part);
+  pack_in_parts(packer, positions, [&](const PackedSplats& part) {
     geometry.add(part.geometry);
     coefficients.add(part.sh);
-    if (positions != nullptr) add_positions(part, *positions);
-  }
+  });
   return {};
 }
 

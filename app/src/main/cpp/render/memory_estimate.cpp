@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "render/draw_pass.h"
 #include "render/fragment_pipeline.h"
@@ -19,13 +18,9 @@ constexpr std::size_t kWord = sizeof(std::uint32_t), kVec4 = 16;
 
 std::size_t at_least_a_word(std::size_t bytes) { return std::max(bytes, kWord); }  // gl/buffer.cpp
 
-std::uint64_t sum(const DegreeCounts& splats) {
-  return std::accumulate(splats.begin(), splats.end(), std::uint64_t{0});
-}
-
 std::size_t scene_bytes(const DegreeCounts& splats, bool compute) {
   if (!compute) return FragmentPipeline::scene_bytes(splats);
-  return at_least_a_word(4 * kVec4 * sum(splats)) + at_least_a_word(sh_bytes(splats));
+  return at_least_a_word(4 * kVec4 * count_of(splats)) + at_least_a_word(sh_bytes(splats));
 }
 
 std::size_t gpu_sorter_bytes(std::uint64_t count, int digit_bits) {
@@ -37,7 +32,7 @@ std::size_t gpu_sorter_bytes(std::uint64_t count, int digit_bits) {
 /// The orders that a sorter of the CPU uploads.
 std::size_t uploaded_orders(SorterKind kind) { return kind == SorterKind::cpu_async ? 3 : 1; }
 
-/// Of the passes with compute shaders.
+/// The buffers of a frame with compute shaders, but for what both forms have.
 std::size_t compute_bytes(std::uint64_t count, const RendererSettings& s) {
   const std::size_t projected_splats = projected_splat_bytes(s.splat_precision) * (count + 1);
   const std::uint64_t entries = count + static_cast<std::uint64_t>(s.batch);
@@ -49,6 +44,7 @@ std::size_t compute_bytes(std::uint64_t count, const RendererSettings& s) {
   return bytes + draw_arguments_bytes(s.slices);
 }
 
+/// The textures of a frame without them.
 std::size_t fragment_bytes(std::uint64_t count, const RendererSettings& s) {
   const std::uint64_t entries = count + static_cast<std::uint64_t>(s.batch);
   return FragmentPipeline::projected_bytes(count, s.splat_precision) +
@@ -100,7 +96,7 @@ std::size_t blend_pixel_bytes(const TargetPlan& t) {
 MemoryEstimate estimate_memory(const DegreeCounts& splats, const RendererSettings& settings,
                                const TargetPlan& target) {
   return {.scene = scene_bytes(splats, settings.compute),
-          .frame = frame_bytes(sum(splats), settings),
+          .frame = frame_bytes(count_of(splats), settings),
           .targets = target_bytes(target),
           .reading = reading_bytes(target)};
 }
@@ -110,7 +106,7 @@ std::uint64_t splats_that_fit(std::size_t bytes, const DegreeCounts& scene,
   const auto fits = [&](std::uint64_t count) {
     return estimate_memory(largest_of(scene, count), settings, target).total() <= bytes;
   };
-  const std::uint64_t all = sum(scene);
+  const std::uint64_t all = count_of(scene);
   if (fits(all)) return all;
   std::uint64_t low = 0, high = all;  // high never fits
   while (high - low > 1) {

@@ -46,7 +46,7 @@ void ProjectionPass::run(gl::Api& api, const SceneBuffers& scene, bool compensat
   projected_splats_.bind_base(GL_SHADER_STORAGE_BUFFER, 2);
   keys_.bind_base(GL_SHADER_STORAGE_BUFFER, 3);
   (compensated ? *compensated_ : program_).use();
-  api.DispatchCompute(scene.constants.count / kThreads + 1, 1, 1);
+  api.DispatchCompute(scene.count / kThreads + 1, 1, 1);
   api.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 

@@ -1,7 +1,6 @@
 #include "render/scene_buffers.h"
 
 #include <algorithm>
-#include <numeric>
 #include <span>
 #include <string>
 
@@ -56,7 +55,7 @@ std::uint64_t max_splats(const gl::Capabilities& driver, const DegreeCounts& sce
 
 Expected<void> check_size(const gl::Capabilities& driver, const DegreeCounts& scene) {
   const std::uint64_t most = max_splats(driver, scene);
-  const auto count = std::accumulate(scene.begin(), scene.end(), std::uint64_t{0});
+  const std::uint64_t count = count_of(scene);
   if (count <= most) return {};
   return fail("scene", "size",
               std::to_string(count) + " splats are too many for " + driver.renderer +
@@ -66,23 +65,18 @@ Expected<void> check_size(const gl::Capabilities& driver, const DegreeCounts& sc
 Expected<SceneBuffers> SceneBuffers::create(gl::Api& api, ScenePacker& packer,
                                             std::vector<glm::vec3>* positions) {
   SceneBuffers buffers;
-  buffers.constants = packer.constants();
-  const std::size_t count = packer.constants().count;
+  buffers.count = packer.constants().count;
   const auto make = [&](std::uint64_t bytes, gl::Buffer& buffer) {
     return buffer.remake(api, bytes, nullptr, GL_STATIC_DRAW);
   };
-  auto made = gl::chain([&] { return make(4 * kVec4Bytes * count, buffers.geometry); },
+  auto made = gl::chain([&] { return make(4 * kVec4Bytes * buffers.count, buffers.geometry); },
                         [&] { return make(sh_bytes(packer.degrees()), buffers.sh); });
   if (!made) return std::unexpected(made.error());
-  if (positions != nullptr) positions->reserve(count);
   Writer geometry(buffers.geometry), sh(buffers.sh);
-  PackedSplats part;
-  for (std::size_t done = 0; done < count; done += kSplatsPacked) {
-    packer.next(kSplatsPacked, part);
+  pack_in_parts(packer, positions, [&](const PackedSplats& part) {
     geometry.add(part.geometry);
     sh.add(part.sh);
-    if (positions != nullptr) add_positions(part, *positions);
-  }
+  });
   return buffers;
 }
 

@@ -7,7 +7,6 @@
 #include "fluxgs/splat_degree.h"
 #include "gl/buffer.h"
 #include "render/render_cloud.h"
-#include "render/scene_constants.h"
 #include "render/scene_packing.h"
 
 namespace fluxgs::render {
@@ -23,7 +22,7 @@ Expected<void> check_size(const gl::Capabilities& driver, const DegreeCounts& sc
 
 /// The buffers of a scene. Nothing is allocated after create().
 struct SceneBuffers {
-  SceneConstants constants;
+  std::uint32_t count = 0;  ///< splats
   gl::Buffer geometry, sh;
 
   /// Takes all that the packer has, which must be all of the scene. `positions`, unless null, get

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
 
 #include <glm/common.hpp>
 
@@ -52,6 +53,10 @@ float sh_word(std::size_t first, int degree) {
 }
 
 }  // namespace
+
+std::uint64_t count_of(const DegreeCounts& splats) {
+  return std::accumulate(splats.begin(), splats.end(), std::uint64_t{0});
+}
 
 std::uint64_t sh_bytes(const DegreeCounts& splats) {
   std::uint64_t words = 0;

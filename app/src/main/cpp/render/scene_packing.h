@@ -22,6 +22,9 @@ constexpr std::uint32_t sh_stride(int degree) {
   return 3U * static_cast<std::uint32_t>((sh_rest_count(degree) + 3) / 4);
 }
 
+/// Number of splats of a scene.
+std::uint64_t count_of(const DegreeCounts& splats);
+
 /// Bytes of the coefficients of a scene: each splat takes those of its own degree.
 std::uint64_t sh_bytes(const DegreeCounts& splats);
 
@@ -90,5 +93,19 @@ class ScenePacker {
 /// Appends the position of each of these splats, relative to the scene's origin; NaN for undrawable
 /// ones.
 void add_positions(const PackedSplats& part, std::vector<glm::vec3>& positions);
+
+/// Hands `take` the parts of a scene, kSplatsPacked splats each, and adds their positions to
+/// `positions` unless that is null. Precondition: the packer has given none yet.
+template <class Take>
+void pack_in_parts(ScenePacker& packer, std::vector<glm::vec3>* positions, Take&& take) {
+  const std::size_t count = packer.constants().count;
+  if (positions != nullptr) positions->reserve(count);
+  PackedSplats part;
+  for (std::size_t done = 0; done < count; done += kSplatsPacked) {
+    packer.next(kSplatsPacked, part);
+    take(part);
+    if (positions != nullptr) add_positions(part, *positions);
+  }
+}
 
 }  // namespace fluxgs::render

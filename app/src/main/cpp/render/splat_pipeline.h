@@ -1,4 +1,4 @@
-// What the GPU does with the splats of a frame, but for the sort: project them, and draw them.
+// The interface of the two passes over the splats of a frame: the projection and the draw.
 #pragma once
 
 #include <memory>

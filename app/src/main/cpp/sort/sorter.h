@@ -21,7 +21,7 @@ struct SortView {
   bool operator==(const SortView&) const = default;
 };
 
-/// Where an order lies that was made on the CPU.
+/// The place of an order that was made on the CPU.
 enum class OrderPlace {
   buffers,  ///< Sorter::order() and count()
   texture,  ///< Sorter::order_texture(), for drivers without storage buffers

@@ -10,7 +10,7 @@
 
 namespace fluxgs::sort {
 
-/// What every Sorter offers, written from the CPU.
+/// The order and the count that a Sorter offers, written from the CPU.
 class UploadedOrder {
  public:
   UploadedOrder() = default;
