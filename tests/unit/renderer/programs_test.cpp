@@ -20,7 +20,7 @@ std::vector<render::RendererSettings> all_settings() {
   using enum render::SplatPrecision;
   // Does not compile when a setting is added: does it change a shader? Then it has to vary below.
   [[maybe_unused]] const auto& [sorter, splat_precision, batch, sort_digit_bits, timestamps,
-                                compute, texture_fetch, slices, approximation] =
+                                compute, texture_fetch, slices, background_sort, approximation] =
       render::RendererSettings{};
   std::vector<render::RendererSettings> all;
   for (int bits = 4; bits <= 8; ++bits) all.push_back({.sort_digit_bits = bits});

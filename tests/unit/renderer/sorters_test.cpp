@@ -149,6 +149,62 @@ TEST_P(SortersTest, AStillViewIsNotSortedAgain) {
   }
 }
 
+/// Sorts when it is told to, and cannot wait: as in a browser.
+class LateSort final : public sort::BackgroundSort {
+ public:
+  explicit LateSort(std::vector<glm::vec3> positions) : sort_(std::move(positions)) {}
+  std::uint64_t request(const sort::SortView& view) override {
+    view_ = view;
+    return ++ticket_;
+  }
+  sort::SharedIndices newest() override { return newest_; }
+  sort::SharedIndices wait(std::uint64_t) override { return newest_; }
+  void finish() {
+    auto made = std::make_shared<sort::IndexBuffer>();
+    made->indices.resize(sort_.size());
+    made->count = sort_.sort(view_, made->indices);
+    made->ticket = ticket_;
+    newest_ = made;
+  }
+
+ private:
+  sort::DepthSort sort_;
+  sort::SortView view_;
+  std::uint64_t ticket_ = 0;
+  sort::SharedIndices newest_;
+};
+
+// Nothing is drawn until the first order comes, and the image is asked for again until it does.
+TEST_P(SortersTest, OrdersThatCannotBeWaitedFor) {
+  LateSort* late = nullptr;
+  render::RendererSettings settings{.sorter = SorterKind::cpu_async};
+  settings.background_sort = [&](std::vector<glm::vec3> positions) {
+    auto made = std::make_unique<LateSort>(std::move(positions));
+    late = made.get();
+    return made;
+  };
+  const auto renderer = must(render::Renderer::create(api(), settings));
+  const SplatCloud cloud = random_cloud(500, 0, 6);
+  must(renderer->upload(cloud));
+  const auto target =
+      must(render::RenderTarget::create(api(), 40, 30, render::TargetFormat::rgba16f));
+  const Camera camera = orbit_camera(40, 30, {}, 2, 1, 60);
+  RenderOptions options;
+  options.background = {0, 0.5, 0};
+  for (int i = 0; i < 2; ++i) {
+    must(renderer->draw(camera, options, target));
+    EXPECT_FALSE(renderer->order_is_current());
+    const Image<float> empty = must(renderer->read(target));
+    for (std::size_t p = 0; p < empty.pixels.size(); p += 4) ASSERT_EQ(empty.pixels[p + 1], 0.5F);
+  }
+  late->finish();
+  must(renderer->draw(camera, {}, target));
+  EXPECT_TRUE(renderer->order_is_current());
+  const auto image = must(renderer->read(target)).pixels;
+  static_cast<void>(shown_order(SorterKind::exact, cloud, camera, 24));
+  EXPECT_EQ(image, image_);
+}
+
 FLUXGS_GL_TEST_SUITE(SortersTest);
 
 sort::SortView view_along_z() {

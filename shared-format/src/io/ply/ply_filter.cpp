@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <optional>
 #include <string_view>
 
 #include <fmt/format.h>
+
+#include "io/ply/ply_header.h"
 
 namespace fluxgs::io {
 namespace {
@@ -40,11 +41,9 @@ std::optional<bool> compensation_of(const std::vector<std::string>& words) {
 
 std::optional<double> dilation_of(const std::vector<std::string>& words) {
   if (words[0] != "screenfilterdilation") return std::nullopt;
-  double value = 0;
-  const auto end = words[1].data() + words[1].size();
-  const auto read = std::from_chars(words[1].data(), end, value);
-  const bool plausible = read.ec == std::errc() && read.ptr == end && value > 0 && value <= 100;
-  return plausible ? std::optional(value) : std::nullopt;
+  const auto value = number_of(words[1]);
+  const bool plausible = value && *value > 0 && *value <= 100;
+  return plausible ? value : std::nullopt;
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <cctype>
 #include <charconv>
 #include <limits>
+#include <locale>
+#include <sstream>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -177,6 +179,16 @@ std::vector<std::string_view> words_of(std::string_view line) {
     at = line.find_first_not_of(kBlank, end);
   }
   return words;
+}
+
+std::optional<double> number_of(std::string_view word) {
+  std::istringstream stream{std::string(word)};
+  stream.imbue(std::locale::classic());
+  double number = 0;
+  if (!(stream >> std::noskipws >> number) ||
+      stream.peek() != std::istringstream::traits_type::eof())
+    return std::nullopt;
+  return number;
 }
 
 bool PlyElement::has_lists() const {

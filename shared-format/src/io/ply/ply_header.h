@@ -41,6 +41,10 @@ struct PlyHeader {
 /// The words of a line, between blanks.
 std::vector<std::string_view> words_of(std::string_view line);
 
+/// The number that a word is, as every C locale and C++ library reads it: those of Android's NDK
+/// r27 and of Emscripten have std::from_chars for integers only.
+std::optional<double> number_of(std::string_view word);
+
 std::size_t ply_type_bytes(PlyType type);
 
 /// The least bytes that one row of the element can take (exact for binary rows without lists).

@@ -1,8 +1,10 @@
 #include "io/ply/ply_view.h"
 
-#include <charconv>
+#include <cmath>
 #include <initializer_list>
+#include <limits>
 #include <string_view>
+#include <type_traits>
 
 #include <fmt/format.h>
 
@@ -12,6 +14,14 @@ namespace fluxgs::io {
 namespace {
 
 constexpr std::string_view kKeyword = "StartView:";
+
+template <class Number>
+bool fits(double value) {
+  if constexpr (std::is_floating_point_v<Number>) return true;
+  const auto least = static_cast<double>(std::numeric_limits<Number>::min());
+  const auto most = static_cast<double>(std::numeric_limits<Number>::max());
+  return value >= least && value <= most && value == std::floor(value);
+}
 
 /// Reads words one after the other; false from the first that is not as expected.
 class Words {
@@ -28,10 +38,9 @@ class Words {
   bool take(std::initializer_list<Number*> numbers) {
     for (Number* number : numbers) {
       if (words_.empty()) return false;
-      const std::string word(words_[0]);
-      const char* end = word.data() + word.size();
-      const auto read = std::from_chars(word.data(), end, *number);
-      if (read.ec != std::errc() || read.ptr != end) return false;
+      const auto read = number_of(words_[0]);
+      if (!read || !fits<Number>(*read)) return false;
+      *number = static_cast<Number>(*read);
       words_ = words_.subspan(1);
     }
     return true;

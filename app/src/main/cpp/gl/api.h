@@ -15,10 +15,11 @@
 #include "gl/debug_log.h"
 #include "gl/quirks.h"
 
-// Every function that the renderer, and whoever times it, calls: all of ES 3.0, and what ES 3.1
-// adds for compute shaders (Capabilities::compute). Desktop GL 4.5 has both.
+// Every function that the renderer, and whoever times it, calls: those of ES 3.0 that WebGL 2 has
+// and those that it lacks, and what ES 3.1 adds for compute shaders (Capabilities::compute).
+// Desktop GL 4.5 has them all.
 // clang-format off
-#define FLUXGS_GL_FUNCTIONS(X) \
+#define FLUXGS_GL_WEB_FUNCTIONS(X) \
   X(ActiveTexture) X(AttachShader) X(BeginQuery) X(BindBuffer) X(BindBufferBase) \
   X(BindFramebuffer) X(BindTexture) X(BindVertexArray) X(BlendFuncSeparate) X(BlitFramebuffer) \
   X(BufferData) X(BufferSubData) X(CheckFramebufferStatus) X(ClearBufferfv) X(ClientWaitSync) X(ColorMask) \
@@ -30,9 +31,11 @@
   X(GenTextures) X(GenVertexArrays) X(GetError) X(GetInteger64v) X(GetIntegeri_v) X(GetIntegerv) \
   X(GetProgramInfoLog) X(GetProgramiv) X(GetShaderInfoLog) X(GetShaderiv) X(GetString) \
   X(GetStringi) X(GetUniformBlockIndex) X(GetUniformLocation) X(InvalidateFramebuffer) X(LinkProgram) \
-  X(MapBufferRange) X(PixelStorei) X(ReadBuffer) X(ReadPixels) X(Scissor) X(ShaderSource) X(TexParameteri) X(TexStorage2D) \
-  X(TexSubImage2D) X(Uniform1i) X(Uniform1ui) X(Uniform2f) X(Uniform3f) X(UniformBlockBinding) X(UnmapBuffer) \
+  X(PixelStorei) X(ReadBuffer) X(ReadPixels) X(Scissor) X(ShaderSource) X(TexParameteri) X(TexStorage2D) \
+  X(TexSubImage2D) X(Uniform1i) X(Uniform1ui) X(Uniform2f) X(Uniform3f) X(UniformBlockBinding) \
   X(UseProgram) X(Viewport)
+#define FLUXGS_GL_MAPPING_FUNCTIONS(X) X(MapBufferRange) X(UnmapBuffer)
+#define FLUXGS_GL_FUNCTIONS(X) FLUXGS_GL_WEB_FUNCTIONS(X) FLUXGS_GL_MAPPING_FUNCTIONS(X)
 #define FLUXGS_GL_COMPUTE_FUNCTIONS(X) \
   X(BindImageTexture) X(DispatchCompute) X(DispatchComputeIndirect) X(DrawElementsIndirect) X(MemoryBarrier)
 // clang-format on

@@ -6,16 +6,16 @@
 
 namespace fluxgs::gl {
 
-Expected<Buffer> Buffer::create(Api& api, std::size_t bytes, const void* data, GLenum usage) {
+Expected<Buffer> Buffer::create(Api& api, std::size_t bytes, const void* data, GLenum usage,
+                                GLenum target) {
   GLuint name = 0;
   api.GenBuffers(1, &name);
   Buffer buffer;
   buffer.handle_ = {api, name};
   buffer.size_ = std::max<std::size_t>(bytes, 4);  // Mapping or binding an empty buffer is an error
-  buffer.bind(GL_COPY_WRITE_BUFFER);
+  buffer.bind(target);
   clear_errors(api);
-  api.BufferData(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(buffer.size_),
-                 bytes >= 4 ? data : nullptr, usage);
+  api.BufferData(target, static_cast<GLsizeiptr>(buffer.size_), bytes >= 4 ? data : nullptr, usage);
   const std::string where = "buffer of " + std::to_string(bytes) + " bytes";
   if (auto ok = check_errors(api, where.c_str()); !ok) return std::unexpected(ok.error());
   return buffer;

@@ -14,10 +14,12 @@ class Buffer {
  public:
   Buffer() = default;
 
-  /// Allocates `bytes` (at least 4 are), filled from `data` unless that is null. Fails when the
-  /// driver has not enough memory.
+  /// Allocates `bytes` (at least 4 are), filled from `data` unless that is null. `target`: for
+  /// indices GL_ELEMENT_ARRAY_BUFFER, with their vertex array bound, as WebGL keeps those apart
+  /// from all others. Fails when the driver has not enough memory.
   static Expected<Buffer> create(Api& api, std::size_t bytes, const void* data = nullptr,
-                                 GLenum usage = GL_DYNAMIC_COPY);
+                                 GLenum usage = GL_DYNAMIC_COPY,
+                                 GLenum target = GL_COPY_WRITE_BUFFER);
 
   /// Lets go of what this buffer holds before it becomes a new one, as there may not be room for
   /// both; it is nothing where that fails.

@@ -16,10 +16,10 @@ Quirks find_quirks(const Capabilities& capabilities) {
   Quirks quirks;
   for (const char* family : {"Adreno", "Mali", "Immortalis", "PowerVR", "Xclipse", "Maleoon"})
     quirks.tiles = quirks.tiles || capabilities.renderer.contains(family);
-  quirks.half_float_blending_truncates = capabilities.renderer.starts_with("llvmpipe");
-  quirks.runs_on_cpu = capabilities.renderer.starts_with("llvmpipe") ||
+  quirks.half_float_blending_truncates = capabilities.renderer.contains("llvmpipe");
+  quirks.runs_on_cpu = capabilities.renderer.contains("llvmpipe") ||
                        capabilities.renderer.contains("SwiftShader") ||
-                       capabilities.renderer.starts_with("softpipe");
+                       capabilities.renderer.contains("softpipe");
   quirks.timer_queries_crash =
       capabilities.renderer.contains("Mali") || capabilities.renderer.contains("Immortalis");
   return quirks;

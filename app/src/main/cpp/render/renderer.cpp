@@ -69,7 +69,7 @@ Expected<void> Renderer::create_sorter() {
     case SorterKind::gpu_radix:
       return keep(sort::GpuRadixSorter::create(api_, settings_.sort_digit_bits));
     case SorterKind::cpu_async:
-      return keep(sort::AsyncCpuSorter::create(api_, place));
+      return keep(sort::AsyncCpuSorter::create(api_, place, settings_.background_sort));
     case SorterKind::exact:
       return keep(sort::ExactSorter::create(api_, place));
   }

@@ -6,6 +6,7 @@
 
 #include "fluxgs/error.h"
 #include "gl/quirks.h"
+#include "sort/background_sort.h"
 
 namespace fluxgs::render {
 
@@ -63,6 +64,8 @@ struct RendererSettings {
   /// skip (SaturationMarks); 1…kMostSlices, 1: back to front, without marks. 1 is taken where the
   /// driver lacks framebuffer fetch or storage buffers in the vertex stage.
   int slices = 1;
+  /// Where cpu_async sorts; empty: on a thread.
+  sort::MakeBackgroundSort background_sort = {};
   ApproximationSettings approximation = {};
 };
 

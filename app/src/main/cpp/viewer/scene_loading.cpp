@@ -45,6 +45,18 @@ void set_failed(LoadState& state, const Error& error) {
 
 }  // namespace
 
+std::optional<LoadedScene> finish(LoadState& state, Expected<LoadedScene> loaded,
+                                  const std::string& name) {
+  if (loaded && loaded->cloud.size() == 0)
+    loaded = fail(name, "", "the scene is empty; expected splats");
+  if (!loaded) {
+    set_failed(state, loaded.error());
+    return std::nullopt;
+  }
+  state.phase = LoadPhase::ready;
+  return std::move(*loaded);
+}
+
 /// State that the thread and the owner share.
 struct SceneLoading::Job {
   int descriptor = -1;
@@ -321,16 +333,10 @@ struct SceneLoading::Job {
     update([&](LoadState& s) {
       scene.reset();
       if (s.phase == LoadPhase::failed) return;  // was given up
-      if (cancelled) {
+      if (cancelled)
         s.phase = LoadPhase::cancelled;
-      } else if (!loaded) {
-        set_failed(s, loaded.error());
-      } else if (loaded->cloud.size() == 0) {
-        set_failed(s, fail(name, "", "the scene is empty; expected splats").error());
-      } else {
-        s.phase = LoadPhase::ready;
-        scene = std::move(*loaded);
-      }
+      else
+        scene = viewer::finish(s, std::move(loaded), name);
     });
   }
 

@@ -26,6 +26,11 @@ struct LoadState {
   std::string problem;
 };
 
+/// Ends a loading with a scene, which is returned, or with the reason why there is none: an empty
+/// scene is one, too.
+std::optional<LoadedScene> finish(LoadState& state, Expected<LoadedScene> loaded,
+                                  const std::string& name);
+
 struct LoadLimits {
   /// Bytes that the scene as it is drawn may take, together with the file where that is in memory
   /// as a whole: pipes, and formats that are not read in parts. What does not fit stays out

@@ -92,6 +92,7 @@ render::SceneViewSettings Viewer::scene_settings(const gl::Api& api) const {
   const bool on_cpu = settings_.sorter == SorterChoice::cpu || api.quirks.gpu_sort_fails ||
                       (settings_.sorter == SorterChoice::automatic && api.quirks.runs_on_cpu);
   s.renderer.sorter = on_cpu ? SorterKind::cpu_async : SorterKind::gpu_radix;
+  s.renderer.background_sort = background_sort_;
   s.memory = settings_.memory;
   if (settings_.max_splats > 0) s.max_splats = settings_.max_splats;
   s.scale = wanted_detail().scale;

@@ -82,6 +82,9 @@ class Viewer {
   /// Has scenes drawn without the GPU from the next open() on.
   void draw_in_software(MakeSoftwareRenderer make) { make_software_ = std::move(make); }
 
+  /// Where scenes are sorted that the GPU does not sort, from the next open() on.
+  void sort_by(sort::MakeBackgroundSort make) { background_sort_ = std::move(make); }
+
   /// Makes the GL objects of the scene for images of this size, after another scene, in a new
   /// context. Fails as SceneView::open() does.
   Expected<void> open(gl::Api& api, int width, int height);
@@ -160,6 +163,7 @@ class Viewer {
 
   ViewerSettings settings_;
   MakeSoftwareRenderer make_software_;
+  sort::MakeBackgroundSort background_sort_;
   std::shared_ptr<const render::RenderCloud> cloud_;
   std::optional<InitialView> initial_;
   std::optional<SavedView> saved_;  // to begin at

@@ -20,10 +20,10 @@
 
 #include "bench/self_test.h"
 #include "platform/android/platform.h"
-#include "platform/android/session_json.h"
 #include "viewer/decode_memory_guard.h"
 #include "viewer/screen_check.h"
 #include "viewer/session.h"
+#include "viewer/session_json.h"
 
 namespace fluxgs::android {
 namespace {

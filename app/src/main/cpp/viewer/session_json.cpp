@@ -1,14 +1,13 @@
-#include "platform/android/session_json.h"
+#include "viewer/session_json.h"
 
 #include <nlohmann/json.hpp>
 
-namespace fluxgs::android {
+namespace fluxgs::viewer {
 namespace {
 
 using nlohmann::json;
 
-const char* name_of(viewer::LoadPhase phase) {
-  using viewer::LoadPhase;
+const char* name_of(LoadPhase phase) {
   switch (phase) {
     case LoadPhase::idle:
       return "idle";
@@ -26,15 +25,15 @@ const char* name_of(viewer::LoadPhase phase) {
   return "";
 }
 
-const char* name_of(viewer::Motion motion) {
+const char* name_of(Motion motion) {
   switch (motion) {
-    case viewer::Motion::none:
+    case Motion::none:
       break;
-    case viewer::Motion::drift:
+    case Motion::drift:
       return "drift";
-    case viewer::Motion::path:
+    case Motion::path:
       return "path";
-    case viewer::Motion::walk:
+    case Motion::walk:
       return "walk";
   }
   return "";
@@ -45,7 +44,7 @@ std::string text_of(const json& value) {
   return value.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-json json_of(const viewer::LoadState& s) {
+json json_of(const LoadState& s) {
   const SceneEstimate estimate = s.estimate.value_or(SceneEstimate{});
   return {{"phase", name_of(s.phase)}, {"read", s.read},
           {"bytes", s.bytes},          {"error", s.error},
@@ -54,7 +53,7 @@ json json_of(const viewer::LoadState& s) {
           {"memory", estimate.decoded}};
 }
 
-json json_of(const viewer::ViewerStats& s) {
+json json_of(const ViewerStats& s) {
   return {
       {"fps", s.frames_per_second}, {"goal", s.goal},          {"frameMs", s.frame_ms},
       {"sortMs", s.sort_ms},        {"drawn", s.drawn},        {"shown", s.shown},
@@ -66,7 +65,7 @@ json json_of(const viewer::ViewerStats& s) {
 
 }  // namespace
 
-std::string to_json(const viewer::SessionState& s) {
+std::string to_json(const SessionState& s) {
   return text_of({{"loading", json_of(s.loading)},
                   {"hasScene", s.has_scene},
                   {"drawn", s.drawn},
@@ -81,7 +80,9 @@ std::string to_json(const viewer::SessionState& s) {
                   {"stats", json_of(s.stats)}});
 }
 
-std::string to_json(const viewer::RunState& s) {
+std::string to_json(const LoadState& s) { return text_of(json_of(s)); }
+
+std::string to_json(const RunState& s) {
   const json rows = json::parse(s.rows, nullptr, false);
   return text_of({{"running", s.running},
                   {"done", s.done},
@@ -91,4 +92,4 @@ std::string to_json(const viewer::RunState& s) {
                   {"error", s.error}});
 }
 
-}  // namespace fluxgs::android
+}  // namespace fluxgs::viewer
