@@ -65,11 +65,16 @@ if(FLUXGS_PHONE)
 endif()
 fluxgs_dependency(WebP https://storage.googleapis.com/downloads.webmproject.org/releases/webp/libwebp-1.5.0.tar.gz
                   7d6fab70cf844bf6769077bd5d7a74893f8ffd4dfb42861745750c63c2a5c92c)  # Debian, Homebrew
+if(FLUXGS_WEB)
+  fluxgs_dependency(ZLIB https://zlib.net/fossils/zlib-1.2.13.tar.gz
+                    b3a24de97a8fdbc835b9833169501030b8977031bcb54b3b3ac13740f846ab30)
+else()
+  # Every system has it, phones too; fetched, its target would clash with the copy inside a fetched
+  # OpenCV
+  find_package(ZLIB REQUIRED)
+endif()
 fluxgs_dependency(libzip ${_github}/nih-at/libzip/releases/download/v1.10.1/libzip-1.10.1.tar.gz
                   9669ae5dfe3ac5b3897536dc8466a874c8cf2c0e3b1fdd08d75b273884299363)  # Conan Center
-# Every system has it, phones too; fetched, its target would clash with the copy inside a fetched
-# OpenCV
-find_package(ZLIB REQUIRED)
 
 # One name each, whether the library was installed or fetched.
 function(fluxgs_alias name)
