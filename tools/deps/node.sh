@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# Sourced by tools/deps/angle and tools/specification: a Node.js of our own, with npm. Debian's is too old
+# Sourced by tools/deps/angle, tools/specification and tools/web: a Node.js of our own, with npm. Debian's is too old
 # for the packages that those two use, so it comes from the Python package index.
 
 node_version=22.20.0
@@ -35,4 +35,24 @@ get_node() {
   chmod 755 "$new"
   # Another process may have been quicker: a folder is never moved into an existing one here
   mv -T -- "$new" "$home" 2> /dev/null || rm -rf -- "$new"
+}
+
+# get_npm_packages PACKAGES FOLDER NAME: installs what FOLDER/package-lock.json names into that folder of
+# packages and sets `npm_home` to where they are. After get_node. It is found again by the checksum of what
+# it is made from, and renamed when complete. False, with the reason on standard error, if they cannot be had.
+get_npm_packages() {
+  local files=("$2/package-lock.json") new
+  if [ -f "$2/.npmrc" ]; then files+=("$2/.npmrc"); fi
+  npm_home=$1/$3-$(cat -- "${files[@]}" | sha256sum | cut -c 1-12)
+  if [ -d "$npm_home" ]; then return 0; fi
+  echo "installing the packages of $3 into build/packages" >&2
+  new=$(mktemp -d -- "$npm_home.XXXXXX")
+  cp -- "$2/package.json" "${files[@]}" "$new/"
+  if ! (cd -- "$new" && "$node" "$npm" ci --ignore-scripts --no-audit --no-fund > "$new/log" 2>&1); then
+    tail -n 5 "$new/log" >&2
+    rm -rf -- "$new"
+    return 1
+  fi
+  chmod 755 "$new"
+  mv -T -- "$new" "$npm_home" 2> /dev/null || rm -rf -- "$new"
 }

@@ -121,6 +121,7 @@ int main(int argc, char** argv) {
   fluxgs::cli::add_convert(app, action);
   fluxgs::cli::add_info(app, action);
   fluxgs::cli::add_report(app, action);
+  fluxgs::cli::add_web(app, action);
   fluxgs::cli::add_doctor(app, action);
 
   const std::vector<std::string> commands = names_of_commands(app);

@@ -176,29 +176,54 @@ Image<std::uint8_t> upright(const Image<std::uint8_t>& image, int orientation) {
   return result;
 }
 
-Expected<void> write_png(const std::filesystem::path& file, const Image<std::uint8_t>& image) {
+namespace {
+
+Image<std::uint8_t> bytes_of(const Image<float>& image) {
+  Image<std::uint8_t> bytes(image.width, image.height, image.channels);
+  std::ranges::transform(image.pixels, bytes.pixels.begin(), to_byte);
+  return bytes;
+}
+
+/// `extension` with its dot, as OpenCV has it.
+Expected<std::vector<std::byte>> encode(const std::string& name, const Image<std::uint8_t>& image,
+                                        const char* extension, const char* format,
+                                        const std::vector<int>& parameters = {}) {
   if (image.width < 1 || image.height < 1 || (image.channels != 3 && image.channels != 4))
-    return fail(file.string(), "",
-                fmt::format("cannot write an image of {}x{} with {} channels as PNG", image.width,
-                            image.height, image.channels));
+    return fail(name, "",
+                fmt::format("cannot write an image of {}x{} with {} channels as {}", image.width,
+                            image.height, image.channels, format));
   std::vector<std::uint8_t> encoded;
+  std::string why;
   try {
     cv::Mat bgr(image.height, image.width, CV_8UC(image.channels));
     const bool alpha = image.channels == 4;
     std::ranges::copy(image.pixels, bgr.data);
     cv::cvtColor(bgr, bgr, alpha ? cv::COLOR_RGBA2BGRA : cv::COLOR_RGB2BGR);
-    if (!cv::imencode(".png", bgr, encoded))
-      return fail(file.string(), "", "the image could not be encoded as PNG");
+    if (cv::imencode(extension, bgr, encoded, parameters)) {
+      const auto bytes = std::as_bytes(std::span(encoded));
+      return std::vector<std::byte>(bytes.begin(), bytes.end());
+    }
   } catch (const cv::Exception& e) {
-    return fail(file.string(), "", "the image could not be encoded as PNG: " + e.err);
+    why = ": " + e.err;
   }
-  return write_file_atomic(file, std::as_bytes(std::span(encoded)));
+  return fail(name, "", fmt::format("the image could not be encoded as {}{}", format, why));
+}
+
+}  // namespace
+
+Expected<void> write_png(const std::filesystem::path& file, const Image<std::uint8_t>& image) {
+  const auto encoded = encode(file.string(), image, ".png", "PNG");
+  if (!encoded) return std::unexpected(encoded.error());
+  return write_file_atomic(file, *encoded);
 }
 
 Expected<void> write_png(const std::filesystem::path& file, const Image<float>& image) {
-  Image<std::uint8_t> bytes(image.width, image.height, image.channels);
-  std::ranges::transform(image.pixels, bytes.pixels.begin(), to_byte);
-  return write_png(file, bytes);
+  return write_png(file, bytes_of(image));
+}
+
+Expected<std::vector<std::byte>> encode_jpeg(const std::string& name, const Image<float>& image,
+                                             int quality) {
+  return encode(name, bytes_of(image), ".jpg", "JPEG", {cv::IMWRITE_JPEG_QUALITY, quality});
 }
 
 }  // namespace fluxgs

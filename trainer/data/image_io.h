@@ -1,10 +1,12 @@
-// Image files: JPEG, PNG, WebP, TIFF, BMP, and HEIC and AVIF (by libheif) in, PNG out.
+// Image files: JPEG, PNG, WebP, TIFF, BMP, and HEIC and AVIF (by libheif) in, PNG and JPEG out.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "fluxgs/error.h"
 #include "fluxgs/image.h"
@@ -40,5 +42,9 @@ Image<std::uint8_t> upright(const Image<std::uint8_t>& image, int orientation);
 /// rounded. The file appears complete or not at all.
 Expected<void> write_png(const std::filesystem::path& file, const Image<std::uint8_t>& image);
 Expected<void> write_png(const std::filesystem::path& file, const Image<float>& image);
+
+/// The image as a JPEG, 3 channels; `quality` 1…100. `name` appears in errors.
+Expected<std::vector<std::byte>> encode_jpeg(const std::string& name, const Image<float>& image,
+                                             int quality);
 
 }  // namespace fluxgs

@@ -44,6 +44,13 @@ Expected<SceneFile> read_spz_of_any_axes(std::span<const std::byte> bytes, const
 #define FLUXGS_WRITER(function) function
 #endif
 
+// A page has no folders.
+#ifdef FLUXGS_WEB
+#define FLUXGS_FOLDER(function) nullptr
+#else
+#define FLUXGS_FOLDER(function) function
+#endif
+
 // A writer without options.
 template <Expected<Bytes> (*encode)(const SplatCloud&, const std::string&)>
 Expected<Bytes> plain(const SplatCloud& cloud, const std::string& name, const WriteOptions&) {
@@ -79,17 +86,17 @@ constexpr auto kFormats = std::to_array<SceneFormat>({
     {"ply", "3DGS .ply", ".ply", 3, StoredFilter::all, is_ply, read_ply, true,
      FLUXGS_WRITER(with_start<encode_ply>)},
     {"glb", "glTF binary with KHR_gaussian_splatting", ".glb", 3, StoredFilter::all, is_glb,
-     read_glb, false, FLUXGS_WRITER(glb_with_start), read_gltf_folder},
+     read_glb, false, FLUXGS_WRITER(glb_with_start), FLUXGS_FOLDER(read_gltf_folder)},
     {"spz", "SPZ (Niantic)", ".spz", 3, StoredFilter::compensation, is_spz,
      of_all<read_spz_of_any_axes>, false, FLUXGS_WRITER(write_spz)},
     {"sog", "bundled SOG", ".sog", 3, StoredFilter::all, is_sog, of_all<read_sog>, false,
      FLUXGS_WRITER(encode_sog), nullptr, FLUXGS_WRITER(order_in_space)},
     {"sog-folder", "SOG's meta.json", ".json", 3, StoredFilter::all, is_sog_meta, nullptr, false,
-     nullptr, read_sog_folder},
+     nullptr, FLUXGS_FOLDER(read_sog_folder)},
     {"sog-lod", "streamed SOG's lod-meta.json", ".json", 3, StoredFilter::all, is_sog_lod, nullptr,
-     false, nullptr, read_sog_lod},
+     false, nullptr, FLUXGS_FOLDER(read_sog_lod)},
     {"gltf", "glTF with KHR_gaussian_splatting", ".gltf", 3, StoredFilter::all, is_gltf,
-     of_all<read_gltf>, false, nullptr, read_gltf_folder},
+     of_all<read_gltf>, false, nullptr, FLUXGS_FOLDER(read_gltf_folder)},
     {"splat", ".splat (32 bytes a splat, unit quaternions)", ".splat", 0, StoredFilter::none,
      is_splat, read_splat, true, FLUXGS_WRITER(plain<encode_splat>)},
 });

@@ -30,6 +30,7 @@ void add_convert(CLI::App& app, Action& action);
 void add_info(CLI::App& app, Action& action);
 void add_report(CLI::App& app, Action& action);
 void add_view(CLI::App& app, Action& action);
+void add_web(CLI::App& app, Action& action);
 void add_doctor(CLI::App& app, Action& action);
 
 /// The words of a command line as the sub-commands take them: "help train" is "train --help", and

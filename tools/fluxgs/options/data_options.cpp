@@ -13,16 +13,6 @@
 #include "trainer/data/reduction.h"
 
 namespace fluxgs::cli {
-namespace {
-
-void add_background(CLI::App& command, std::vector<double>& background) {
-  command.add_option("--background", background, "colour behind the scene, r,g,b in 0..1")
-      ->delimiter(',')
-      ->expected(3)
-      ->check(in_range(0, 1));
-}
-
-}  // namespace
 
 CLI::Validator in_range(double min, double max) {
   const std::string name = fmt::format("in [{} - {}]", min, max);
@@ -47,6 +37,13 @@ CLI::Validator whole_in(std::int64_t min, std::int64_t max) {
           fmt::format("{} to {}", min, max)};
 }
 
+void add_background_option(CLI::App& command, std::vector<double>& background) {
+  command.add_option("--background", background, "colour behind the scene, r,g,b in 0..1")
+      ->delimiter(',')
+      ->expected(3)
+      ->check(in_range(0, 1));
+}
+
 void add_data_options(CLI::App& command, DataOptions& options) {
   command
       .add_option("--downscale", options.downscale,
@@ -68,7 +65,7 @@ void add_data_options(CLI::App& command, DataOptions& options) {
                   "MiB that pixels of photos may take; more of them lie in a temporary file "
                   "(default: half of what is free)")
       ->check(in_range(1, 1e9));
-  add_background(command, options.background);
+  add_background_option(command, options.background);
   command.add_option("--threads", options.threads, "0: all cores; does not change the result")
       ->check(whole_in(0, 1024))
       ->capture_default_str();

@@ -35,6 +35,9 @@ CLI::Validator in_range(double min, double max);
 /// The same for whole numbers.
 CLI::Validator whole_in(std::int64_t min, std::int64_t max);
 
+/// --background r,g,b, each from 0 to 1. `background` must live as long as `command`.
+void add_background_option(CLI::App& command, std::vector<double>& background);
+
 /// --downscale, --holdout, --video-frames, --background ("r,g,b", each from 0 to 1) and --threads.
 void add_data_options(CLI::App& command, DataOptions& options);
 

@@ -310,7 +310,7 @@ export class FluxViewer extends EventTarget {
   /** The state of session_json.h, with what the reader says as `loading`. */
   get state() {
     const state = JSON.parse(this.#module.UTF8ToString(this.#module._flux_state()));
-    return {...state, loading: {...this.#loading}, lost: this.#lost};
+    return {...state, loading: {...this.#loading}, lost: this.#lost, resting: !this.#frame};
   }
 
   #writeView(numbers) {

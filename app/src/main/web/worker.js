@@ -68,7 +68,9 @@ async function readStream(stream, announced, name, memory) {
   let size = announced, come = 0, next = announced ? announced / 8 : Infinity, told = 0;
   let address = room(size, name);
   for (const reader = stream.getReader(); ;) {
-    const {done, value} = await reader.read();
+    const {done, value} = await reader.read().catch((error) => {
+      throw failure('read', `${name}: read: the connection ended after ${come} of ${announced || 'an unknown number of'} bytes (${error.message})`);
+    });
     if (done) break;
     if (come + value.length > size) {
       size = Math.max(2 * size, come + value.length);

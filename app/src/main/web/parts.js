@@ -1,0 +1,33 @@
+// The pieces that a viewer is made of: tools/web/build puts the texts of flux.js and worker.js in.
+import glue from 'flux-glue-text';
+import worker from 'flux-worker-text';
+
+/** What a page that holds everything has in its own text: base64 of gzip. */
+export async function inlineBytes(id) {
+  const element = document.getElementById(id);
+  if (!element) return null;
+  const packed = Uint8Array.from(atob(element.textContent.trim()), (c) => c.charCodeAt(0));
+  element.remove();  // its text need not be kept
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip'));
+  return new Response(stream).arrayBuffer();
+}
+
+let compiled;  // once for all viewers of a page
+
+async function compileModule(url) {
+  const inline = await inlineBytes('flux-gs-module');
+  if (inline) return WebAssembly.compile(inline);
+  try {
+    return await WebAssembly.compileStreaming(fetch(url));
+  } catch {  // a server that does not call it application/wasm
+    const answer = await fetch(url);
+    if (!answer.ok) throw new Error(`${url}: the server answered ${answer.status}`);
+    return WebAssembly.compile(await answer.arrayBuffer());
+  }
+}
+
+export const parts = {
+  glue,
+  worker,
+  compile: () => (compiled ??= compileModule(new URL('flux.wasm', import.meta.url).href)),
+};
