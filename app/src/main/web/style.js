@@ -9,10 +9,10 @@ canvas:active { cursor: grabbing; }
 canvas:focus-visible { box-shadow: inset 0 0 0 2px #ffb454; }
 .poster { object-fit: cover; transition: opacity .3s; pointer-events: none; }
 .poster[hidden] { display: block; opacity: 0; }
-.bar { position: absolute; left: 50%; bottom: max(12px, env(safe-area-inset-bottom)); transform: translateX(-50%); display: flex;
+.bar { position: absolute; left: 0; right: 0; bottom: max(12px, env(safe-area-inset-bottom)); width: max-content; margin: auto; display: flex;
   flex-wrap: wrap; justify-content: center; gap: 2px; padding: 4px; border-radius: 14px; background: #16181dcc; backdrop-filter: blur(8px);
   max-width: calc(100% - 16px); transition: opacity .3s; }
-.bar.faded:not(:focus-within):not(:hover) { opacity: 0; }
+.bar.faded:not(:focus-within):not(:hover) { opacity: 0; pointer-events: none; }
 button, select, input { font: inherit; color: inherit; }
 button { border: 0; background: none; border-radius: 10px; cursor: pointer; min-width: 44px; min-height: 44px; padding: 0 10px; }
 button:hover { background: #ffffff1f; }
@@ -35,7 +35,7 @@ svg { width: 22px; height: 22px; display: block; margin: auto; fill: none; strok
 .note progress { width: 100%; height: 6px; margin-top: 12px; accent-color: #ffb454; }
 .statistics { position: absolute; left: 12px; top: 12px; margin: 0; padding: 8px 12px; border-radius: 10px; background: #16181dcc;
   font: 12px/1.5 ui-monospace, monospace; pointer-events: none; white-space: pre; }
-.toast { position: absolute; left: 50%; top: 16px; transform: translateX(-50%); padding: 8px 16px; border-radius: 10px; background: #16181de6; }
+.toast { position: absolute; left: 0; right: 0; top: 16px; width: max-content; max-width: calc(100% - 16px); margin: auto; padding: 8px 16px; border-radius: 10px; background: #16181de6; }
 .over { position: absolute; inset: 8px; border: 3px dashed #ffb454; border-radius: 14px; pointer-events: none; }
 [hidden] { display: none; }
 @media (prefers-reduced-motion: reduce) { * { transition: none !important; } }
