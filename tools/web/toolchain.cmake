@@ -16,7 +16,7 @@ set(_flags "${_flags} -msimd128 -ffunction-sections -fdata-sections")
 set(CMAKE_C_FLAGS_INIT "${_flags}")
 set(CMAKE_CXX_FLAGS_INIT "${_flags}")
 set(CMAKE_C_FLAGS_RELEASE "-O2 -DNDEBUG" CACHE STRING "")
-set(CMAKE_CXX_FLAGS_RELEASE "-Os -DNDEBUG -fno-rtti" CACHE STRING "")
+set(CMAKE_CXX_FLAGS_RELEASE "-Oz -DNDEBUG -fno-rtti" CACHE STRING "")
 foreach(_language C CXX)
   set(CMAKE_${_language}_LINK_EXECUTABLE
       "${_emscripten}/em++ -O1 -fwasm-exceptions <LINK_FLAGS> <OBJECTS> -o <TARGET> <LINK_LIBRARIES>")

@@ -29,6 +29,7 @@ struct Defects {
   bool slow = false;                   ///< no frame is finished yet, when asked
   bool wild_clock = false;             ///< of timer queries
   bool shifts_projection = false;      ///< the centre of a frame's camera is another
+  bool coarse_fragments = false;       ///< project.frag computes centres with 8 bits
 };
 
 /// What the functions of the one Api under a GlFaults do.
@@ -163,6 +164,15 @@ bool before(A... arguments) {
                       : std::string(strings[i]);
     const std::string& bad = faults.defects.unlinkable;
     faults.bad_shaders[std::get<0>(all)] = !bad.empty() && text.find(bad) != text.npos;
+    constexpr std::string_view kExact = "(p.xy / p.z)";
+    const std::size_t at = text.find(kExact);
+    if (faults.defects.coarse_fragments && text.contains("a fragment is a splat") &&
+        at != text.npos) {
+      text.replace(at, kExact.size(), "(floor(256.0 * p.xy / p.z) / 256.0)");
+      const char* changed = text.c_str();
+      driver<Member>(std::get<0>(all), 1, &changed, nullptr);
+      return false;
+    }
   } else if constexpr (kIs<Member, &gl::Api::AttachShader>) {
     bool& bad = faults.bad_programs[std::get<0>(all)];
     bad = bad || faults.bad_shaders[std::get<1>(all)];

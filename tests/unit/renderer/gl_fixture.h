@@ -22,28 +22,32 @@ T must(Expected<T> value) {
   if constexpr (!std::is_void_v<T>) return std::move(*value);
 }
 
+/// Where splats are projected.
+enum class Stage { compute, fragments, vertices };
+
 /// An OpenGL, and what of it the renderer uses.
 struct GlForm {
   host::HostGl gl;
-  bool compute = true;  ///< otherwise as if the driver had no compute shaders
+  Stage stage = Stage::compute;  ///< otherwise as if the driver had no compute shaders
 
-  constexpr GlForm(host::HostGl implementation, bool with_compute = true)  // NOLINT: stands for it
-      : gl(implementation), compute(with_compute) {}
+  constexpr GlForm(host::HostGl implementation,  // NOLINT: stands for it
+                   Stage projects_in = Stage::compute)
+      : gl(implementation), stage(projects_in) {}
+  bool has_compute() const { return stage == Stage::compute; }
   operator host::HostGl() const { return gl; }  // NOLINT
 };
 
 /// What is made once and used by all tests of one implementation.
 struct Shared {
   Expected<std::unique_ptr<host::HostContext>> context;
-  std::unique_ptr<render::Renderer> renderer, without_compute;
+  std::map<Stage, std::unique_ptr<render::Renderer>> renderers;
 
   explicit Shared(host::HostGl gl) : context(host::HostContext::create(gl)) {}
   Shared(const Shared&) = delete;
   Shared& operator=(const Shared&) = delete;
   ~Shared() {
     if (!context || !(*context)->make_current()) return;
-    renderer.reset();
-    without_compute.reset();
+    renderers.clear();
   }
 };
 
@@ -70,13 +74,15 @@ class GlTest : public testing::TestWithParam<GlForm> {
     must((*all.context)->make_current());
     api().debug.messages.clear();
     has_compute_ = api().capabilities.compute;
-    if (!GetParam().compute) api().capabilities.compute = false;
+    if (!GetParam().has_compute()) api().capabilities.compute = false;
+    api().quirks.fragment_projection_fails = GetParam().stage == Stage::vertices;
   }
 
   void TearDown() override {
     if (!shared(GetParam()).context) return;
     must(context().make_current());
     api().capabilities.compute = has_compute_;
+    api().quirks.fragment_projection_fails = false;
     EXPECT_EQ(api().GetError(), GLenum{GL_NO_ERROR});
     for (const gl::DebugMessage& message : api().debug.mistakes())
       ADD_FAILURE() << "the driver complains: " << message.text;
@@ -87,8 +93,7 @@ class GlTest : public testing::TestWithParam<GlForm> {
 
   /// With the default settings, and the stage times.
   render::Renderer& renderer() {
-    Shared& all = shared(GetParam());
-    auto& made = GetParam().compute ? all.renderer : all.without_compute;
+    auto& made = shared(GetParam()).renderers[GetParam().stage];
     if (!made) made = must(render::Renderer::create(api(), {.timestamps = true}));
     return *made;
   }
@@ -99,7 +104,8 @@ class GlTest : public testing::TestWithParam<GlForm> {
 
 inline std::string name_of(host::HostGl gl) { return std::string(host::name(gl)); }
 inline std::string name_of(const GlForm& form) {
-  return name_of(form.gl) + (form.compute ? "" : "_without_compute");
+  if (form.stage == Stage::vertices) return name_of(form.gl) + "_in_vertices";
+  return name_of(form.gl) + (form.has_compute() ? "" : "_without_compute");
 }
 
 inline void PrintTo(const GlForm& form, std::ostream* out) { *out << name_of(form); }
@@ -119,11 +125,12 @@ std::vector<Parameter> implementations() {
   return {std::begin(kImplementations), std::end(kImplementations)};
 }
 
-/// With compute shaders, and without (where OSMesa is what Mesa by EGL is).
+/// With compute shaders, and without (where OSMesa is what Mesa by EGL is); in vertices on one.
 inline std::vector<GlForm> all_forms() {
   std::vector<GlForm> forms = implementations<GlForm>();
   for (const host::HostGl gl : {host::HostGl::egl, host::HostGl::angle})
-    forms.emplace_back(gl, false);
+    forms.emplace_back(gl, Stage::fragments);
+  forms.emplace_back(host::HostGl::angle, Stage::vertices);
   return forms;
 }
 

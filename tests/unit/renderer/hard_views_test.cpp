@@ -185,7 +185,7 @@ TEST_P(HardViewsTest, AMillionSplats) {
   must(renderer().upload(cloud));
   expect_like("a million splats", render_reference(cloud, camera, kRose), camera, kRose,
               TargetFormat::rgba16f);
-  if (!GetParam().compute) return;  // the order holds all, and only the processor can read it
+  if (!GetParam().has_compute()) return;  // the order holds all, and only the processor can read it
   const std::uint32_t drawn = must(renderer().stats()).drawn;
   EXPECT_NEAR(drawn, static_cast<double>(visible), 2);  // An opacity at the cut-off
   expect_sorted(must(renderer().sorter().order().read_all<std::uint32_t>(drawn)), cloud, camera);

@@ -135,6 +135,14 @@ TEST_P(HostileDriversTest, ProgramsThatDoNotLinkHaveARemedyWhereThereIsOne) {
   EXPECT_THAT(none.faults.front(), HasSubstr("project.comp"));
 }
 
+TEST_P(HostileDriversTest, CoarseFragmentsGiveWayToVertices) {
+  const DriverCheck done =
+      check({.unlinkable = "one thread reads one splat", .coarse_fragments = true});
+  EXPECT_TRUE(done.right);
+  EXPECT_EQ(done.limits, (DriverLimits{.no_compute = true, .no_fragment_projection = true}));
+  EXPECT_THAT(done.faults, ElementsAre(HasSubstr("project.comp"), HasSubstr("the projection put")));
+}
+
 TEST_P(HostileDriversTest, TwoDefectsHaveTwoRemedies) {
   if (api().capabilities.max_vertex_storage_blocks < 2) GTEST_SKIP() << "has none";
   const DriverCheck done = check({.loses_vertex_storage = true, .loses_dispatches = true});

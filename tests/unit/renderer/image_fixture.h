@@ -37,7 +37,7 @@ class ImageTest : public GlTest {
   /// without compute shaders, list some that are not in the image.
   void expect_drawn(std::uint32_t count) {
     const std::uint32_t drawn = must(renderer().stats()).drawn;
-    if (GetParam().compute) {
+    if (GetParam().has_compute()) {
       EXPECT_EQ(drawn, count);
     } else {
       EXPECT_GE(drawn, count);

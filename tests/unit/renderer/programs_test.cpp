@@ -20,8 +20,8 @@ std::vector<render::RendererSettings> all_settings() {
   using enum render::SplatPrecision;
   // Does not compile when a setting is added: does it change a shader? Then it has to vary below.
   [[maybe_unused]] const auto& [sorter, splat_precision, batch, sort_digit_bits, timestamps,
-                                compute, texture_fetch, slices, background_sort, approximation] =
-      render::RendererSettings{};
+                                compute, project_in_vertices, texture_fetch, slices,
+                                background_sort, approximation] = render::RendererSettings{};
   std::vector<render::RendererSettings> all;
   for (int bits = 4; bits <= 8; ++bits) all.push_back({.sort_digit_bits = bits});
   for (const auto precision : {full, half})
@@ -32,7 +32,9 @@ std::vector<render::RendererSettings> all_settings() {
   for (const auto kind : {render::SorterKind::cpu_async, render::SorterKind::exact})
     all.push_back({.sorter = kind});
   for (const auto precision : {full, half})
-    all.push_back({.splat_precision = precision, .compute = false});
+    for (const bool in_vertices : {false, true})
+      all.push_back(
+          {.splat_precision = precision, .compute = false, .project_in_vertices = in_vertices});
   return all;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -19,11 +20,21 @@
 namespace fluxgs::bench {
 namespace {
 
+constexpr std::uint32_t kAll = std::numeric_limits<std::uint32_t>::max();
+
 using render::Accumulation;
 using render::DriverLimits;
 
 /// The part of a drawing that went wrong, as far as that is known.
-enum class Suspect { none, sort, vertex_storage, float_targets, compute, unknown };
+enum class Suspect {
+  none,
+  sort,
+  vertex_storage,
+  float_targets,
+  compute,
+  fragment_projection,
+  unknown
+};
 
 struct Attempt {
   Suspect suspect = Suspect::none;
@@ -39,6 +50,7 @@ render::RendererSettings settings_for(const DriverLimits& limits, const gl::Quir
   return {
       .sorter = limits.no_gpu_sort ? render::SorterKind::cpu_async : render::SorterKind::gpu_radix,
       .compute = !limits.no_compute,
+      .project_in_vertices = limits.no_fragment_projection,
       .texture_fetch = limits.no_vertex_storage,
       .approximation = render::default_approximation(quirks)};
 }
@@ -49,6 +61,7 @@ Suspect suspect_of(const Error& error) {
   if (text.contains("sort_")) return Suspect::sort;
   if (text.contains("splat.")) return Suspect::vertex_storage;
   if (text.contains(".comp")) return Suspect::compute;
+  if (text.contains("project.frag")) return Suspect::fragment_projection;
   return Suspect::unknown;
 }
 
@@ -90,15 +103,16 @@ Expected<std::vector<std::uint32_t>> keys_of(const render::Renderer& renderer) {
   return renderer.projection().keys().read_all<std::uint32_t>(renderer.scene().count);
 }
 
-/// Compares the centres and depths of the last frame with a projection in doubles. A line if they
-/// differ.
+}  // namespace
+
 Expected<std::string> fault_of_projection(const render::Renderer& renderer, const SplatCloud& scene,
-                                          const Camera& camera, double near_plane) {
-  const auto count = static_cast<std::uint32_t>(scene.size());
+                                          const Camera& camera, double near_plane,
+                                          std::uint32_t most) {
+  const auto count = static_cast<std::uint32_t>(std::min<std::size_t>(scene.size(), most));
   const auto keys = keys_of(renderer);
   if (!keys) return std::unexpected(keys.error());
   const render::RendererSettings& settings = renderer.settings();
-  const auto splats = renderer.read_projected(camera.width, camera.height);
+  const auto splats = renderer.read_projected(camera.width, camera.height, count);
   if (!splats) return std::unexpected(splats.error());
   const sort::DepthKeys depths =
       render::sort_view(camera, near_plane, renderer.scene(), settings.approximation.key_bits).keys;
@@ -127,6 +141,8 @@ Expected<std::string> fault_of_projection(const render::Renderer& renderer, cons
              : fmt::format("the projection put {} splats of {} in a wrong place", wrong, seen);
 }
 
+namespace {
+
 /// Draws in one way and looks at what came out.
 class OneWay {
  public:
@@ -145,9 +161,11 @@ class OneWay {
         gl::chain([&] { return renderer_->draw(camera, {.near_plane = near_plane}, *target); },
                   [&] { return gl::check_errors(api_, "drawing"); });
     if (!drawn) return {Suspect::unknown, drawn.error().message()};
-    const auto fault = fault_of_projection(*renderer_, scene, camera, near_plane);
+    const auto fault = fault_of_projection(*renderer_, scene, camera, near_plane, kAll);
     if (!fault) return {Suspect::unknown, fault.error().message()};
-    if (!fault->empty()) return {Suspect::compute, *fault};
+    if (!fault->empty())
+      return {renderer_->settings().compute ? Suspect::compute : Suspect::fragment_projection,
+              *fault};
     return judge(*target, golden);
   }
 
@@ -189,14 +207,17 @@ DriverLimits remedy(Suspect suspect, const DriverLimits& limits) {
   return {.no_gpu_sort = suspect == Suspect::sort && !limits.no_gpu_sort,
           .no_vertex_storage = suspect == Suspect::vertex_storage && !limits.no_vertex_storage,
           .no_float_targets = suspect == Suspect::float_targets && !limits.no_float_targets,
-          .no_compute = suspect == Suspect::compute && !limits.no_compute};
+          .no_compute = suspect == Suspect::compute && !limits.no_compute,
+          .no_fragment_projection =
+              suspect == Suspect::fragment_projection && !limits.no_fragment_projection};
 }
 
 DriverLimits both(const DriverLimits& a, const DriverLimits& b) {
   return {.no_gpu_sort = a.no_gpu_sort || b.no_gpu_sort,
           .no_vertex_storage = a.no_vertex_storage || b.no_vertex_storage,
           .no_float_targets = a.no_float_targets || b.no_float_targets,
-          .no_compute = a.no_compute || b.no_compute};
+          .no_compute = a.no_compute || b.no_compute,
+          .no_fragment_projection = a.no_fragment_projection || b.no_fragment_projection};
 }
 
 std::string way(const DriverLimits& limits) {

@@ -2,6 +2,7 @@
 // looks for a way of drawing that this driver gets right.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -10,11 +11,19 @@
 #include "fluxgs/splat_cloud.h"
 #include "gl/api.h"
 #include "render/driver_limits.h"
+#include "render/renderer.h"
 
 namespace fluxgs::bench {
 
 /// PSNR that a picture needs, dB; blended in 8 bits every layer is rounded.
 inline constexpr double kLeastPsnr = 45, kLeastPsnrInBytes = 35;
+
+/// Compares the centres and depths of the first `most` splats in the last frame with a projection
+/// in doubles: a line where they differ, else empty. `camera`: of the image that was blended, of
+/// its size. The scene was uploaded as a whole. Waits for the GPU.
+Expected<std::string> fault_of_projection(const render::Renderer& renderer, const SplatCloud& scene,
+                                          const Camera& camera, double near_plane,
+                                          std::uint32_t most);
 
 struct DriverCheck {
   bool right = false;           ///< drawn with `limits` the picture is like the golden one

@@ -32,7 +32,7 @@
   X(GetProgramInfoLog) X(GetProgramiv) X(GetShaderInfoLog) X(GetShaderiv) X(GetString) \
   X(GetStringi) X(GetUniformBlockIndex) X(GetUniformLocation) X(InvalidateFramebuffer) X(LinkProgram) \
   X(PixelStorei) X(ReadBuffer) X(ReadPixels) X(Scissor) X(ShaderSource) X(TexParameteri) X(TexStorage2D) \
-  X(TexSubImage2D) X(Uniform1i) X(Uniform1ui) X(Uniform2f) X(Uniform3f) X(UniformBlockBinding) \
+  X(TexSubImage2D) X(Uniform1f) X(Uniform1i) X(Uniform1ui) X(Uniform2f) X(Uniform3f) X(UniformBlockBinding) \
   X(UseProgram) X(Viewport)
 #define FLUXGS_GL_MAPPING_FUNCTIONS(X) X(MapBufferRange) X(UnmapBuffer)
 #define FLUXGS_GL_FUNCTIONS(X) FLUXGS_GL_WEB_FUNCTIONS(X) FLUXGS_GL_MAPPING_FUNCTIONS(X)

@@ -97,7 +97,7 @@ Expected<Capabilities> query_capabilities(Api& api) {
         c.renderer, "GL_VERSION",
         "OpenGL ES 3.0 or desktop OpenGL 4.5 is needed; the driver offers \"" + c.version + "\"");
   }
-  c.compute = !c.is_es || at_least(3, 1);
+  c.compute = kMayCompute && (!c.is_es || at_least(3, 1));
   ask_limits(api, c);
   ask_extensions(api, c);
   return c;

@@ -11,6 +11,13 @@ namespace fluxgs::gl {
 
 struct Api;
 
+/// False where no driver has compute shaders (WebGL), so that what needs them is not linked.
+#ifdef FLUXGS_WITHOUT_COMPUTE
+inline constexpr bool kMayCompute = false;
+#else
+inline constexpr bool kMayCompute = true;
+#endif
+
 struct Capabilities {
   std::string vendor, renderer, version;
   std::set<std::string> extensions;

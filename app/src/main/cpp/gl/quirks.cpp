@@ -9,6 +9,7 @@ std::vector<std::string> Quirks::names() const {
   if (timer_queries_crash) set.emplace_back("timer_queries_crash");
   if (tiles) set.emplace_back("tiles");
   if (gpu_sort_fails) set.emplace_back("gpu_sort_fails");
+  if (fragment_projection_fails) set.emplace_back("fragment_projection_fails");
   return set;
 }
 

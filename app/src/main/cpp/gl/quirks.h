@@ -32,6 +32,10 @@ struct Quirks {
   /// it: bench/driver_check.h finds out.
   bool gpu_sort_fails = false;
 
+  /// Fragment shaders compute a splat's projection with less than 32 bits. Some Adreno forget the
+  /// precision of members of structs; bench/driver_check.h and the page's first frame find out.
+  bool fragment_projection_fails = false;
+
   /// The names of those that are set.
   std::vector<std::string> names() const;
 };

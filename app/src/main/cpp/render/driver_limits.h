@@ -15,6 +15,7 @@ struct DriverLimits {
   bool no_vertex_storage = false;  ///< the vertex stage reads textures in place of storage buffers
   bool no_float_targets = false;   ///< blend in 8 bits
   bool no_compute = false;         ///< project in fragment shaders, sort on the CPU
+  bool no_fragment_projection = false;  ///< without compute, project in vertex shaders
   bool operator==(const DriverLimits&) const = default;
 
   /// The names of those that are set, as above.

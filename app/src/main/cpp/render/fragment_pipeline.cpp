@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <utility>
 
 #include "gl/expected_chain.h"
 #include "render/draw_pass.h"
@@ -54,18 +55,24 @@ Expected<std::unique_ptr<SplatPipeline>> FragmentPipeline::create(
   return made;
 }
 
-Expected<gl::Program> FragmentPipeline::compile_projection(bool compensated) const {
-  const std::array<gl::ShaderSource, 2> stages = {
-      {{GL_VERTEX_SHADER, "screen.vert", shaders::screen_vert},
-       {GL_FRAGMENT_SHADER, "project.frag", shaders::project_frag}}};
+Expected<FragmentPipeline::Projection> FragmentPipeline::compile_projection(
+    bool compensated) const {
+  constexpr GLenum kVertex = GL_VERTEX_SHADER, kFragment = GL_FRAGMENT_SHADER;
+  const std::array<gl::ShaderSource, 2> fragments = {
+      {{kVertex, "screen.vert", shaders::screen_vert},
+       {kFragment, "project.frag", shaders::project_frag}}};
+  const std::array<gl::ShaderSource, 2> points = {
+      {{kVertex, "project_point.vert", shaders::project_point_vert},
+       {kFragment, "project_point.frag", shaders::project_point_frag}}};
   std::vector<std::string> defines;
   if (!full()) defines.emplace_back("PROJECTED_SPLAT_HALF");
   if (compensated) defines.emplace_back("COMPENSATED");
-  auto program = gl::Program::create(api_, stages, defines);
-  if (!program) return program;
+  auto program = gl::Program::create(api_, in_vertices_ ? points : fragments, defines);
+  if (!program) return std::unexpected(program.error());
   program->set_sampler("geometry", kGeometry);
   program->set_sampler("coefficients", kCoefficients);
-  return program;
+  const GLint rows = in_vertices_ ? program->uniform("rows") : -1;
+  return Projection{std::move(*program), rows};
 }
 
 Expected<gl::Program> FragmentPipeline::compile_draw() const {
@@ -131,6 +138,7 @@ Expected<void> FragmentPipeline::load_scene(ScenePacker& packer,
 }
 
 Expected<void> FragmentPipeline::make_room(std::uint64_t count) {
+  count_ = static_cast<std::uint32_t>(count);
   auto made = gl::assign_or_error(gl::TexelArray::create(api_, GL_RGBA32UI, count + 1), first_);
   if (made && full())
     made = gl::assign_or_error(gl::TexelArray::create(api_, GL_RGBA32UI, count + 1), second_);
@@ -152,23 +160,28 @@ void FragmentPipeline::project(bool compensated) {
   api_.Viewport(0, 0, gl::TexelArray::kWidth, first_.rows());
   geometry_.bind(kGeometry);
   coefficients_.bind(kCoefficients);
-  (compensated ? *compensated_ : projection_).use();
+  const Projection& projection = compensated ? *compensated_ : projection_;
+  projection.program.use();
   vertex_array_.bind();
-  api_.DrawArrays(GL_TRIANGLES, 0, 3);
+  if (in_vertices_) {
+    api_.Uniform1f(projection.rows, static_cast<float>(first_.rows()));
+    api_.DrawArrays(GL_POINTS, 0, static_cast<GLsizei>(count_ + 1));
+  } else {
+    api_.DrawArrays(GL_TRIANGLES, 0, 3);
+  }
   api_.BindVertexArray(0);
 }
 
 Expected<std::vector<std::uint32_t>> FragmentPipeline::read_projected(std::uint32_t count) const {
   constexpr std::size_t kWords = 4;  // of a texel
-  const std::size_t textures = full() ? 2 : 1;
-  const std::size_t texels =
-      std::size_t{gl::TexelArray::kWidth} * static_cast<unsigned>(first_.rows());
-  std::vector<std::uint32_t> texture(kWords * texels), words(kWords * textures * count);
+  const std::size_t textures = full() ? 2 : 1, width = gl::TexelArray::kWidth;
+  const std::size_t rows = (count + width - 1) / width;
+  std::vector<std::uint32_t> texture(kWords * width * rows), words(kWords * textures * count);
   projected_.bind();
   for (std::size_t t = 0; t < textures; ++t) {
     api_.ReadBuffer(GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(t));
-    api_.ReadPixels(0, 0, gl::TexelArray::kWidth, first_.rows(), GL_RGBA_INTEGER, GL_UNSIGNED_INT,
-                    texture.data());
+    api_.ReadPixels(0, 0, gl::TexelArray::kWidth, static_cast<GLsizei>(rows), GL_RGBA_INTEGER,
+                    GL_UNSIGNED_INT, texture.data());
     for (std::size_t i = 0; i < count; ++i)
       std::copy_n(&texture[kWords * i], kWords, &words[kWords * (textures * i + t)]);
   }

@@ -1,5 +1,6 @@
-// Projects in a fragment shader and draws from textures, for drivers without compute shaders and
-// storage buffers: OpenGL ES 3.0, and what browsers have of it.
+// Projects in fragment shaders, or where those are not exact enough in vertex shaders, and draws
+// from textures: for drivers without compute shaders and storage buffers, which are those of OpenGL
+// ES 3.0, and of browsers.
 #pragma once
 
 #include <optional>
@@ -13,11 +14,11 @@
 
 namespace fluxgs::render {
 
-/// The scene and the projected splats are texel arrays; a fragment projects a splat. The sorter
-/// must be one with an order_texture().
+/// The scene and the projected splats are texel arrays; a fragment, or a point, projects a splat.
+/// The sorter must be one with an order_texture().
 class FragmentPipeline final : public SplatPipeline {
  public:
-  /// With the batch and the precision of the settings.
+  /// With the batch, the precision and project_in_vertices of the settings.
   static Expected<std::unique_ptr<SplatPipeline>> create(gl::Api& api,
                                                          const RendererSettings& settings);
 
@@ -37,8 +38,16 @@ class FragmentPipeline final : public SplatPipeline {
 
  private:
   FragmentPipeline(gl::Api& api, const RendererSettings& settings)
-      : api_(api), precision_(settings.splat_precision), batch_(settings.batch) {}
-  Expected<gl::Program> compile_projection(bool compensated) const;
+      : api_(api),
+        precision_(settings.splat_precision),
+        batch_(settings.batch),
+        in_vertices_(settings.project_in_vertices) {}
+  /// A program that projects, and the place of its uniform `rows`.
+  struct Projection {
+    gl::Program program;
+    GLint rows = -1;
+  };
+  Expected<Projection> compile_projection(bool compensated) const;
   Expected<gl::Program> compile_draw() const;
   Expected<void> load_scene(ScenePacker& packer, std::vector<glm::vec3>* positions);
   Expected<void> make_room(std::uint64_t count);
@@ -47,8 +56,11 @@ class FragmentPipeline final : public SplatPipeline {
   gl::Api& api_;
   SplatPrecision precision_;
   int batch_;
-  gl::Program projection_, draw_;
-  std::optional<gl::Program> compensated_;
+  bool in_vertices_;
+  Projection projection_;
+  std::optional<Projection> compensated_;
+  gl::Program draw_;
+  std::uint32_t count_ = 0;  // splats of the scene
   GLint drawn_ = -1;
   gl::Buffer indices_;
   gl::VertexArray vertex_array_;

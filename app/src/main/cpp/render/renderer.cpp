@@ -31,6 +31,8 @@ void Renderer::limit_settings() {
   RendererSettings& s = settings_;
   s.timestamps = s.timestamps && driver.timestamps;
   s.compute = s.compute && driver.compute;
+  s.project_in_vertices =
+      !s.compute && (s.project_in_vertices || api_.quirks.fragment_projection_fails);
   s.texture_fetch = s.compute && (s.texture_fetch || driver.max_vertex_storage_blocks < 2);
   const bool can_mark = s.compute && driver.framebuffer_fetch && !s.texture_fetch &&
                         driver.max_vertex_storage_blocks >= 3;
@@ -53,8 +55,9 @@ Expected<void> Renderer::create_passes() {
 }
 
 Expected<void> Renderer::create_pipeline() {
-  return gl::assign_or_error(settings_.compute ? ComputePipeline::create(api_, settings_)
-                                               : FragmentPipeline::create(api_, settings_),
+  const bool computes = gl::kMayCompute && settings_.compute;
+  return gl::assign_or_error(computes ? ComputePipeline::create(api_, settings_)
+                                      : FragmentPipeline::create(api_, settings_),
                              pipeline_);
 }
 
@@ -67,6 +70,7 @@ Expected<void> Renderer::create_sorter() {
   const auto place = settings_.compute ? sort::OrderPlace::buffers : sort::OrderPlace::texture;
   switch (settings_.sorter) {
     case SorterKind::gpu_radix:
+      if (!gl::kMayCompute) break;
       return keep(sort::GpuRadixSorter::create(api_, settings_.sort_digit_bits));
     case SorterKind::cpu_async:
       return keep(sort::AsyncCpuSorter::create(api_, place, settings_.background_sort));
@@ -207,8 +211,9 @@ Expected<RenderTarget> Renderer::make_strip(const glm::ivec2& size) const {
   }
 }
 
-Expected<std::vector<ProjectedSplat>> Renderer::read_projected(int width, int height) const {
-  const auto words = pipeline_->read_projected(scene_.count);
+Expected<std::vector<ProjectedSplat>> Renderer::read_projected(int width, int height,
+                                                               std::uint32_t most) const {
+  const auto words = pipeline_->read_projected(std::min(most, scene_.count));
   if (!words) return std::unexpected(words.error());
   return unpack_projected_splats(*words, settings_.splat_precision, width, height);
 }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -92,8 +93,9 @@ class Renderer {
   // The intermediate results of the last frame, for tests and diagnostics.
   const SceneConstants& scene() const { return scene_; }
   /// The splats that the last frame projected for an image of that size; those that it does not
-  /// draw have the level that says so. Waits for the GPU.
-  Expected<std::vector<ProjectedSplat>> read_projected(int width, int height) const;
+  /// draw have the level that says so. The first `most` of them. Waits for the GPU.
+  Expected<std::vector<ProjectedSplat>> read_projected(
+      int width, int height, std::uint32_t most = std::numeric_limits<std::uint32_t>::max()) const;
   /// Precondition: settings().compute.
   const ProjectionPass& projection() const { return *pipeline_->projection(); }
   const sort::Sorter& sorter() const { return *sorter_; }

@@ -58,6 +58,9 @@ struct RendererSettings {
   /// in place of gpu_radix) and without slices. False where the driver has none
   /// (gl::Capabilities::compute).
   bool compute = true;
+  /// Without compute: project in vertex shaders, where fragments are not exact enough
+  /// (gl::Quirks::fragment_projection_fails).
+  bool project_in_vertices = false;
   /// Read projected_splats through textures even where the vertex stage has storage buffers.
   bool texture_fetch = false;
   /// Blend front to back in so many parts and mark finished pixels between them, which later parts

@@ -20,6 +20,10 @@ foreach(version 310 300)
     fluxgs_program(project${name}_fragment_${version} screen.vert project.frag VERSION ${version} DEFINES ${half})
     fluxgs_program(project${name}_compensated_fragment_${version} screen.vert project.frag
                    VERSION ${version} DEFINES ${half} COMPENSATED)
+    fluxgs_program(project${name}_point_${version} project_point.vert project_point.frag
+                   VERSION ${version} DEFINES ${half})
+    fluxgs_program(project${name}_compensated_point_${version} project_point.vert project_point.frag
+                   VERSION ${version} DEFINES ${half} COMPENSATED)
     fluxgs_program(splat${name}_fragment_${version} splat.vert splat.frag
                    VERSION ${version} DEFINES "BATCH 128" ${half} PROJECTED_BY_FRAGMENTS)
   endforeach()

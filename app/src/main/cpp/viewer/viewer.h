@@ -145,6 +145,8 @@ class Viewer {
 
   const camera::Navigation& navigation() const { return navigation_; }
   render::SceneView& scene() { return *scene_; }
+  /// Precondition: has_scene().
+  const render::RenderCloud& cloud() const { return *cloud_; }
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -8,9 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "bench/driver_check.h"
 #include "platform/web/scene_blocks.h"
 #include "platform/web/web_screen.h"
 #include "platform/web/worker_sort.h"
+#include "render/scaled_camera.h"
 #include "viewer/presenter.h"
 #include "viewer/session_json.h"
 
@@ -79,6 +81,7 @@ class Page {
       presenter_.give_up();
       state_.error = shown.error().message();
     }
+    if (shown && *shown) check_projection();
     const bool rests = presenter_.at_rest();
     if (rests) last_.reset();  // what moves next begins then
     return !rests;
@@ -102,7 +105,30 @@ class Page {
   ViewNumbers view{};
 
  private:
+  /// Compares where the first frame of a context put some splats with where they belong: some
+  /// drivers' fragments are not exact enough, and then vertices project.
+  void check_projection() {
+    viewer::Viewer& v = viewer();
+    if (checked_ == presenter_.contexts() || !v.scene().shows_all()) return;
+    checked_ = presenter_.contexts();
+    constexpr std::uint32_t kSome = 2048;
+    const render::SceneView& scene = v.scene();
+    const camera::Navigation& n = v.navigation();
+    const Camera camera =
+        camera::camera_of(n.view, scene.target().width(), scene.target().height());
+    const auto fault = bench::fault_of_projection(
+        scene.renderer(), v.cloud().base,
+        render::scaled_camera(camera, scene.target().blend_width(), scene.target().blend_height()),
+        n.units.near_plane, kSome);
+    // "The projection kept no splat" only says that these are not seen
+    if (fault && !fault->starts_with("the projection put")) return;
+    presenter_.screen().api()->quirks.fragment_projection_fails = true;
+    v.close();  // the next frame makes it again
+    presenter_.redraw();
+  }
+
   viewer::Presenter presenter_;
+  int checked_ = 0;  // the context whose projection was looked at
   std::optional<viewer::LoadedScene> coming_;
   std::array<Block, kBlocks> blocks_;
   bool is_coarse_ = false;

@@ -80,6 +80,7 @@ internal class DriverCheck(val json: JSONObject) {
             "no_vertex_storage" to R.string.limit_vertex_storage,
             "no_float_targets" to R.string.limit_float_targets,
             "no_compute" to R.string.limit_compute,
+            "no_fragment_projection" to R.string.limit_fragment_projection,
         )
 
         private fun check(context: Context, kept: Kept, anew: Boolean): DriverCheck? {
