@@ -4,6 +4,7 @@ import {copyFile, readFile, writeFile} from 'node:fs/promises';
 import {basename, join} from 'node:path';
 import {pathToFileURL} from 'node:url';
 import {expect, expectEqual} from './checks.mjs';
+import {comparePng, renderPng} from './compare.mjs';
 
 const SIZE = {width: 320, height: 240};
 const LEAST_PSNR = 50;
@@ -40,29 +41,6 @@ async function opened(browser, address, {size = SIZE, allowed = /$^/, density = 
   return viewer;
 }
 
-/** A camera for `fluxgs render` of a view: 12 numbers. */
-function cameraOf(view) {
-  const [tx, ty, tz, w, x, y, z, distance, fov] = view;
-  const forward = [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)];
-  const down = [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)];
-  return {name: 'view', position: [tx, ty, tz].map((t, i) => t - distance * forward[i]), target: [tx, ty, tz],
-    up: down.map((d) => -d), fovY: fov * 180 / Math.PI};
-}
-
-/** Decibels between the viewer's image and a PNG, both decoded by the browser. */
-const psnrTo = (viewer, png) => viewer.page.evaluate(async (data) => {
-  const own = document.querySelector('flux-gs-viewer').viewer.image();
-  const bitmap = await createImageBitmap(await (await fetch(data)).blob(), {colorSpaceConversion: 'none'});
-  const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
-  const context = canvas.getContext('2d');
-  context.drawImage(bitmap, 0, 0);
-  const other = context.getImageData(0, 0, bitmap.width, bitmap.height);
-  if (own.width !== other.width || own.height !== other.height) return -1;
-  let sum = 0;
-  for (let i = 0; i < own.data.length; ++i) if (i % 4 < 3) sum += (own.data[i] - other.data[i]) ** 2;
-  return sum ? 10 * Math.log10(255 ** 2 * own.data.length * 0.75 / sum) : 99;
-}, `data:image/png;base64,${png.toString('base64')}`);
-
 async function testPictures(checks, {browser, server, fluxgs, work, scenes}) {
   for (const file of scenes) {
     await checks.test(`draws ${basename(file)} as fluxgs render does`, async () => {
@@ -82,11 +60,8 @@ async function testPictures(checks, {browser, server, fluxgs, work, scenes}) {
           await viewer.page.evaluate((v) => document.querySelector('flux-gs-viewer').goTo(v), view);
           await viewer.rested();
         }
-        const camera = join(work, 'camera.json'), png = join(work, 'render.png');
-        await writeFile(camera, JSON.stringify([cameraOf(await viewer.view())]));
-        const made = spawnSync(fluxgs, ['render', file, '--camera', camera, '--size', `${SIZE.width}x${SIZE.height}`, '--renderer', 'cpu', '-o', png], {encoding: 'utf8'});
-        expect(made.stderr, made.status === 0);
-        const db = await psnrTo(viewer, await readFile(png));
+        const png = await renderPng(fluxgs, file, await viewer.view(), SIZE, work);
+        const db = await viewer.page.evaluate(comparePng, png);
         console.log(`  view ${i + 1}: ${db.toFixed(1)} dB`);
         expect(`view ${i + 1} has ${db.toFixed(1)} dB; at least ${LEAST_PSNR} were expected`, db >= LEAST_PSNR);
       }

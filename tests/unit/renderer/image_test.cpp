@@ -1,5 +1,6 @@
 // Whole images against the float64 reference. The numerical hard cases have files of their own.
 #include "image_fixture.h"
+#include "render/blend_check.h"
 
 namespace fluxgs::test {
 namespace {
@@ -66,6 +67,11 @@ TEST_P(ImageTest, Haze) {
     print(way.name, d);
     EXPECT_GE(d.psnr, way.least) << way.name;
   }
+}
+
+TEST_P(ImageTest, TruncatedHalfFloatsAreFoundByTrying) {
+  EXPECT_EQ(must(render::half_float_blending_truncates(api())),
+            api().quirks.half_float_blending_truncates);
 }
 
 TEST_P(ImageTest, PlushDog) {

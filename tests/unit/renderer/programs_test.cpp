@@ -9,6 +9,7 @@
 
 #include "fluxgs/io/file.h"
 #include "gl_fixture.h"
+#include "render/blend_check.h"
 #include "scenes.h"
 
 namespace fluxgs::test {
@@ -59,6 +60,7 @@ std::set<std::string> listed() {
 class ProgramsTest : public GlTest {
  protected:
   void make_all() {
+    static_cast<void>(must(render::half_float_blending_truncates(api())));
     for (const render::RendererSettings& settings : all_settings())
       for (const bool compensated : {false, true}) {
         const auto renderer = must(render::Renderer::create(api(), settings));

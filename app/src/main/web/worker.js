@@ -125,25 +125,30 @@ function sort({scene, ticket, view}) {
   postMessage({order: {scene, ticket, count, order}}, [order]);
 }
 
-onmessage = async ({data}) => {
+async function start(compiled) {
+  module = await fluxModule({
+    instantiateWasm: (imports, done) => {
+      WebAssembly.instantiate(compiled, imports).then((instance) => done(instance, compiled));
+      return {};
+    },
+  });
+  postMessage({ready: true});
+}
+
+async function handle(data) {
   try {
-    if (data.compiled) {
-      module = await fluxModule({
-        instantiateWasm: (imports, done) => {
-          WebAssembly.instantiate(data.compiled, imports).then((instance) => done(instance, data.compiled));
-          return {};
-        },
-      });
-      postMessage({ready: true});
-    } else if (data.read) {
-      await read(data.read);
-    } else if (data.positions) {
-      positions(data.positions);
-    } else if (data.sort) {
-      sort(data.sort);
-    }
+    if (data.compiled) await start(data.compiled);
+    else if (data.read) await read(data.read);
+    else if (data.positions) positions(data.positions);
+    else if (data.sort) sort(data.sort);
   } catch (error) {
     const problem = error.problem ?? (error instanceof RangeError ? 'memory' : '');
     postMessage({error: {problem, message: String(error.message ?? error)}});
   }
+}
+
+// One after the other: what comes while the module starts waits for it
+let handled = Promise.resolve();
+onmessage = ({data}) => {
+  handled = handled.then(() => handle(data));
 };

@@ -95,7 +95,8 @@ Accumulation accurate_accumulation(const gl::Capabilities& driver) {
 
 Accumulation default_accumulation(const gl::Api& api) {
   const Accumulation accurate = accurate_accumulation(api.capabilities);
-  const bool half = !api.quirks.runs_on_cpu && api.capabilities.half_float_targets;
+  const bool half = !api.quirks.runs_on_cpu && !api.quirks.half_float_blending_truncates &&
+                    api.capabilities.half_float_targets;
   return half && accurate == Accumulation::single_float ? Accumulation::half_float : accurate;
 }
 

@@ -23,7 +23,8 @@ enum class Accumulation {
 Accumulation accurate_accumulation(const gl::Capabilities& capabilities);
 
 /// The one to look at a scene with: half floats on a GPU, which blends pixels of 128 bits several
-/// times slower; accurate_accumulation() where the processor plays the GPU and gains nothing.
+/// times slower; accurate_accumulation() where the processor plays the GPU and gains nothing, and
+/// where half floats are truncated.
 Accumulation default_accumulation(const gl::Api& api);
 
 /// Name of the format that layers are blended in: "RGBA8", "RGBA16F", "RGBA32F".

@@ -5,7 +5,7 @@
 
 namespace fluxgs::shaders {
 
-extern const std::string_view draw_arguments_comp, gather_comp, mark_frag, project_comp,
+extern const std::string_view draw_arguments_comp, gather_comp, layer_frag, mark_frag, project_comp,
     project_frag, project_point_frag, project_point_vert, resolve_frag, screen_vert,
     sort_count_comp, sort_scan_comp, sort_scatter_comp, splat_frag, splat_vert;
 

@@ -6,6 +6,8 @@
 #include <cstring>
 #include <string>
 
+#include "render/blend_check.h"
+
 namespace fluxgs::web {
 namespace {
 
@@ -75,6 +77,8 @@ class WebScreen final : public viewer::Screen {
     if (!made) return std::unexpected(made.error());
     api_ = std::move(*made);
     api_->GetGraphicsResetStatus = reset_status;
+    const auto truncates = render::half_float_blending_truncates(*api_);
+    api_->quirks.half_float_blending_truncates = truncates.value_or(false);
     return api_.get();
   }
   gl::Api* api() override { return api_.get(); }
