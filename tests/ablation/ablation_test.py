@@ -93,7 +93,7 @@ class Rows(unittest.TestCase):
 
     def test_choice_and_preset(self):
         rows = chosen_rows(["cameras", "densify-mcmc"], "3dgs")
-        self.assertEqual(len(rows), 7)
+        self.assertEqual(len(rows), 4)
         self.assertEqual({r.preset for r in rows}, {"3dgs"})
         with self.assertRaises(ValueError):
             chosen_rows(["camera"], "")
@@ -231,7 +231,7 @@ class Sweep(unittest.TestCase):
     def test_lists_its_rows(self):
         done = ablation("--list", "--only", "cameras")
         self.assertEqual(done.returncode, 0)
-        self.assertEqual(len(done.stdout.splitlines()), 6)
+        self.assertEqual(len(done.stdout.splitlines()), 3)
         self.assertIn("--score-views 12", done.stdout)
 
 
