@@ -140,7 +140,7 @@ Expected<std::string> page_with(const std::string& file, const std::string& page
 
 Expected<std::string> web_viewer_folder() {
   const char* named = std::getenv("FLUXGS_WEB");
-  const std::string folder = named != nullptr && *named != 0 ? named : FLUXGS_WEB_FOLDER;
+  std::string folder = named != nullptr && *named != 0 ? named : FLUXGS_WEB_FOLDER;
   std::error_code ignored;
   if (!folder.empty() &&
       std::filesystem::exists(std::filesystem::path(folder) / "page.html", ignored))
