@@ -263,17 +263,20 @@ TEST_P(WeakDevicesTest, TilersTakeShortKeys) {
   EXPECT_EQ(render::default_approximation(api().quirks), render::ApproximationSettings());
 }
 
-// GPUs blend in half floats, and every other way where those are missing.
+// GPUs blend in half floats, and every other way where those are missing or truncated.
 TEST_P(WeakDevicesTest, CardsBlendInHalfFloats) {
   if (!api().capabilities.float_targets) GTEST_SKIP() << "the driver has no float targets";
-  const bool on_cpu = std::exchange(api().quirks.runs_on_cpu, true);
+  const gl::Quirks quirks = api().quirks;
+  api().quirks = {.runs_on_cpu = true};
   EXPECT_EQ(render::default_accumulation(api()), render::Accumulation::single_float);
-  api().quirks.runs_on_cpu = false;
+  api().quirks = {.half_float_blending_truncates = true};
+  EXPECT_EQ(render::default_accumulation(api()), render::Accumulation::single_float);
+  api().quirks = {};
   EXPECT_EQ(render::default_accumulation(api()), render::Accumulation::half_float);
   const bool half = std::exchange(api().capabilities.half_float_targets, false);
   EXPECT_EQ(render::default_accumulation(api()), render::Accumulation::single_float);
   api().capabilities.half_float_targets = half;
-  api().quirks.runs_on_cpu = on_cpu;
+  api().quirks = quirks;
 }
 
 FLUXGS_GL_TEST_SUITE(WeakDevicesTest);
