@@ -100,10 +100,11 @@ internal class DriverCheck(val json: JSONObject) {
         }
 
         /** The driver ended the process: what is left is the plainest way of drawing. */
+        /** The plainest way, which projects in fragment shaders. */
         private fun afterDeaths() = DriverCheck(
             JSONObject()
                 .put("right", false)
-                .put("limits", JSONArray(LIMIT_NAMES.keys))
+                .put("limits", JSONArray(LIMIT_NAMES.keys - "no_fragment_projection"))
                 .put("faults", JSONArray(listOf(DIED))),
         )
     }
