@@ -241,7 +241,8 @@ TEST(Command, WrongUsageIsStatusTwoAndHelpHasExamples) {
   EXPECT_NE(fluxgs("train x -o y.glb --iterations 0")
                 .err.find("expected a whole number from 1 to 1000000000"),
             std::string::npos);
-  for (const char* command : {"train", "eval", "render", "view", "convert", "info", "web", "doctor"}) {
+  for (const char* command :
+       {"train", "eval", "render", "view", "convert", "info", "web", "doctor"}) {
     const Outcome help = fluxgs(std::string(command) + " --help");
     EXPECT_EQ(help.status, 0);
     EXPECT_NE(help.out.find("Example: fluxgs " + std::string(command)), std::string::npos)
