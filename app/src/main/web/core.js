@@ -1,11 +1,8 @@
 // One viewer in one canvas: its instance of the module, the workers that read and sort, and the inputs.
 // No user interface; element.js has that.
 
-/** How the pieces come: {compile(): Promise<WebAssembly.Module>, glue: text of flux.js, worker: text of worker.js}. */
-
 const PHASES = {pointerdown: 0, pointermove: 1, pointerup: 2, pointercancel: 3};
 const KINDS = {moved: 0, button: 1, scrolled: 2, key: 3, text: 4, focusLost: 5};
-const BUTTONS = [0, 1, 2];  // left, middle, right: the same numbers in both
 const VIEW_NUMBERS = 12;
 
 export class FluxViewer extends EventTarget {
@@ -29,7 +26,7 @@ export class FluxViewer extends EventTarget {
   #coarse = false;
   #frame = 0;
   #lost = false;
-  #ratio = 1;
+  #ratio = 0;  // pixels of the canvas for one of the page; 0 before the first frame
   #fingers = new Map();
   #settings = {scale: 0, movingScale: 1, shDegree: 3, maxSplats: 0, memory: 0, background: [0, 0, 0]};
   #listeners = new AbortController();
@@ -186,15 +183,13 @@ export class FluxViewer extends EventTarget {
     const ratio = Math.min(devicePixelRatio || 1, 2);
     const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
     const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
-    if (canvas.width === width && canvas.height === height && this.#ratio === ratio && this.#fitted) return;
-    this.#fitted = true;
+    if (canvas.width === width && canvas.height === height && this.#ratio === ratio) return;
     canvas.width = width;
     canvas.height = height;
     this.#ratio = ratio;
     this.#module._flux_resize(width, height, ratio * 160 / 150);
     this.#module._flux_redraw();
   }
-  #fitted = false;
 
   // ---- Inputs
 
@@ -242,8 +237,8 @@ export class FluxViewer extends EventTarget {
       this.#canvas.focus({preventScroll: true});
     }
     if (event.type === 'pointermove') return this.#event(KINDS.moved, {x, y});
-    if (event.button >= 0 && event.button < 3)
-      this.#event(KINDS.button, {x, y, button: BUTTONS[event.button], down: Number(event.type === 'pointerdown')});
+    if (event.button >= 0 && event.button < 3)  // left, middle, right: PointerButton has the same numbers
+      this.#event(KINDS.button, {x, y, button: event.button, down: Number(event.type === 'pointerdown')});
   }
 
   #touch(event) {
@@ -307,10 +302,20 @@ export class FluxViewer extends EventTarget {
     this.wake();
   }
 
+  /** Parts of the state that cost nothing to ask for. */
+  get loading() {
+    return {...this.#loading};
+  }
+  get lost() {
+    return this.#lost;
+  }
+  get resting() {
+    return !this.#frame;
+  }
   /** The state of session_json.h, with what the reader says as `loading`. */
   get state() {
     const state = JSON.parse(this.#module.UTF8ToString(this.#module._flux_state()));
-    return {...state, loading: {...this.#loading}, lost: this.#lost, resting: !this.#frame};
+    return {...state, loading: this.loading, lost: this.lost, resting: this.resting};
   }
 
   #writeView(numbers) {

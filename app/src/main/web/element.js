@@ -6,6 +6,7 @@ import {fill, textsFor} from './texts.js';
 
 const EXTENSIONS = '.glb,.gltf,.ply,.spz,.splat,.sog,.zip';
 const QUALITIES = {automatic: {scale: 0, movingScale: 1}, sharp: {scale: 1, movingScale: 1}, fast: {scale: 0, movingScale: 0.7}};
+const LOOK_MS = 250;  // between looks at the state while something moves
 const FADE_MS = 4000;  // without a touch the buttons go
 
 /** Makes an element: tag, attributes, children. */
@@ -49,6 +50,7 @@ export class FluxGsViewerElement extends HTMLElement {
   #title = '';
   #ready = false;
   #began = 0;
+  #looked = 0;  // at the state
   #fade;
   #ui = {};
   #statisticsTimer;
@@ -232,7 +234,7 @@ export class FluxGsViewerElement extends HTMLElement {
   }
 
   #tellLoading() {
-    const {phase, read, bytes, error, problem} = this.#viewer.state.loading;
+    const {phase, read, bytes, error, problem} = this.#viewer.loading;
     const t = this.#texts;
     this.dispatchEvent(new CustomEvent('loading', {detail: {phase, read, bytes}}));
     if (phase === 'failed') return this.#tellError(problem, error);
@@ -254,10 +256,13 @@ export class FluxGsViewerElement extends HTMLElement {
   }
 
   #drawn() {
+    const t = this.#texts, now = performance.now();
+    if (this.#viewer.lost) return this.#note(t.lost);
+    // The whole state is text that is made and read again: not in each frame of a movement
+    if (this.#ready && !this.#viewer.resting && now - this.#looked < LOOK_MS) return;
+    this.#looked = now;
     const state = this.#viewer.state;
-    const t = this.#texts;
     this.#ui.turn.setAttribute('aria-pressed', String(state.motion === 'drift'));
-    if (state.lost) return this.#note(t.lost);
     if (state.error) return this.#tellError('', state.error);
     if (this.#ui.note.textContent === t.lost) this.#note('');
     if (!state.drawn || this.#ready || !['ready', 'reading'].includes(state.loading.phase)) return;

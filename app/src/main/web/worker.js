@@ -23,7 +23,7 @@ const failure = (problem, message) => Object.assign(new Error(message), {problem
 // ---- Reading
 
 /** Answers with a scene as blocks, or with what of it has come. */
-function post(come, whole) {
+function post(whole) {
   const blocks = [];
   for (let i = 0; i < module._flux_block_count(); ++i)
     blocks.push(copy(module._flux_read_block(i), module._flux_read_block_bytes(i)));
@@ -35,7 +35,7 @@ function post(come, whole) {
 /** Decodes what has come of a file. */
 function decode(name, come, memory, whole) {
   const read = withText(name, (address) => module._flux_read(address, come, memory));
-  if (read) return post(come, whole);
+  if (read) return post(whole);
   if (!whole) return;
   const {error, problem} = JSON.parse(module.UTF8ToString(module._flux_read_state()));
   throw failure(problem, error);

@@ -1,5 +1,5 @@
-// Whether a driver rounds when it blends half floats, found out by trying: browsers hide whose
-// driver they use.
+// A trial of a driver's blending of half floats, which it should round: browsers hide the name of
+// their driver.
 #pragma once
 
 #include "gl/api.h"

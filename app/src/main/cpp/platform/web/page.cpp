@@ -1,4 +1,4 @@
-// What the page calls: one viewer in one canvas. All functions on the page's thread.
+// The functions of the page: one viewer in one canvas. All are called on the page's thread.
 #include <emscripten.h>
 
 #include <array>
@@ -77,10 +77,7 @@ class Page {
     const double passed = last_ ? std::max(seconds - *last_, 0.0) : 0;
     last_ = seconds;
     const auto shown = presenter_.frame(passed);
-    if (!shown) {
-      presenter_.give_up();
-      state_.error = shown.error().message();
-    }
+    if (!shown) state_.error = shown.error().message();
     if (shown && *shown) check_projection();
     const bool rests = presenter_.at_rest();
     if (rests) last_.reset();  // what moves next begins then
@@ -176,7 +173,7 @@ EMSCRIPTEN_KEEPALIVE void* flux_scene_room(const void* head) {
 EMSCRIPTEN_KEEPALIVE void flux_scene_show(const double* view) {
   page().show(view != nullptr ? std::optional(fluxgs::web::view_of(view)) : std::nullopt);
 }
-/// What comes next is another scene, not more of the one before.
+/// Another scene comes next, not more of the one before.
 EMSCRIPTEN_KEEPALIVE void flux_scene_begin() { page().begin_another(); }
 
 EMSCRIPTEN_KEEPALIVE void* flux_order_room(int scene, std::size_t count) {
@@ -239,7 +236,7 @@ EMSCRIPTEN_KEEPALIVE const double* flux_view() {
   page().view = fluxgs::web::numbers_of(*saved);
   return page().view.data();
 }
-/// Where they are written for the functions that take a view.
+/// Room for the numbers of a view, for the functions that take one.
 EMSCRIPTEN_KEEPALIVE double* flux_view_room() { return page().view.data(); }
 /// Goes there smoothly, if the numbers are a view.
 EMSCRIPTEN_KEEPALIVE void flux_go_to(const double* view) {

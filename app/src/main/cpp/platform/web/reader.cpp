@@ -1,4 +1,4 @@
-// What the worker that reads a scene calls. The scene goes to the page in blocks (scene_blocks.h).
+// The functions of the reading worker. Its scene goes to the page in blocks (scene_blocks.h).
 #include <emscripten.h>
 
 #include <exception>

@@ -1,4 +1,4 @@
-// What the worker that sorts calls.
+// The functions of the sorting worker.
 #include <emscripten.h>
 
 #include <optional>
@@ -39,7 +39,7 @@ EMSCRIPTEN_KEEPALIVE void flux_sort_begin() {
   auto& worker = fluxgs::web::sort_worker();
   worker.sort.emplace(std::move(worker.positions));
 }
-/// Where a view goes, as the page's instance of the module wrote it.
+/// Room for a view, in the bytes of the page's instance of the module.
 EMSCRIPTEN_KEEPALIVE void* flux_sort_view() { return &fluxgs::web::sort_worker().view; }
 /// Sorts; returns how many splats are listed.
 EMSCRIPTEN_KEEPALIVE std::uint32_t flux_sort() {

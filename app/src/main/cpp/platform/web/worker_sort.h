@@ -18,7 +18,7 @@ class WorkerSort final : public sort::BackgroundSort {
   sort::SharedIndices newest() override { return newest_; }
   sort::SharedIndices wait(std::uint64_t) override { return newest_; }
 
-  /// Where an order of the worker goes, of so many splats; null where it is of another scene.
+  /// Room for an order of the worker, of so many splats; null where it is of another scene.
   void* room(int scene, std::size_t count);
   /// It was written.
   void came(std::uint64_t ticket, std::uint32_t count);
