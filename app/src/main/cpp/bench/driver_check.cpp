@@ -105,9 +105,16 @@ Expected<std::vector<std::uint32_t>> keys_of(const render::Renderer& renderer) {
 
 }  // namespace
 
-Expected<std::string> fault_of_projection(const render::Renderer& renderer, const SplatCloud& scene,
-                                          const Camera& camera, double near_plane,
-                                          std::uint32_t most) {
+std::string ProjectionCheck::fault() const {
+  if (seen == 0) return "the projection kept no splat";
+  return misplaces()
+             ? fmt::format("the projection put {} splats of {} in a wrong place", wrong, seen)
+             : std::string();
+}
+
+Expected<ProjectionCheck> check_projection(const render::Renderer& renderer,
+                                           const SplatCloud& scene, const Camera& camera,
+                                           double near_plane, std::uint32_t most) {
   const auto count = static_cast<std::uint32_t>(std::min<std::size_t>(scene.size(), most));
   const auto keys = keys_of(renderer);
   if (!keys) return std::unexpected(keys.error());
@@ -118,7 +125,7 @@ Expected<std::string> fault_of_projection(const render::Renderer& renderer, cons
       render::sort_view(camera, near_plane, renderer.scene(), settings.approximation.key_bits).keys;
   constexpr double kNearby = 0.1;        // px
   constexpr float kLeastLevel = -1e29F;  // below: hidden, its centre was not written
-  std::size_t seen = 0, wrong = 0;
+  ProjectionCheck check;
   for (std::uint32_t i = 0; i < count; ++i) {
     const render::ProjectedSplat& splat = (*splats)[i];
     if (!(splat.level > kLeastLevel)) continue;
@@ -131,14 +138,10 @@ Expected<std::string> fault_of_projection(const render::Renderer& renderer, cons
       const std::int64_t rounding = 1 + (64 >> depths.shift);
       right = right && std::abs(key - std::int64_t{(*keys)[i]}) <= rounding;
     }
-    ++seen;
-    wrong += right ? 0 : 1;
+    ++check.seen;
+    check.wrong += right ? 0 : 1;
   }
-  if (seen == 0) return std::string("the projection kept no splat");
-  // A few may lie at the border of being drawn
-  return wrong * 100 <= seen
-             ? std::string()
-             : fmt::format("the projection put {} splats of {} in a wrong place", wrong, seen);
+  return check;
 }
 
 namespace {
@@ -161,11 +164,11 @@ class OneWay {
         gl::chain([&] { return renderer_->draw(camera, {.near_plane = near_plane}, *target); },
                   [&] { return gl::check_errors(api_, "drawing"); });
     if (!drawn) return {Suspect::unknown, drawn.error().message()};
-    const auto fault = fault_of_projection(*renderer_, scene, camera, near_plane, kAll);
-    if (!fault) return {Suspect::unknown, fault.error().message()};
-    if (!fault->empty())
+    const auto projected = check_projection(*renderer_, scene, camera, near_plane, kAll);
+    if (!projected) return {Suspect::unknown, projected.error().message()};
+    if (std::string fault = projected->fault(); !fault.empty())
       return {renderer_->settings().compute ? Suspect::compute : Suspect::fragment_projection,
-              *fault};
+              std::move(fault)};
     return judge(*target, golden);
   }
 

@@ -2,6 +2,7 @@
 // looks for a way of drawing that this driver gets right.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -18,12 +19,23 @@ namespace fluxgs::bench {
 /// PSNR that a picture needs, dB; blended in 8 bits every layer is rounded.
 inline constexpr double kLeastPsnr = 45, kLeastPsnrInBytes = 35;
 
+/// Splats of a frame, compared with a projection in doubles.
+struct ProjectionCheck {
+  std::size_t seen = 0;   ///< that were not hidden
+  std::size_t wrong = 0;  ///< of those, in a wrong place
+
+  /// True if more are wrong than may lie at the border of being drawn.
+  bool misplaces() const { return wrong * 100 > seen; }
+  /// One line if no splat was seen or they are misplaced, else empty.
+  std::string fault() const;
+};
+
 /// Compares the centres and depths of the first `most` splats in the last frame with a projection
-/// in doubles: a line where they differ, else empty. `camera`: of the image that was blended, of
-/// its size. The scene was uploaded as a whole. Waits for the GPU.
-Expected<std::string> fault_of_projection(const render::Renderer& renderer, const SplatCloud& scene,
-                                          const Camera& camera, double near_plane,
-                                          std::uint32_t most);
+/// in doubles. `camera`: of the image that was blended, of its size. The scene was uploaded as a
+/// whole. Waits for the GPU.
+Expected<ProjectionCheck> check_projection(const render::Renderer& renderer,
+                                           const SplatCloud& scene, const Camera& camera,
+                                           double near_plane, std::uint32_t most);
 
 struct DriverCheck {
   bool right = false;           ///< drawn with `limits` the picture is like the golden one

@@ -1,4 +1,4 @@
-// Culls and projects a splat, for project.comp and project.frag. Those give it, before this file:
+// Culls and projects a splat, for project.comp and project_texels.glsl. Those give it, before this file:
 //   uvec4 geometry_at(uint i), uvec2 sh_word(uint i): the scene (PackedSplats in render/scene_packing.h)
 //   void store(uint splat, uvec4 words[PROJECTED_SPLAT_SIZE]): takes what the draw reads
 //   void hide(uint splat): takes that it is not drawn

@@ -45,6 +45,15 @@ void set_failed(LoadState& state, const Error& error) {
 
 }  // namespace
 
+Expected<LoadedScene> load_or_fail(const std::string& name,
+                                   const std::function<Expected<LoadedScene>()>& load) {
+  try {
+    return load();
+  } catch (const std::exception& problem) {  // of memory
+    return fail(name, "memory", fmt::format("not enough to open the scene ({})", problem.what()));
+  }
+}
+
 std::optional<LoadedScene> finish(LoadState& state, Expected<LoadedScene> loaded,
                                   const std::string& name) {
   if (loaded && loaded->cloud.size() == 0)
@@ -341,12 +350,7 @@ struct SceneLoading::Job {
   }
 
   void run(std::optional<DecodeMemoryGuard>& guard) {
-    try {
-      finish(load(guard));
-    } catch (const std::exception& problem) {  // of memory
-      finish(
-          fail(name, "memory", fmt::format("not enough to open the scene ({})", problem.what())));
-    }
+    finish(load_or_fail(name, [&] { return load(guard); }));
   }
 };
 

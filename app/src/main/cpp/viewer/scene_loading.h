@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -25,6 +26,10 @@ struct LoadState {
   /// be read, "": it is no scene, or damaged.
   std::string problem;
 };
+
+/// Loads a scene; where memory runs out that is an error like others.
+Expected<LoadedScene> load_or_fail(const std::string& name,
+                                   const std::function<Expected<LoadedScene>()>& load);
 
 /// Ends a loading with a scene, which is returned, or with the reason why there is none: an empty
 /// scene is one, too.

@@ -113,12 +113,11 @@ class Page {
     const camera::Navigation& n = v.navigation();
     const Camera camera =
         camera::camera_of(n.view, scene.target().width(), scene.target().height());
-    const auto fault = bench::fault_of_projection(
+    const auto found = bench::check_projection(
         scene.renderer(), v.cloud().base,
         render::scaled_camera(camera, scene.target().blend_width(), scene.target().blend_height()),
         n.units.near_plane, kSome);
-    // "The projection kept no splat" only says that these are not seen
-    if (fault && !fault->starts_with("the projection put")) return;
+    if (found && !found->misplaces()) return;
     presenter_.screen().api()->quirks.fragment_projection_fails = true;
     v.close();  // the next frame makes it again
     presenter_.redraw();

@@ -65,15 +65,8 @@ struct Reader {
   bool read(const std::string& name, std::size_t come, std::uint64_t memory) {
     state = {};
     set(std::nullopt);
-    auto decoded = [&]() -> Expected<viewer::LoadedScene> {
-      try {
-        return decode(name, come, memory);
-      } catch (const std::exception& problem) {  // of memory
-        return fail(name, "memory",
-                    std::string("not enough to open the scene (") + problem.what() + ")");
-      }
-    }();
-    set(viewer::finish(state, std::move(decoded), name));
+    set(viewer::finish(
+        state, viewer::load_or_fail(name, [&] { return decode(name, come, memory); }), name));
     return scene.has_value();
   }
 };
