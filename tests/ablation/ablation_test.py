@@ -227,6 +227,16 @@ class Sweep(unittest.TestCase):
         self.assertIn("expected the folder", self.sweep("x", data=self.path / "none").stderr)
         for words in (("--", "--seed", "3"), ("--", "-ox.glb"), ("--seeds", "0")):
             self.assertEqual(self.sweep("wrong", *words, common=()).returncode, 2)
+        file = self.path / "file"
+        file.write_text("")
+        for words, expected in (
+            ((self.data, "-o", file), "is a file; expected a folder"),
+            ((self.data, "-o", self.path / "x", "--fluxgs", self.path / "none"), "no such program"),
+            (("-o", self.path / "x", "--redraw"), "runs.jsonl: no such file"),
+        ):
+            done = ablation(*words)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(expected, done.stderr)
 
     def test_lists_its_rows(self):
         done = ablation("--list", "--only", "cameras")

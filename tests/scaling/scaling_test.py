@@ -107,8 +107,13 @@ class Program(unittest.TestCase):
             self.assertEqual(done.returncode, 2)
             self.assertIn("no such program; build the targets make_capture", done.stderr)
             done = scaling("-o", folder, "--redraw")
-            self.assertEqual(done.returncode, 1)
-            self.assertIn("scaling: error:", done.stderr)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("runs.jsonl: no such file; --redraw shows earlier measurements", done.stderr)
+            file = Path(folder) / "file"
+            file.write_text("")
+            done = scaling("-o", file)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("file: is a file; expected a folder", done.stderr)
 
 
 if __name__ == "__main__":
