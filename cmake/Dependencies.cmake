@@ -60,6 +60,9 @@ fluxgs_dependency(draco ${_github}/google/draco/archive/1.5.5.tar.gz
                   6b7994150bbc513abcdbe22ad778d6b2df10fc8cdc7035e916985b2a209ab826)  # Homebrew
 set(CMAKE_UNITY_BUILD OFF)
 if(FLUXGS_PHONE)
+  # Draco has no options for all of its features. Compact files hold points, in the format of today.
+  set(_features "#pragma once\n#define DRACO_POINT_CLOUD_COMPRESSION_SUPPORTED\n")
+  file(WRITE ${CMAKE_BINARY_DIR}/draco/draco_features.h "${_features}")
   # Without images of other kinds than RGBA and without scaling, which nothing here asks for
   string(APPEND CMAKE_C_FLAGS " -DWEBP_REDUCE_CSP -DWEBP_REDUCE_SIZE")
 endif()

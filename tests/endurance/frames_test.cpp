@@ -92,7 +92,7 @@ class FramesTest : public GlTest {
 void FramesTest::expect_steady(const char* name, const render::SceneViewSettings& settings) {
   const GlFaults between(api());
   render::SceneView view(std::make_shared<render::RenderCloud>(random_cloud(300, 1, 31)), settings);
-  must(view.open(api(), kWidth, kHeight));
+  must(view.open(device(), kWidth, kHeight));
   static_cast<void>(grown_over(view, kWarmUp));
   view.renderer().wait_for_sorts(true);
   draw(view, 0);

@@ -86,7 +86,7 @@ TEST_P(UploadMemoryTest, NoCopyOfTheSceneIsMade) {
     render::SceneView view(cloud, {.max_splats = shown});
     const long before = allocations.bytes;
     allocations.max_bytes = before;
-    must(view.open(api(), 64, 48));
+    must(view.open(device(), 64, 48));
     EXPECT_EQ(view.splats(), shown);
     const long most = allocations.max_bytes - before, after = allocations.bytes - before;
     std::printf("%zu of %zu splats, %ld bytes on the GPU: %ld bytes at most, %ld afterwards\n",

@@ -10,6 +10,7 @@
 
 #include "fluxgs/io/file.h"
 #include "seeds.h"
+#include "support/sanitized.h"
 
 namespace fluxgs::fuzz {
 namespace {
@@ -54,7 +55,7 @@ TEST_P(Replay, Seeds) {
 
 // What libFuzzer does, in small, where there is no clang to build it.
 TEST_P(Replay, DamagedSeeds) {
-  constexpr std::size_t kEach = 10, kLargest = 20000;
+  constexpr std::size_t kEach = test::kSanitized ? 4 : 10, kLargest = 20000;
   std::mt19937 random(7);
   const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random()) % n; };
   for (const auto& [name, seed] : seeds().at(GetParam().name)) {

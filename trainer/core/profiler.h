@@ -48,6 +48,7 @@ class ProfileScope {
       : profiler_(profiler), outer_(profiler.running_), name_(name) {
     if (outer_) outer_->stop();
     profiler_.running_ = this;
+    start();
   }
   ~ProfileScope() {
     stop();
@@ -67,7 +68,7 @@ class ProfileScope {
   Profiler& profiler_;
   ProfileScope* outer_;
   std::string_view name_;
-  double start_ = wall_seconds(), cpu_start_ = cpu_seconds();
+  double start_ = 0, cpu_start_ = 0;
 };
 
 }  // namespace fluxgs

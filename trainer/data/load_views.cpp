@@ -111,7 +111,9 @@ Expected<View> load_view(const SourceFrame& frame, const SharedLenses& shared,
     if (view) memory.keep(*view);
     return view;
   } catch (const FullDisk& e) {
-    memory.tell_full(e.text + "; --downscale makes photos smaller, TMPDIR names another folder");
+    memory.tell_full(e.text +
+                     "; --downscale makes photos smaller, a larger --photo-memory keeps more of "
+                     "them out of files, TMPDIR names another folder");
     return fail(file, "", e.text);
   } catch (const std::bad_alloc&) {
     return fail(file, "", "not enough memory for the image; reduce the images (downscale)");

@@ -65,13 +65,17 @@ Expected<Json> parse_json(const fs::path& file) {
   const std::string text = with_finite_numbers(*read);
   try {
     Json json = Json::parse(text);
-    if (!json.is_object() || !json.contains("frames") || !json["frames"].is_array())
-      return fail(file.string(), "frames", "missing, expected a list of frames");
+    const bool has_frames = json.is_object() && json.contains("frames");
+    if (!has_frames || !json["frames"].is_array())
+      return fail(file.string(), "frames",
+                  fmt::format("{}, expected a list of frames", has_frames ? "is none" : "missing"));
     return json;
   } catch (const Json::parse_error& e) {
     return fail(file.string(), "", json_fault(text, e.byte));
   } catch (const Json::exception& e) {
-    return fail(file.string(), "", "not valid JSON: " + one_line(e.what()));
+    // "[json.exception.out_of_range.406] number overflow parsing '1e999'"
+    const std::string what = one_line(e.what());
+    return fail(file.string(), "", "not valid JSON: " + what.substr(what.find("] ") + 2));
   }
 }
 

@@ -86,7 +86,7 @@ Expected<void> check_memory(const Dataset& data, const TrainOptions& options) {
   if (splats_in_memory(data, options, kDefaultPairs) >= kFewest) return {};
   return fail("", "--max-memory",
               fmt::format("{} MiB are too few: {:.0f} MiB are taken before the first splat; use "
-                          "--downscale, or at least {:.0f}",
+                          "--downscale, a small --photo-memory, or at least {:.0f}",
                           options.max_memory, fixed_bytes(data, options) / kMebibyte,
                           training_memory(data, options, kFewest, kDefaultPairs) / kMebibyte + 1));
 }

@@ -7,6 +7,7 @@
 #include "fluxgs/io/scene.h"
 #include "fluxgs/math/logistic.h"
 #include "glb_support.h"
+#include "support/sanitized.h"
 
 namespace fluxgs {
 namespace {
@@ -215,7 +216,7 @@ TEST(CompactGlb, CutsAndFlippedBitsAreAnErrorOrASceneOfThatSize) {
   const Bytes good = compact_glb(random_cloud(40, 1));
   const Bytes bin = bin_of(good);
   const std::string text = json_of(good);
-  for (std::size_t i = 0; i < bin.size(); ++i) {
+  for (std::size_t i = 0; i < bin.size(); i += test::kSanitized ? 3 : 1) {
     Bytes bad = bin;
     bad[i] ^= std::byte{0x24};
     const auto scene = read(make_glb(text, bad));

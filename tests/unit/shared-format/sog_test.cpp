@@ -328,8 +328,37 @@ TEST(Sog, SeveralScenesInOneArchiveAreRefused) {
     entries.push_back(stored(name, bytes));
   FLUXGS_UNWRAP(scene, read_sog(zip_of(entries), "x.sog"));
   EXPECT_EQ(scene.cloud.size(), 3U);
-  entries.push_back(stored("c/lod-meta.json", bytes_of("{}")));
-  expect_error(read_sog(zip_of(entries), "x.sog"), {"c/lod-meta.json", "streamed scene"});
+  entries.push_back(stored("lod-meta.json", bytes_of("{}")));
+  expect_error(read_sog(zip_of(entries), "x.sog"), {"second scene beside"});
+}
+
+TEST(SogLod, IsReadFromAnArchiveToo) {
+  const Files first = make_sog(random_cloud(7, 1, 1)), second = make_sog(random_cloud(15, 2, 2));
+  const TemporaryFolder folder;
+  write_files(folder, first, "0_1/");
+  write_files(folder, second, "0_0/");
+  write_files(folder, {{"lod-meta.json", bytes_of(lod_meta().dump())}});
+  FLUXGS_UNWRAP(unpacked, read_scene(folder / "lod-meta.json"));
+  const auto packed = [&](const std::string& where, const json& lod) {
+    std::vector<ZipEntry> entries = {stored(where + "lod-meta.json", bytes_of(lod.dump()))};
+    for (const auto& [name, bytes] : first) entries.push_back(stored(where + "0_1/" + name, bytes));
+    for (const auto& [name, bytes] : second)
+      entries.push_back(stored(where + "0_0/" + name, bytes));
+    return zip_of(entries);
+  };
+  for (const char* where : {"", "scene/"}) {
+    FLUXGS_UNWRAP(scene, read_scene(packed(where, lod_meta()), "x.zip"));
+    EXPECT_EQ(scene.cloud.positions, unpacked.cloud.positions);
+    EXPECT_EQ(scene.cloud.sh_rest, unpacked.cloud.sh_rest);
+    EXPECT_EQ(scene.attribute_bits, unpacked.attribute_bits);
+  }
+  FLUXGS_UNWRAP(announced, announced_by_sog(packed("", lod_meta()), "x.zip"));
+  EXPECT_EQ(announced, std::pair(std::size_t{22}, 2));
+  // However many names the tree has for a file, it is read once
+  json twice = lod_meta();
+  twice["filenames"] = {"0_0/meta.json", "0_0/meta.json", "0_0/meta.json"};
+  twice["tree"] = {{"children", {leaf(0, 0, 15), leaf(1, 0, 15)}}};
+  expect_error(read_scene(packed("", twice), "x.zip"), {"0_0/meta.json", "named twice"});
 }
 
 TEST(Sog, TheFilterIsRead) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <exception>
 #include <initializer_list>
+#include <set>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -20,7 +21,10 @@ namespace {
 
 using namespace io;
 
-constexpr char kMetaFile[] = "meta.json";
+constexpr std::string_view kMetaFile = "meta.json", kLodFile = "lod-meta.json";
+constexpr std::size_t kMostChunks = 4096;  // of a streamed scene, half a million splats each
+
+std::string_view base_of(std::string_view file) { return file.substr(file.rfind('/') + 1); }
 
 constexpr std::string_view kZipMagic = "PK\x03\x04";  // of a file's header (APPNOTE 4.3.7)
 
@@ -37,7 +41,7 @@ bool is_object_with(std::span<const std::byte> bytes,
 NamedFiles counted(NamedFiles files, AttributeBits& bits) {
   return [files = std::move(files), &bits](const std::string& file, std::uint64_t max_bytes) {
     auto content = files(file, max_bytes);
-    const std::string_view base = std::string_view(file).substr(file.rfind('/') + 1);
+    const std::string_view base = base_of(file);
     for (const auto& [start, attribute] :
          {std::pair("means", "position"), std::pair("scales", "scale"),
           std::pair("quats", "rotation"), std::pair("sh0", "sh_dc"), std::pair("shN", "sh_rest")})
@@ -74,34 +78,20 @@ Expected<SogMeta> meta_from(std::span<const std::byte> json, const std::string& 
   return parse_sog_meta(*root, name, field);
 }
 
-// Returns how many splats it announces.
-Expected<std::size_t> read_from(std::span<const std::byte> json, const NamedFiles& files,
-                                const std::string& folder, const std::string& field,
-                                const std::string& name, SplatSink& sink, SceneFile& scene) {
-  const auto meta = meta_from(json, field, name);
-  if (!meta) return std::unexpected(meta.error());
-  if (auto done = decode_sog(*meta, files, folder, name, sink, scene); !done)
-    return std::unexpected(done.error());
-  return meta->count;
-}
-
-// The scene of an archive.
-struct BundledMeta {
+struct LocatedMeta {
   SogMeta meta;
   std::string folder;  // "", or with a slash at its end: where meta.json and the images lie
 };
 
-// The one meta.json that lies highest: a folder may have been packed as a whole.
+// The one meta.json or lod-meta.json that lies highest: a folder may have been packed as a whole.
 Expected<std::string> find_meta(const ZipArchive& archive, const std::string& name) {
   const auto depth = [](const std::string& file) { return std::ranges::count(file, '/'); };
   std::vector<std::string> found;
   for (const std::string& file : archive.files()) {
-    const std::string_view base = std::string_view(file).substr(file.rfind('/') + 1);
-    if (base == "lod-meta.json")
-      return fail(name, file, "names a streamed scene; unpack the archive and open this file");
-    if (base == kMetaFile) found.push_back(file);
+    const std::string_view base = base_of(file);
+    if (base == kMetaFile || base == kLodFile) found.push_back(file);
   }
-  if (found.empty()) return fail(name, kMetaFile, "is not in the archive");
+  if (found.empty()) return fail(name, std::string(kMetaFile), "is not in the archive");
   std::ranges::stable_sort(found, {}, depth);
   if (found.size() == 1 || depth(found[0]) < depth(found[1])) return found[0];
   return fail(name, found[1],
@@ -109,20 +99,95 @@ Expected<std::string> find_meta(const ZipArchive& archive, const std::string& na
                           sanitized(found[0])));
 }
 
-// Its images may be compressed once more, and tell of far more than it has bytes for.
-Expected<BundledMeta> archive_meta(const ZipArchive& archive, std::size_t bytes,
-                                   const std::string& name) {
-  const auto file = find_meta(archive, name);
-  if (!file) return std::unexpected(file.error());
-  const auto json = archive.read(*file, kMaxJsonText);
-  if (!json) return std::unexpected(json.error());
-  auto meta = meta_from(*json, kMetaFile, name);
+Expected<std::vector<LocatedMeta>> located_meta(std::span<const std::byte> json,
+                                                const std::string& folder,
+                                                const std::string& name) {
+  auto meta = meta_from(json, std::string(kMetaFile), name);
   if (!meta) return std::unexpected(meta.error());
-  if (meta->count > max_sog_splats(bytes))
-    return fail(name, kMetaFile,
-                fmt::format("announces {} splats; an archive of {} bytes has at most {}",
-                            meta->count, bytes, max_sog_splats(bytes)));
-  return BundledMeta{std::move(*meta), file->substr(0, file->size() - (sizeof kMetaFile - 1))};
+  return std::vector{LocatedMeta{std::move(*meta), folder}};
+}
+
+/// Each file once at most: many names of one would be read for long.
+NamedFiles once(NamedFiles files, const std::string& name) {
+  return [files = std::move(files), name, used = std::set<std::string>()](
+             const std::string& file, std::uint64_t max_bytes) mutable {
+    if (used.insert(file).second) return files(file, max_bytes);
+    return Expected<std::vector<std::byte>>(
+        fail(name, file, "is named twice; expected a file for each purpose"));
+  };
+}
+
+/// The chunks of a streamed scene that hold its finest level; `folder`: where lod-meta.json lies.
+Expected<std::vector<LocatedMeta>> finest_chunks(std::span<const std::byte> json,
+                                                 const NamedFiles& files, const std::string& folder,
+                                                 const std::string& name) {
+  const auto root = parse_json_object(as_text(json), name, std::string(kLodFile));
+  if (!root) return std::unexpected(root.error());
+  const auto chunks = parse_sog_lod(*root, name);
+  if (!chunks) return std::unexpected(chunks.error());
+  if (chunks->size() > kMostChunks)
+    return fail(
+        name, std::string(kLodFile),
+        fmt::format("level 0 lies in {} files; at most {} are read", chunks->size(), kMostChunks));
+  std::vector<LocatedMeta> found;
+  for (const SogChunk& chunk : *chunks) {
+    const std::string file = folder + chunk.file;
+    const auto text = files(file, kMaxJsonText);
+    if (!text) return std::unexpected(text.error());
+    auto meta = meta_from(*text, file, name);
+    if (!meta) return std::unexpected(meta.error());
+    if (meta->count != chunk.count)
+      return fail(name, file,
+                  fmt::format("holds {} splats; the tree of lod-meta.json expects {}", meta->count,
+                              chunk.count));
+    found.push_back({std::move(*meta), file.substr(0, file.rfind('/') + 1)});
+  }
+  return found;
+}
+
+/// Takes the splats of a chunk for a sink that knows of the whole scene.
+class ChunkSink final : public SplatSink {
+ public:
+  ChunkSink(SplatSink& sink, int degree) : sink_(sink), degree_(degree) {}
+  Expected<int> begin(const ComingSplats& coming) override {
+    return std::min(coming.sh_degree, degree_);
+  }
+  Expected<void> take(SplatCloud& part) override { return sink_.take(part); }
+
+ private:
+  SplatSink& sink_;
+  int degree_;
+};
+
+int degree_of(const SogMeta& meta) { return meta.sh ? meta.sh->degree.value_or(3) : 0; }
+
+std::pair<std::size_t, int> announced_by(const std::vector<LocatedMeta>& scenes) {
+  std::pair<std::size_t, int> all;
+  for (const LocatedMeta& scene : scenes) {
+    all.first += scene.meta.count;
+    all.second = std::max(all.second, degree_of(scene.meta));
+  }
+  return all;
+}
+
+/// Hands on the scenes one after the other as one.
+Expected<void> decode_all(const std::vector<LocatedMeta>& chunks, const NamedFiles& files,
+                          const std::string& name, SplatSink& sink, SceneFile& scene) {
+  if (chunks.size() == 1)
+    return decode_sog(chunks[0].meta, files, chunks[0].folder, name, sink, scene);
+  const auto [count, degree] = announced_by(chunks);
+  constexpr std::uint64_t kImages = 6 * sizeof(std::uint32_t);  // bytes of a splat in images
+  const auto largest = std::ranges::max_element(
+      chunks, {}, [](const LocatedMeta& chunk) { return chunk.meta.count; });
+  const auto wanted =
+      sink.begin({.count = count, .sh_degree = degree, .held = kImages * largest->meta.count});
+  if (!wanted) return std::unexpected(wanted.error());
+  ChunkSink chunk_sink(sink, *wanted);
+  for (const LocatedMeta& chunk : chunks)
+    if (auto done = decode_sog(chunk.meta, files, chunk.folder, name, chunk_sink, scene); !done)
+      return done;
+  scene.cloud.sh_degree = *wanted;
+  return {};
 }
 
 NamedFiles reader_of(const ZipArchive& archive) {
@@ -131,56 +196,52 @@ NamedFiles reader_of(const ZipArchive& archive) {
   };
 }
 
-Expected<SceneFile> read_chunk(const SogChunk& chunk, const NamedFiles& files,
-                               const std::string& name) {
-  const auto json = files(chunk.file, kMaxJsonText);
+/// The scene of an archive, or the chunks of one. Its images may be compressed once more, and tell
+/// of far more than it has bytes for.
+Expected<std::vector<LocatedMeta>> archive_metas(const ZipArchive& archive, const NamedFiles& files,
+                                                 std::size_t bytes, const std::string& name) {
+  const auto file = find_meta(archive, name);
+  if (!file) return std::unexpected(file.error());
+  const auto json = files(*file, kMaxJsonText);
   if (!json) return std::unexpected(json.error());
-  const std::string folder = chunk.file.substr(0, chunk.file.rfind('/') + 1);
-  return read_whole(name, [&](SplatSink& sink) -> Expected<SceneFile> {
-    SceneFile scene;
-    const auto count = read_from(*json, files, folder, chunk.file, name, sink, scene);
-    if (!count) return std::unexpected(count.error());
-    if (*count != chunk.count) {
-      return fail(name, chunk.file,
-                  fmt::format("holds {} splats; the tree of lod-meta.json expects {}", *count,
-                              chunk.count));
-    }
-    return scene;
-  });
-}
-
-void raise_degree(SplatCloud& cloud, int degree) {
-  if (cloud.sh_degree >= degree) return;
-  const auto old_rest = static_cast<std::size_t>(sh_rest_count(cloud.sh_degree));
-  const auto new_rest = static_cast<std::size_t>(sh_rest_count(degree));
-  std::vector<glm::vec3> raised(cloud.size() * new_rest, glm::vec3(0));
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    std::copy_n(cloud.sh_rest.data() + i * old_rest, old_rest, raised.data() + i * new_rest);
-  }
-  cloud.sh_rest = std::move(raised);
-  cloud.sh_degree = degree;
-}
-
-void append(SplatCloud& to, SplatCloud from) {
-  if (to.size() == 0) {
-    to = std::move(from);
-    return;
-  }
-  raise_degree(to, from.sh_degree);
-  raise_degree(from, to.sh_degree);
-  const auto join = [](auto& a, const auto& b) { a.insert(a.end(), b.begin(), b.end()); };
-  join(to.positions, from.positions);
-  join(to.log_scales, from.log_scales);
-  join(to.rotations, from.rotations);
-  join(to.opacity_logits, from.opacity_logits);
-  join(to.sh_dc, from.sh_dc);
-  join(to.sh_rest, from.sh_rest);
+  const std::string folder = file->substr(0, file->rfind('/') + 1);
+  auto metas = base_of(*file) == kLodFile ? finest_chunks(*json, files, folder, name)
+                                          : located_meta(*json, folder, name);
+  if (!metas) return metas;
+  const std::size_t count = announced_by(*metas).first;
+  if (count > max_sog_splats(bytes))
+    return fail(name, std::string(base_of(*file)),
+                fmt::format("announces {} splats; an archive of {} bytes has at most {}", count,
+                            bytes, max_sog_splats(bytes)));
+  return metas;
 }
 
 NamedFiles reader_of(FolderFiles& folder) {
   return [&folder](const std::string& file, std::uint64_t max_bytes) {
     return folder.read(file, max_bytes);
   };
+}
+
+/// Reads the scenes that `find` finds, given the files of the folder.
+template <class Find>
+Expected<SceneFile> read_folder(const char* format, std::size_t bytes,
+                                const std::filesystem::path& path, const Find& find) {
+  const std::string name = path.string();
+  return within_memory(name, [&]() -> Expected<SceneFile> {
+    FolderFiles folder(path.parent_path());
+    AttributeBits bits;
+    const NamedFiles files = counted(reader_of(folder), bits);
+    const auto found = find(files, name);
+    if (!found) return std::unexpected(found.error());
+    return read_whole(name, [&](SplatSink& sink) -> Expected<SceneFile> {
+      SceneFile scene;
+      if (auto done = decode_all(*found, files, name, sink, scene); !done)
+        return std::unexpected(done.error());
+      describe(format, announced_by(*found).first - scene.dropped, bytes + folder.bytes(),
+               std::move(bits), scene);
+      return scene;
+    });
+  });
 }
 
 }  // namespace
@@ -202,14 +263,15 @@ Expected<SceneFile> read_sog(std::span<const std::byte> bytes, const std::string
   return within_memory(name, [&]() -> Expected<SceneFile> {
     const auto archive = ZipArchive::open(bytes, name);
     if (!archive) return std::unexpected(archive.error());
-    const auto found = archive_meta(*archive, bytes.size(), name);
-    if (!found) return std::unexpected(found.error());
     AttributeBits bits;
+    const NamedFiles files = counted(once(reader_of(*archive), name), bits);
+    const auto found = archive_metas(*archive, files, bytes.size(), name);
+    if (!found) return std::unexpected(found.error());
     SceneFile scene;
-    const auto done = decode_sog(found->meta, counted(reader_of(*archive), bits), found->folder,
-                                 name, sink, scene);
-    if (!done) return std::unexpected(done.error());
-    describe("sog", found->meta.count - scene.dropped, bytes.size(), std::move(bits), scene);
+    if (auto done = decode_all(*found, files, name, sink, scene); !done)
+      return std::unexpected(done.error());
+    describe("sog", announced_by(*found).first - scene.dropped, bytes.size(), std::move(bits),
+             scene);
     return scene;
   });
 }
@@ -223,10 +285,9 @@ Expected<std::pair<std::size_t, int>> announced_by_sog(std::span<const std::byte
   return within_memory(name, [&]() -> Expected<std::pair<std::size_t, int>> {
     const auto archive = ZipArchive::open(bytes, name);
     if (!archive) return std::unexpected(archive.error());
-    const auto scene = archive_meta(*archive, bytes.size(), name);
-    if (!scene) return std::unexpected(scene.error());
-    const SogMeta& meta = scene->meta;
-    return std::pair(meta.count, meta.sh ? meta.sh->degree.value_or(3) : 0);
+    const auto found = archive_metas(*archive, once(reader_of(*archive), name), bytes.size(), name);
+    if (!found) return std::unexpected(found.error());
+    return announced_by(*found);
   });
 }
 
@@ -236,20 +297,9 @@ bool is_sog_meta(std::span<const std::byte> bytes) {
 
 Expected<SceneFile> read_sog_folder(std::span<const std::byte> bytes,
                                     const std::filesystem::path& path) {
-  const std::string name = path.string();
-  return within_memory(name, [&]() -> Expected<SceneFile> {
-    FolderFiles folder(path.parent_path());
-    AttributeBits bits;
-    return read_whole(name, [&](SplatSink& sink) -> Expected<SceneFile> {
-      SceneFile scene;
-      const auto count =
-          read_from(bytes, counted(reader_of(folder), bits), "", kMetaFile, name, sink, scene);
-      if (!count) return std::unexpected(count.error());
-      describe("sog-folder", *count - scene.dropped, bytes.size() + folder.bytes(), std::move(bits),
-               scene);
-      return scene;
-    });
-  });
+  return read_folder(
+      "sog-folder", bytes.size(), path,
+      [&](const NamedFiles&, const std::string& name) { return located_meta(bytes, "", name); });
 }
 
 bool is_sog_lod(std::span<const std::byte> bytes) {
@@ -258,25 +308,10 @@ bool is_sog_lod(std::span<const std::byte> bytes) {
 
 Expected<SceneFile> read_sog_lod(std::span<const std::byte> bytes,
                                  const std::filesystem::path& path) {
-  const std::string name = path.string();
-  return within_memory(name, [&]() -> Expected<SceneFile> {
-    const auto root = parse_json_object(as_text(bytes), name, "lod-meta.json");
-    if (!root) return std::unexpected(root.error());
-    const auto chunks = parse_sog_lod(*root, name);
-    if (!chunks) return std::unexpected(chunks.error());
-    FolderFiles folder(path.parent_path());
-    AttributeBits bits;
-    const NamedFiles files = counted(reader_of(folder), bits);
-    SceneFile scene;
-    for (const SogChunk& chunk : *chunks) {
-      auto part = read_chunk(chunk, files, name);
-      if (!part) return std::unexpected(part.error());
-      scene.dropped += part->dropped;
-      append(scene.cloud, std::move(part->cloud));
-    }
-    describe("sog-lod", scene.cloud.size(), bytes.size() + folder.bytes(), std::move(bits), scene);
-    return scene;
-  });
+  return read_folder("sog-lod", bytes.size(), path,
+                     [&](const NamedFiles& files, const std::string& name) {
+                       return finest_chunks(bytes, files, "", name);
+                     });
 }
 
 }  // namespace fluxgs

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <random>
 
+#include "support/sanitized.h"
+
 namespace fluxgs {
 namespace {
 
@@ -114,7 +116,7 @@ TEST_P(Photometric, GradientEqualsCentralDifferences) {
   const Image<double> a = noise(w, h, 3), b = noise(w, h, 4);
   loss.run(planar(a), planar(b), 0.2);
   const double step = 1e-5, scale = 1.0 / (3.0 * w * h);
-  for (std::size_t i = 0; i < a.pixels.size(); i += 17) {
+  for (std::size_t i = 0; i < a.pixels.size(); i += test::kSanitized ? 67 : 17) {
     if (std::abs(a.pixels[i] - b.pixels[i]) < 2 * step) continue;
     Image<double> plus = a, minus = a;
     plus.pixels[i] += step;
@@ -178,7 +180,7 @@ TEST_P(Photometric, MaskedGradientEqualsCentralDifferences) {
   loss.run(planar(a), planar(b), 0.2, used);
   const double step = 1e-5, scale = 1.0 / (3.0 * w * h);
   int masked = 0;
-  for (std::size_t i = 0; i < a.pixels.size(); i += 7) {
+  for (std::size_t i = 0; i < a.pixels.size(); i += test::kSanitized ? 37 : 7) {
     const int pixel = static_cast<int>(i / 3), x = pixel % w, y = pixel / w;
     const double actual = loss.gradient().row(static_cast<int>(i % 3), y)[x];
     if (!counts(used, x, y)) {
@@ -194,7 +196,7 @@ TEST_P(Photometric, MaskedGradientEqualsCentralDifferences) {
         (masked_loss(plus, b, used, a, 0.2) - masked_loss(minus, b, used, a, 0.2)) / (2 * step);
     EXPECT_NEAR(actual, expected, 1e-4 * scale + 1e-4 * std::abs(expected)) << i;
   }
-  EXPECT_GT(masked, 20);
+  EXPECT_GT(masked, test::kSanitized ? 5 : 20);
 }
 
 TEST(Background, OfAnImageIsExchanged) {

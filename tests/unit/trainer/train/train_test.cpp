@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <thread>
 
+#include "support/sanitized.h"
 #include "trainer/train/evaluate.h"
 #include "unit/trainer/train/short_run.h"
 
@@ -36,7 +37,7 @@ TEST(Train, SameBytesForAnyNumberOfThreads) {
   const Dataset& data = small_capture();
   for (const TrainOptions& options : {short_run(100), everything(), mcmc_run(100)}) {
     const TrainState one = train(data, options, fresh(data, options), 1, 100);
-    for (int threads : {2, 4})
+    for (int threads : kSanitized ? std::vector{2} : std::vector{2, 4})
       expect_same(one, train(data, options, fresh(data, options), threads, 100));
   }
 }
@@ -95,7 +96,7 @@ TEST(Train, NonFiniteGradientsAreSkippedAndCounted) {
 TEST(Profiler, NoSecondIsInTwoStages) {
   using namespace std::chrono_literals;
   Profiler times;
-  const auto start = std::chrono::steady_clock::now();
+  const double start = wall_seconds(), cpu_start = cpu_seconds();
   {
     const ProfileScope outer(times, "densify");
     std::this_thread::sleep_for(20ms);
@@ -109,16 +110,23 @@ TEST(Profiler, NoSecondIsInTwoStages) {
   }
   {
     const ProfileScope again(times, "forward");
+    const double busy = cpu_seconds();
+    while (cpu_seconds() - busy < 0.020) {
+    }
   }
-  const double all =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double all = wall_seconds() - start, cpu_all = cpu_seconds() - cpu_start;
   EXPECT_GE(times["densify"], 0.040);
   EXPECT_GE(times["forward"], 0.050);
   EXPECT_GE(times["sort"], 0.010);
-  EXPECT_LE(times["densify"] + times["forward"] + times["sort"], all);
-  // Asleep, a program takes no processor time
+  constexpr double rounding = 1e-6;  // of sums of differences, in seconds
+  EXPECT_LE(times["densify"] + times["forward"] + times["sort"], all + rounding);
   ASSERT_EQ(times.cpu_entries().size(), 3U);
-  for (const auto& [name, seconds] : times.cpu_entries()) EXPECT_LT(seconds, 0.010) << name;
+  double cpu = 0;
+  for (const auto& [name, seconds] : times.cpu_entries()) {
+    EXPECT_GE(seconds, name == "forward" ? 0.020 : 0) << name;
+    cpu += seconds;
+  }
+  EXPECT_LE(cpu, cpu_all + rounding);
 }
 
 TEST(Train, LatePruningSeesOpacitiesBeforeTheyAreReset) {
@@ -148,7 +156,8 @@ TEST(Train, LatePruningSeesOpacitiesBeforeTheyAreReset) {
 
 TEST(Train, FoxForAShortWhile) {
   const char* folder = std::getenv("FLUXGS_DATA");
-  if (!folder) GTEST_SKIP() << "FLUXGS_DATA is not set: no real images to train on";
+  if (!folder || !std::filesystem::is_directory(std::filesystem::path(folder) / "fox"))
+    GTEST_SKIP() << "FLUXGS_DATA names no folder with fox";
   LoadOptions load;
   load.downscale = 8;
   const auto data = load_dataset(std::filesystem::path(folder) / "fox", load);
