@@ -20,6 +20,7 @@
 #include "fluxgs/sanitize.h"
 #include "tools/fluxgs/commands/command.h"
 #include "tools/fluxgs/terminal/console.h"
+#include "tools/fluxgs/terminal/instruction_set.h"
 #include "tools/fluxgs/terminal/nearest_name.h"
 #include "tools/fluxgs/terminal/run_lock.h"
 
@@ -50,11 +51,14 @@ std::vector<std::string> names_of_commands(const CLI::App& command) {
   return names;
 }
 
-/// "--background: expected 3 values with commas between them, 1 given"
+/// "--background: expected 3 values with commas between them, 1 given", or of an option that has
+/// one value "--iterations: given 2 times, expected once"
 std::string wrong_number_of_values(const std::string& text) {
   static const std::regex pattern("(--[a-z-]+): .*?([0-9]+) required but received ([0-9]+)");
   std::smatch parts;
   if (!std::regex_match(text, parts, pattern)) return text;
+  if (parts[2] == "1")
+    return fmt::format("{}: given {} times, expected once", parts[1].str(), parts[3].str());
   return fmt::format("{}: expected {} values with commas between them, {} given", parts[1].str(),
                      parts[2].str(), parts[3].str());
 }
@@ -141,7 +145,8 @@ int main(int argc, char** argv) {
     return printed ? 0 : report(printed.error());
   }
   try {
-    fluxgs::Expected<void> done = action();
+    fluxgs::Expected<void> done = fluxgs::cli::check_instruction_set();
+    if (done) done = action();
     if (done) done = fluxgs::cli::flush_standard_output();
     return done ? 0 : report(done.error());
   } catch (const std::bad_alloc&) {

@@ -15,6 +15,7 @@
 #include "fluxgs/io/scene.h"
 #include "run_command.h"
 #include "small_capture.h"
+#include "support/sanitized.h"
 #include "support/scenes.h"
 #include "support/temp_folder.h"
 
@@ -199,6 +200,8 @@ TEST(Command, UnknownNamesSuggestTheNearest) {
       {"train x -o y.glb --iteratoins 3",
        "unknown option --iteratoins; did you mean --iterations?"},
       {"train x -o y.glb --background 1", "expected 3 values with commas between them, 1 given"},
+      {"train x -o y.glb --iterations 3 --iterations 4",
+       "--iterations: given 2 times, expected once"},
       {"train x -o y.glb --late-prun-share=3", "did you mean --late-prune-share?"},
       {"train x -o y.glb 10 --iteration", "unknown option --iteration; did you mean --iterations?"},
       {"eval --dta x y.glb", "did you mean --data?"},
@@ -211,6 +214,15 @@ TEST(Command, UnknownNamesSuggestTheNearest) {
     EXPECT_THAT(outcome.err, HasSubstr(expected));
     EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
   }
+}
+
+TEST(Command, AnInstructionSetThatIsNotThereIsAnError) {
+  ASSERT_EQ(setenv("FLUXGS_ISA", "avx3", 1), 0);
+  const Outcome outcome = fluxgs("doctor");
+  unsetenv("FLUXGS_ISA");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("FLUXGS_ISA: \"avx3\" is not of this processor; expected one "
+                                     "of baseline"));
 }
 
 TEST(Command, WrongUsageIsStatusTwoAndHelpHasExamples) {
@@ -443,8 +455,8 @@ TEST(Command, TrainingStaysWithinItsMemory) {
   const test::TempFolder folder;
   const auto peak_of = [&](const std::string& limit) {
     const Outcome run = fluxgs(fmt::format(
-        "train {} -o {} --json {} --force --preset 3dgs --iterations 110 --densify-from 20 "
-        "--densify-interval 15 --densify-until 100 --densify-gradient 1e-7 {}",
+        "train {} -o {} --json {} --force --preset 3dgs --iterations 50 --densify-from 10 "
+        "--densify-interval 6 --densify-until 48 --densify-gradient 1e-7 {}",
         quoted(capture_folder()), quoted(folder / "scene.glb"), quoted(folder / "run.json"),
         limit));
     EXPECT_EQ(run.status, 0) << run.err;
@@ -523,7 +535,8 @@ TEST(Command, TheScoreIsThatOfTheFile) {
 
 TEST(Command, InterruptedTrainingResumesToTheSameBytes) {
   const test::TempFolder folder;
-  const std::string length = "--iterations 1000 --threads 1";
+  const std::string length =
+      fmt::format("--iterations {} --threads 1", test::kSanitized ? 300 : 1000);
   const std::string report_to = " --json " + quoted(folder / "straight.json");
   ASSERT_EQ(fluxgs(train(folder / "straight.ply", length + report_to)).status, 0);
   // set -m: a background job of a shell without job control would ignore the interrupt

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <filesystem>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -75,17 +77,31 @@ class Convert : public testing::Test {
 };
 
 TEST_F(Convert, KeepsSoManySplats) {
+  constexpr std::size_t kLess = 20, kFew = 7;
   ASSERT_TRUE(write_scene(folder_ / "s.ply", test::random_cloud(50, 1, 1)));
-  const Outcome less = convert("s.ply", "less.ply", "--max-splats 20");
+  const Outcome less = convert("s.ply", "less.ply", fmt::format("--max-splats {}", kLess));
   EXPECT_EQ(less.status, 0) << less.err;
-  EXPECT_THAT(less.err, HasSubstr("30 of 50 splats are left out"));
-  EXPECT_EQ(scene("less.ply").cloud.size(), 20U);
+  EXPECT_THAT(less.err, HasSubstr(fmt::format("{} of 50 splats are left out", 50 - kLess)));
+  EXPECT_EQ(scene("less.ply").cloud.size(), kLess);
   EXPECT_EQ(convert("s.ply", "all.ply", "--max-splats 50").status, 0);
   EXPECT_EQ(scene("all.ply").cloud.size(), 50U);
   ASSERT_EQ(convert("s.ply", "s.glb", "--compact").status, 0);
-  EXPECT_EQ(convert("s.glb", "few.glb", "--max-splats 7").status, 0);
-  EXPECT_EQ(scene("few.glb").cloud.size(), 7U) << "a compact file is stored anew";
+  EXPECT_EQ(convert("s.glb", "few.glb", fmt::format("--max-splats {}", kFew)).status, 0);
+  EXPECT_EQ(scene("few.glb").cloud.size(), kFew) << "a compact file is stored anew";
   EXPECT_EQ(convert("s.ply", "none.ply", "--max-splats 0").status, 2);
+}
+
+// An impossible limit is refused before any search.
+TEST_F(Convert, BytesBelowThoseOfOneSplatAreRefused) {
+  ASSERT_TRUE(write_scene(folder_ / "s.ply", test::random_cloud(200, 1, 1)));
+  ASSERT_EQ(convert("s.ply", "one.glb", "--compact --max-splats 1").status, 0);
+  const auto one = std::filesystem::file_size(folder_ / "one.glb");
+  const Outcome refused = convert("s.ply", "t.glb", "--max-bytes 500");
+  expect_error(refused, {"t.glb: size: one splat takes", "expected 500 at most; --sh-degree 0"});
+  std::size_t least = 0;
+  std::istringstream(refused.err.substr(refused.err.find("takes ") + 6)) >> least;
+  EXPECT_LE(least, one);
+  EXPECT_GE(4 * least, 3 * one);  // whose harmonics are not zeros
 }
 
 TEST_F(Convert, ReplacesNothingUnlessForced) {

@@ -95,5 +95,14 @@ TEST(Orbit, AroundSplatsLeavesFarFloatersOut) {
   EXPECT_EQ(orbit_around(SplatCloud(), 2, kSize).size(), 2u);
 }
 
+TEST(Orbit, FewSplatsAreSeenInFewPixels) {
+  const std::pair<std::size_t, int> widths[] = {
+      {0, 160}, {1000, 160}, {7500, 320}, {30000, 640}, {4000000, 640}};
+  for (const auto& [splats, width] : widths) {
+    EXPECT_EQ(reduction_size(splats).width, width) << splats;
+    EXPECT_EQ(reduction_size(splats).height, width * 3 / 4) << splats;
+  }
+}
+
 }  // namespace
 }  // namespace fluxgs::cli

@@ -232,14 +232,14 @@ TEST(Train, AFinishedTrainingGoesOn) {
 
 TEST(Train, FilesThatAreThereAreReplacedOnlyWhenForced) {
   const test::TempFolder folder;
-  const auto out = folder / "scene.glb", report = folder / "report.json";
+  const auto out = folder / "scene.spz", report = folder / "report.json";  // stored at once
   const auto floats = folder / "scene.ply";
   const std::string options = fmt::format(
       "--iterations 5 --checkpoint-every 0 --json {} "
       "--float-output {}",
       quoted(report), quoted(floats));
   ASSERT_EQ(fluxgs(train(out, options)).status, 0);
-  EXPECT_FALSE(std::filesystem::exists(folder / "scene.glb.ckpt"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "scene.spz.ckpt"));
   for (const auto& path : {out, report, floats}) {
     for (const auto& other : {out, report, floats})
       if (other != path) std::filesystem::remove(other);
@@ -249,17 +249,17 @@ TEST(Train, FilesThatAreThereAreReplacedOnlyWhenForced) {
     ASSERT_EQ(fluxgs(train(out, options + " --force")).status, 0);
   }
   expect_error(fluxgs(train(folder.path(), options)), {"is a folder", "name of a file"});
-  expect_error(fluxgs(train(folder / "no/scene.glb", options + " --force")),
-               {"scene.glb", "no does not exist"});
+  expect_error(fluxgs(train(folder / "no/scene.spz", options + " --force")),
+               {"scene.spz", "no does not exist"});
   // Nor is the checkpoint of another training
   std::filesystem::remove(out);
-  std::ofstream(folder / "scene.glb.ckpt") << "days of work";
-  expect_error(fluxgs(train(out, "--iterations 5")), {"scene.glb.ckpt", "exists", "--force"});
-  EXPECT_EQ(text_of(folder / "scene.glb.ckpt"), "days of work");
-  std::filesystem::remove(folder / "scene.glb.ckpt");
+  std::ofstream(folder / "scene.spz.ckpt") << "days of work";
+  expect_error(fluxgs(train(out, "--iterations 5")), {"scene.spz.ckpt", "exists", "--force"});
+  EXPECT_EQ(text_of(folder / "scene.spz.ckpt"), "days of work");
+  std::filesystem::remove(folder / "scene.spz.ckpt");
   ASSERT_EQ(fluxgs(train(out, "--iterations 5")).status, 0);
   std::filesystem::remove(out);
-  expect_error(fluxgs(train(out, "--iterations 5")), {"scene.glb.ckpt", "--resume", "--force"});
+  expect_error(fluxgs(train(out, "--iterations 5")), {"scene.spz.ckpt", "--resume", "--force"});
 }
 
 TEST(Train, TwoRunsOfOneOutputAreRefused) {

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -74,6 +75,71 @@ TEST_F(Web, AFolderHoldsFiles) {
   EXPECT_EQ(text_of(folder_ / "site/garden.ply"), text_of(folder_ / "garden.ply"));
   expect_error(web("-o " + out("site")), {"index.html", "--force"});
   EXPECT_EQ(web("-o " + out("site") + " --force --no-poster").status, 0);
+}
+
+TEST_F(Web, FilesThatAreThereStay) {
+  std::filesystem::create_directory(folder_ / "site");
+  for (const char* name : {"viewer.js", "garden.ply", "poster.jpg"}) {
+    ASSERT_TRUE(write_file_atomic(folder_ / "site" / name, bytes("mine")));
+    expect_error(web("-o " + out("site")), {name, "exists", "--force"});
+    EXPECT_EQ(text_of(folder_ / "site" / name), "mine");
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "site/index.html"));
+    std::filesystem::remove(folder_ / "site" / name);
+  }
+  for (const char* name : {"viewer.js", "poster.jpg"}) {
+    std::filesystem::rename(folder_ / "garden.ply", folder_ / name);
+    expect_error(
+        fluxgs(fmt::format("web {} -o {}", out(name), out("other")), "FLUXGS_WEB=" + out("viewer")),
+        {name, "rename the scene"});
+    std::filesystem::rename(folder_ / name, folder_ / "garden.ply");
+  }
+}
+
+TEST_F(Web, NamesOfScenesAreAsked) {
+  constexpr const char* kName = "na me#?%20&.ply";
+  std::filesystem::rename(folder_ / "garden.ply", folder_ / kName);
+  const Outcome done =
+      fluxgs(fmt::format("web {} -o {}", out(kName), out("site")), "FLUXGS_WEB=" + out("viewer"));
+  ASSERT_EQ(done.status, 0) << done.err;
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "site" / kName));
+  EXPECT_THAT(text_of(folder_ / "site/index.html"), HasSubstr("src=\"na%20me%23%3F%2520%26.ply\""));
+}
+
+// A page reads the bytes of one file.
+TEST_F(Web, ScenesOfSeveralFilesAreRefused) {
+  ASSERT_TRUE(write_scene(folder_ / "s.glb", test::random_cloud(50, 1, 1)));
+  const std::string glb = text_of(folder_ / "s.glb");
+  constexpr std::size_t kJson = 20, kHeader = 8;  // glTF 2.0, binary format: two chunks
+  std::uint32_t length = 0;
+  std::memcpy(&length, glb.data() + 12, sizeof length);
+  auto gltf = nlohmann::json::parse(glb.substr(kJson, length));
+  gltf["buffers"][0]["uri"] = "s.bin";
+  ASSERT_TRUE(write_file_atomic(folder_ / "s.bin", bytes(glb.substr(kJson + length + kHeader))));
+  ASSERT_TRUE(write_file_atomic(folder_ / "s.gltf", bytes(gltf.dump())));
+  const auto page_of = [&](const char* name) {
+    return fluxgs(fmt::format("web {} -o {}", quoted(folder_ / name), out("s.html")),
+                  "FLUXGS_WEB=" + quoted(folder_ / "viewer"));
+  };
+  const Outcome refused = page_of("s.gltf");
+  expect_error(refused, {"s.gltf: a page shows a scene that is one file"});
+  // The proposed command works as it stands
+  const std::size_t at = refused.err.find("`fluxgs convert ");
+  ASSERT_NE(at, std::string::npos);
+  const std::string advice = refused.err.substr(at + 8, refused.err.find("scene.glb`") - at - 8);
+  EXPECT_EQ(fluxgs(advice + out("scene.glb")).status, 0);
+  ASSERT_TRUE(write_file_atomic(folder_ / "page.glb", bytes("<!doctype html><p>Sign in")));
+  const Outcome none = page_of("page.glb");
+  EXPECT_EQ(none.status, 1);
+  EXPECT_THAT(none.err, Not(HasSubstr("convert")));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "s.html"));
+}
+
+TEST_F(Web, AddressesAreOfFolders) {
+  expect_error(web("-o " + out("site") + " --address javascript:x"), {"--address", "https://"});
+  expect_error(web("-o " + out("g.HTML") + " --address https://example.org"),
+               {"--address", "is for a folder"});
+  EXPECT_EQ(web("-o " + out("g.HTM")).status, 0);
+  EXPECT_TRUE(std::filesystem::is_regular_file(folder_ / "g.HTM"));
 }
 
 TEST_F(Web, WhatIsMissingIsSaid) {

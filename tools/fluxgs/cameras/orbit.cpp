@@ -141,6 +141,14 @@ std::vector<Camera> orbit_through(const camera::Navigation& start, int count,
   return cameras_on(circle_through(start), count, size);
 }
 
+ImageSize reduction_size(std::size_t splats) {
+  constexpr double kMostSplats = 30000;  // from so many on images are of full size
+  constexpr int kWidth = 640, kLeast = 160;
+  const double factor = std::sqrt(std::min(1.0, static_cast<double>(splats) / kMostSplats));
+  const int width = std::max(kLeast, static_cast<int>(std::lround(factor * kWidth)));
+  return {width, width * 3 / 4};
+}
+
 std::vector<Camera> evaluation_cameras(const SplatCloud& cloud, const Dataset* data) {
   if (data == nullptr) return orbit_around(cloud, kEvaluationCameras, {640, 480});
   return spread_cameras(cameras_of(data->train), kEvaluationCameras);
@@ -150,13 +158,14 @@ std::vector<Camera> reduction_cameras(const SplatCloud& cloud,
                                       const std::optional<InitialView>& start,
                                       const Dataset* data) {
   constexpr std::size_t kMost = 48;
-  constexpr int kLongerSide = 640, kAround = 12;
+  constexpr int kAround = 12;
   constexpr double kHeights[] = {0.1, -0.2, 0.7};
+  const ImageSize size = reduction_size(cloud.size());
   std::vector<Camera> cameras;
   if (data != nullptr) {
     for (const Camera& camera : spread_cameras(cameras_of(data->train), kMost)) {
       const double factor =
-          std::min(1.0, double{kLongerSide} / std::max(camera.width, camera.height));
+          std::min(1.0, double(size.width) / std::max(camera.width, camera.height));
       const auto side = [&](int pixels) {
         return std::max(1, static_cast<int>(std::lround(factor * pixels)));
       };
@@ -164,13 +173,13 @@ std::vector<Camera> reduction_cameras(const SplatCloud& cloud,
     }
     return cameras;
   }
-  const ImageSize size{640, 480};
   for (const double height : kHeights)
     std::ranges::copy(cameras_on(circle_around(cloud, size, height), kAround, size),
                       std::back_inserter(cameras));
   if (start)
     std::ranges::copy(
-        orbit_through(camera::initial_navigation(cloud, start, {640, 480}), kAround, size),
+        orbit_through(camera::initial_navigation(cloud, start, {size.width, size.height}), kAround,
+                      size),
         std::back_inserter(cameras));
   return cameras;
 }

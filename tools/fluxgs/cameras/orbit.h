@@ -33,7 +33,11 @@ std::vector<Camera> orbit_through(const camera::Navigation& start, int count,
 /// the scene, 640x480.
 std::vector<Camera> evaluation_cameras(const SplatCloud& cloud, const Dataset* data);
 
-/// Cameras whose images a scene keeps when it loses splats: at most 48, of up to 640 pixels, evenly
+/// Size of images that tell which of so many splats can go, 160x120 to 640x480: few splats are
+/// large ones, for which few pixels are enough.
+ImageSize reduction_size(std::size_t splats);
+
+/// Cameras whose images a scene keeps when it loses splats: at most 48, of reduction_size(), evenly
 /// spread over the training views; without `data` on circles around the scene at three heights and,
 /// where the scene has a start view, through that.
 std::vector<Camera> reduction_cameras(const SplatCloud& cloud,

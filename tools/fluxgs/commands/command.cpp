@@ -51,13 +51,16 @@ Expected<SceneFile> read_scene_or_checkpoint(const std::string& given) {
   return scene;
 }
 
+void warn_of(const std::string& path, const SceneFile& scene) {
+  for (const std::string& warning : scene.warnings) spdlog::warn("warning: {}: {}", path, warning);
+  if (scene.dropped > 0)
+    spdlog::warn("warning: {}: {} splats with NaN or infinity left out", path, scene.dropped);
+  if (scene.cloud.size() == 0) spdlog::warn("warning: {}: has no splats", path);
+}
+
 Expected<SceneFile> load_scene(const std::string& path) {
   auto scene = read_scene_or_checkpoint(path);
-  if (!scene) return scene;
-  for (const std::string& warning : scene->warnings) spdlog::warn("warning: {}: {}", path, warning);
-  if (scene->dropped > 0)
-    spdlog::warn("warning: {}: {} splats with NaN or infinity left out", path, scene->dropped);
-  if (scene->cloud.size() == 0) spdlog::warn("warning: {}: has no splats", path);
+  if (scene) warn_of(path, *scene);
   return scene;
 }
 

@@ -43,8 +43,11 @@ std::string switch_before(const std::vector<std::string>& words, const std::stri
 /// Reads a scene file or folder (meant_scene.h), or the scene of a checkpoint of fluxgs train.
 Expected<SceneFile> read_scene_or_checkpoint(const std::string& given);
 
-/// The same; prints the reader's warnings, and warns of splats that were left out and of a
-/// scene without any.
+/// Prints the reader's warnings, and warns of splats that were left out and of a scene without
+/// any.
+void warn_of(const std::string& path, const SceneFile& scene);
+
+/// read_scene_or_checkpoint() and warn_of().
 Expected<SceneFile> load_scene(const std::string& path);
 
 /// Warns if the format does not store all degrees of a scene that goes to `path`.

@@ -20,6 +20,7 @@
 #include "tools/fluxgs/commands/command.h"
 #include "tools/fluxgs/commands/conversion_losses.h"
 #include "tools/fluxgs/commands/inner_box.h"
+#include "tools/fluxgs/commands/least_size.h"
 #include "tools/fluxgs/commands/scene_crop.h"
 #include "tools/fluxgs/commands/scene_map.h"
 #include "tools/fluxgs/options/data_options.h"
@@ -179,23 +180,33 @@ void thin_out(const ConvertSettings& s, const Dataset* data, SceneFile& scene) {
                data ? "" : "; --data looks at those of a capture");
 }
 
+/// The limit of --max-bytes, where one splat and the start view fit into it.
+Expected<SizeLimit> size_limit(const ConvertSettings& s, const SceneFile& scene) {
+  const auto least = least_size(scene.cloud, scene.start, compact_options(s, scene.cloud));
+  if (!least) return std::unexpected(least.error());
+  if (least->one_splat <= *s.max_bytes) return SizeLimit{*s.max_bytes, least->start};
+  return fail(
+      s.out, "size",
+      fmt::format("one splat takes {} bytes already, expected {} at most{}", least->one_splat,
+                  *s.max_bytes, scene.cloud.sh_degree > 0 ? "; --sh-degree 0 takes less" : ""));
+}
+
 /// Number of splats and steps for --max-bytes.
-Expected<SizedScene> size_down(const ConvertSettings& s, const SceneFile& scene,
-                               const Dataset* data, const SceneError& error,
+Expected<SizedScene> size_down(const ConvertSettings& s, const SizeLimit& limit,
+                               const SceneFile& scene, const Dataset* data, const SceneError& error,
                                const Threads& threads) {
   SceneReduction reduction(scene.cloud, reduction_cameras(scene.cloud, scene.start, data),
                            reduction_options(s), threads);
-  const SizeLimit limit{*s.max_bytes, scene.start ? kMaxInitialViewBytes : 0};
   auto sized = splats_within_bytes(reduction, error, compact_options(s, scene.cloud), limit,
                                    {.progress = show_work("splats")});
   if (!sized) return fail(s.out, sized.error().field, sized.error().what);
   return sized;
 }
 
-/// The steps of a cloud, whose number of splats is settled.
-Expected<CompactTrial> search_steps(const ConvertSettings& s, const SceneFile& scene,
-                                    const Dataset* data, CompactOptions start,
-                                    const Threads& threads) {
+/// The steps of a cloud, whose number of splats is settled, for --max-bytes if there is a limit.
+Expected<CompactTrial> search_steps(const ConvertSettings& s, const std::optional<SizeLimit>& limit,
+                                    const SceneFile& scene, const Dataset* data,
+                                    CompactOptions start, const Threads& threads) {
   const RenderOptions options = reduction_options(s).render;
   const SplatCloud& cloud = scene.cloud;
   const SceneError error(cloud, evaluation_cameras(cloud, data), options, threads);
@@ -203,9 +214,8 @@ Expected<CompactTrial> search_steps(const ConvertSettings& s, const SceneFile& s
     start.sensitivity = view_sensitivity(cameras_of(data->train), cloud, false, options, threads,
                                          {.progress = show_work("views")});
   const CompactSearch search(cloud, error, start, show_work("search"));
-  auto found = s.max_bytes
-                   ? search.within_bytes(*s.max_bytes, scene.start ? kMaxInitialViewBytes : 0)
-                   : search.within_loss(*s.min_psnr);
+  auto found =
+      limit ? search.within_bytes(limit->bytes, limit->beside) : search.within_loss(*s.min_psnr);
   if (!found) return fail(s.out, found.error().field, found.error().what);
   return found;
 }
@@ -214,15 +224,17 @@ Expected<CompactTrial> search_steps(const ConvertSettings& s, const SceneFile& s
 Expected<CompactTrial> search(const ConvertSettings& s, SceneFile& scene, const Dataset* data) {
   const Threads threads(s.data.threads);
   const CompactOptions start = compact_options(s, scene.cloud);
-  if (!s.max_bytes) return search_steps(s, scene, data, start, threads);
+  if (!s.max_bytes) return search_steps(s, std::nullopt, scene, data, start, threads);
+  const auto limit = size_limit(s, scene);
+  if (!limit) return std::unexpected(limit.error());
   const SceneError error(scene.cloud, evaluation_cameras(scene.cloud, data),
                          reduction_options(s).render, threads);
-  auto sized = size_down(s, scene, data, error, threads);
+  auto sized = size_down(s, *limit, scene, data, error, threads);
   if (!sized) return std::unexpected(sized.error());
   scene.cloud = std::move(sized->cloud);
   CompactOptions from = start;
   from.steps = sized->steps;
-  auto found = search_steps(s, scene, data, from, threads);
+  auto found = search_steps(s, *limit, scene, data, from, threads);
   if (!found) return found;
   const auto stored = read_scene(found->file, s.out);
   if (!stored) return std::unexpected(stored.error());

@@ -177,8 +177,8 @@ void add_train(CLI::App& app, Action& action) {
                             "print the schedule as a table, without training"),
           kRun);
   add_data_options(*command, settings->data);
-  for (const char* name :
-       {"--downscale", "--holdout", "--video-frames", "--background", "--threads"})
+  for (const char* name : {"--downscale", "--holdout", "--video-frames", "--photo-memory",
+                           "--background", "--threads"})
     grouped(command->get_option(name), kRun);
   grouped(command->add_option("--backend", settings->backend, "auto, cpu or cuda"), kRun)
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))

@@ -184,10 +184,11 @@ void tell_memory(MemoryNotices& told, const render::SceneView& scene, std::size_
           "warning: graphics memory is short: {} of {} splats are shown, those that add most",
           splats, all);
   }
-  const bool enlarged = scene.target().width() < size.width;
+  const render::ImageSize image = scene.image_size();
+  const bool enlarged = image.width < size.width;
   if (!std::exchange(told.enlarged, enlarged) && enlarged)
     spdlog::warn("warning: graphics memory is short: images of {}x{} pixels are enlarged",
-                 scene.target().width(), scene.target().height());
+                 image.width, image.height);
   const bool coarse = scene.is_reduced() && scene.shows_all() && !enlarged;
   if (!std::exchange(told.coarse, coarse) && coarse)
     spdlog::warn("warning: graphics memory is short: colours are blended in half floats");
@@ -213,7 +214,7 @@ void tell_news(Desktop& d) {
   if (lost)
     spdlog::warn("warning: the graphics context was lost; it was made again ({})",
                  d.window.api()->capabilities.renderer);
-  if (lost || d.drawn == 1) warn_of_undrawable(scene.renderer());
+  if (lost || d.drawn == 1) warn_of_undrawable(scene.renderer().undrawable(), scene.splats());
   d.contexts = d.presenter.contexts();
   tell_memory(d.told, scene, d.presenter.viewer().stats().splats, d.window.size());
 }

@@ -1,5 +1,6 @@
 // fluxgs web: a scene as a page for browsers.
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -17,6 +18,7 @@
 #include "tools/fluxgs/commands/web_page.h"
 #include "tools/fluxgs/options/data_options.h"
 #include "tools/fluxgs/options/renderers.h"
+#include "tools/fluxgs/terminal/console.h"
 #include "tools/fluxgs/terminal/files.h"
 #include "tools/fluxgs/terminal/json_file.h"
 #include "trainer/core/planar_image.h"
@@ -92,9 +94,44 @@ Expected<std::vector<Written>> write_page(const WebSettings& s, const std::strin
   return std::vector<Written>{{s.out, page->size()}};
 }
 
+/// A file's name as the page asks for it.
+std::string as_url(const std::string& name) {
+  std::string url;
+  for (const char c : name) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+                       std::string_view("-._~").find(c) != std::string_view::npos;
+    url += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return url;
+}
+
+constexpr const char* kPoster = "poster.jpg";
+
+/// The files of a folder beside the scene: those of the viewer's own folder, and the poster. Fails
+/// where the scene has the name of one, or where one is there already.
+Expected<std::vector<std::string>> files_of_folder(const WebSettings& s, const fs::path& source) {
+  const fs::path folder(s.out);
+  const std::string scene = fs::path(s.scene).filename().string();
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(source, error))
+    names.push_back(entry.path().filename().string());
+  if (error) return fail(source.string(), "", "cannot be read: " + error.message());
+  std::ranges::sort(names);
+  if (std::ranges::find(names, scene) != names.end() || scene == kPoster)
+    return fail(s.scene, "", "the page has a file of that name: rename the scene");
+  std::vector<std::string> all = names;
+  all.push_back(scene);
+  if (!s.no_poster) all.emplace_back(kPoster);
+  for (const std::string& name : all)
+    if (auto ok = check_overwrite(folder / name, s.force); !ok) return std::unexpected(ok.error());
+  return names;
+}
+
 /// A folder of files for a static host.
 Expected<std::vector<Written>> write_folder(const WebSettings& s, const std::string& viewer,
-                                            WebPage shown, std::span<const std::byte> scene,
+                                            const std::vector<std::string>& names, WebPage shown,
+                                            std::span<const std::byte> scene,
                                             std::span<const std::byte> poster) {
   const fs::path folder(s.out), source = fs::path(viewer) / "page";
   std::error_code error;
@@ -105,46 +142,75 @@ Expected<std::vector<Written>> write_folder(const WebSettings& s, const std::str
     written.push_back({(folder / name).string(), bytes.size()});
     return write_file_atomic(folder / name, bytes);
   };
-  shown.scene = fs::path(s.scene).filename().string();
-  if (!poster.empty()) shown.poster = "poster.jpg";
-  for (const auto& entry : fs::directory_iterator(source, error)) {
-    const std::string name = entry.path().filename().string();
-    const auto bytes = read_file(entry.path());
-    if (!bytes) return std::unexpected(bytes.error());
+  const std::string scene_name = fs::path(s.scene).filename().string();
+  shown.scene = as_url(scene_name);
+  if (!poster.empty()) shown.poster = kPoster;
+  for (const std::string& name : names) {
     if (name == "index.html") continue;
+    const auto bytes = read_file(source / name);
+    if (!bytes) return std::unexpected(bytes.error());
     if (auto done = write(name, *bytes); !done) return std::unexpected(done.error());
   }
   const auto empty = text_of(source / "index.html");
   if (!empty) return std::unexpected(empty.error());
   const auto page = page_with((source / "index.html").string(), *empty, shown, {});
   if (!page) return std::unexpected(page.error());
-  auto done = write(shown.scene, scene);
+  auto done = write(scene_name, scene);
   if (done && !poster.empty()) done = write(shown.poster, poster);
   if (done) done = write("index.html", bytes_of(*page));  // last: it names the others
   if (!done) return std::unexpected(done.error());
   return written;
 }
 
-/// Fails on scenes of several files, which a page cannot ask for.
-Expected<void> check_single(const std::string& path, std::span<const std::byte> bytes) {
-  const auto format = recognise_scene(bytes, path);
-  if (format) return {};
-  Error error = format.error();
-  error.what += fmt::format("; `fluxgs convert {} -o scene.glb` makes one file of it", path);
-  return std::unexpected(error);
+/// True for the name of one page, false for that of a folder.
+bool is_page(const std::string& name) {
+  std::string extension = fs::path(name).extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".html" || extension == ".htm";
+}
+
+Expected<void> check_address(const WebSettings& s, bool single) {
+  if (s.address.empty()) return {};
+  if (single)
+    return fail(s.out, "--address",
+                "is for a folder: a page of one file has no picture of its own address");
+  if (!s.address.starts_with("https://") && !s.address.starts_with("http://"))
+    return fail(s.address, "--address", "expected the address of a folder, as https://…");
+  return {};
+}
+
+/// The scene as the page reads it, from its bytes. Fails on scenes of several files and on
+/// checkpoints, which `fluxgs convert` reads.
+Expected<SceneFile> read_as_page(const std::string& path, std::span<const std::byte> bytes) {
+  auto scene = read_scene(bytes, path);
+  if (scene) return scene;
+  const auto elsewhere = read_scene_or_checkpoint(path);
+  if (!elsewhere) return std::unexpected(elsewhere.error());
+  return fail(path, "",
+              fmt::format("a page shows a scene that is one file; `fluxgs convert {} scene.glb` "
+                          "makes one of it",
+                          shell_quoted(path)));
 }
 
 Expected<void> make_page(const WebSettings& s) {
-  const bool single = fs::path(s.out).extension() == ".html";
+  const bool single = is_page(s.out);
+  if (auto ok = check_address(s, single); !ok) return ok;
   const auto viewer = web_viewer_folder();
   if (!viewer) return std::unexpected(viewer.error());
-  const fs::path first = single ? fs::path(s.out) : fs::path(s.out) / "index.html";
-  if (auto ok = check_overwrite(first, s.force); !ok) return ok;
+  std::vector<std::string> names;
+  if (single) {
+    if (auto ok = check_overwrite(s.out, s.force); !ok) return ok;
+  } else {
+    auto found = files_of_folder(s, fs::path(*viewer) / "page");
+    if (!found) return std::unexpected(found.error());
+    names = std::move(*found);
+  }
   const auto bytes = read_file(s.scene);
   if (!bytes) return std::unexpected(bytes.error());
-  if (auto ok = check_single(s.scene, *bytes); !ok) return ok;
-  const auto scene = load_scene(s.scene);
+  const auto scene = read_as_page(s.scene, *bytes);
   if (!scene) return std::unexpected(scene.error());
+  warn_of(s.scene, *scene);
   const glm::dvec3 background(s.background[0], s.background[1], s.background[2]);
   std::vector<std::byte> poster;
   if (!s.no_poster) {
@@ -157,7 +223,7 @@ Expected<void> make_page(const WebSettings& s) {
                       .turntable = s.turntable,
                       .address = s.address};
   const auto written = single ? write_page(s, *viewer, shown, *bytes, poster)
-                              : write_folder(s, *viewer, shown, *bytes, poster);
+                              : write_folder(s, *viewer, names, shown, *bytes, poster);
   if (!written) return std::unexpected(written.error());
   nlohmann::json files = nlohmann::json::array();
   for (const Written& w : *written) {
@@ -174,14 +240,15 @@ void add_web(CLI::App& app, Action& action) {
   auto s = std::make_shared<WebSettings>();
   CLI::App* command = app.add_subcommand("web", "Make a page for browsers of a scene");
   command->footer(
-      "The viewer draws with WebGL 2 what `fluxgs view` draws. One .html holds everything and "
-      "opens\n"
-      "from a disk or a mail; a folder is for a web server, which needs no settings.\n"
+      "The viewer draws with WebGPU or WebGL 2 what `fluxgs view` draws. One .html holds\n"
+      "everything and opens from a disk or a mail; a folder is for a web server, which needs\n"
+      "no settings.\n"
       "Example: fluxgs web garden.glb -o garden.html\n"
       "Example: fluxgs web garden.glb -o site --title 'Our garden' --address "
       "https://example.org/garden");
   command->add_option("scene", s->scene, "the scene file")->required();
-  command->add_option("-o,--out", s->out, "a file that ends in .html, or a folder")->required();
+  command->add_option("-o,--out", s->out, "a file that ends in .html or .htm, or a folder")
+      ->required();
   command->add_option("--title", s->title, "of the page (default: the scene's name)");
   command->add_option("--address", s->address,
                       "where the folder will lie, so that links to it have a picture in chats");

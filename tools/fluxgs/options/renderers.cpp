@@ -106,10 +106,14 @@ render::SoftwareRenderer software_renderer(const SplatCloud& cloud, const Thread
   };
 }
 
-void warn_of_undrawable(const render::Renderer& renderer) {
-  if (renderer.undrawable() == 0) return;
+void warn_of_undrawable(std::size_t undrawable, std::size_t splats) {
+  if (undrawable == 0) return;
   spdlog::warn("warning: {} of {} splats are not drawn: an attribute is beyond 1e15 or not finite",
-               renderer.undrawable(), renderer.scene().count);
+               undrawable, splats);
+}
+
+void warn_of_undrawable(const render::Renderer& renderer) {
+  warn_of_undrawable(renderer.undrawable(), renderer.scene().count);
 }
 
 void add_renderer_options(CLI::App& command, RendererChoice& choice) {

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "fluxgs/splat_cloud.h"
+#include "render/renderer.h"
 #include "render/scene_view.h"
 #include "trainer/train/evaluate.h"
 
@@ -44,5 +45,6 @@ Expected<ViewRenderer> make_renderer(const RendererChoice& choice, const SplatCl
 
 /// Says so where splats of the scene are too large or too far for the renderer.
 void warn_of_undrawable(const render::Renderer& renderer);
+void warn_of_undrawable(std::size_t undrawable, std::size_t splats);
 
 }  // namespace fluxgs::cli
