@@ -4,19 +4,19 @@ import {readFile, writeFile} from 'node:fs/promises';
 import {join} from 'node:path';
 
 /** A camera for `fluxgs render` of a view: 12 numbers. */
-function cameraOf(view) {
+export function cameraOf(view) {
   const [tx, ty, tz, w, x, y, z, distance, fov] = view;
   const forward = [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)];
   const down = [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)];
-  return {name: 'view', position: [tx, ty, tz].map((t, i) => t - distance * forward[i]), target: [tx, ty, tz],
+  return {position: [tx, ty, tz].map((t, i) => t - distance * forward[i]), target: [tx, ty, tz],
     up: down.map((d) => -d), fovY: fov * 180 / Math.PI};
 }
 
-/** The picture of a view, wider than high, by the processor's renderer: a URL with the PNG in it. */
-export async function renderPng(fluxgs, scene, view, {width, height}, work) {
-  const camera = join(work, 'camera.json'), png = join(work, 'render.png');
-  await writeFile(camera, JSON.stringify([cameraOf(view)]));
-  const made = spawnSync(fluxgs, ['render', scene, '--camera', camera, '--size', `${width}x${height}`, '--renderer', 'cpu', '-o', png], {encoding: 'utf8'});
+/** What a camera sees, wider than high, by one of fluxgs's renderers on the processor: a URL with the PNG in it. */
+export async function renderPng(fluxgs, scene, camera, {width, height}, work, renderer = 'cpu') {
+  const cameras = join(work, 'camera.json'), png = join(work, 'render.png');
+  await writeFile(cameras, JSON.stringify([{name: 'view', ...camera}]));
+  const made = spawnSync(fluxgs, ['render', scene, '--camera', cameras, '--size', `${width}x${height}`, '--renderer', renderer, '-o', png], {encoding: 'utf8'});
   if (made.status !== 0) throw new Error(made.stderr);
   return `data:image/png;base64,${(await readFile(png)).toString('base64')}`;
 }

@@ -6,7 +6,7 @@ import {mkdtemp, rm, writeFile} from 'node:fs/promises';
 import {tmpdir} from 'node:os';
 import {dirname, join} from 'node:path';
 import {fileURLToPath} from 'node:url';
-import {comparePng, renderPng} from './compare.mjs';
+import {cameraOf, comparePng, renderPng} from './compare.mjs';
 import {serve} from './server.mjs';
 
 const {FLUXGS_BINARY: fluxgs, FLUXGS_WEB_TEST_PACKAGES: packages} = process.env;
@@ -76,7 +76,7 @@ for (const name of process.argv[2] ? [process.argv[2]] : Object.keys(browsers)) 
       if (state?.loading?.phase === 'failed') throw new Error(state.loading.error);
     }
     const seconds = (performance.now() - began) / 1000;
-    const png = await renderPng(fluxgs, sample, state.view, state, work);
+    const png = await renderPng(fluxgs, sample, cameraOf(state.view), state, work);
     const db = await browser.run(String(comparePng), png);
     await writeFile(join(root, `build/web/${name}.png`), await browser.picture());
     console.log(`${name}: ${Number(db).toFixed(1)} dB at ${state.width}x${state.height}, ${seconds.toFixed(1)} s to the picture, ${state.renderer}; ${state.agent}`);

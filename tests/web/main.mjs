@@ -5,9 +5,13 @@ import {mkdtemp, rm} from 'node:fs/promises';
 import {tmpdir} from 'node:os';
 import {dirname, join} from 'node:path';
 import {fileURLToPath} from 'node:url';
+import {DRIVERS, WEBGPU} from './browsers.mjs';
 import {Checks} from './checks.mjs';
 import {makeModule, testDecoding} from './decoding.mjs';
+import {testGraphics} from './graphics.mjs';
+import {testPackages} from './packages.mjs';
 import {serve} from './server.mjs';
+import {testTroubles} from './troubles.mjs';
 import {testViewing} from './viewing.mjs';
 
 const {FLUXGS_BINARY: fluxgs, FLUXGS_WEB_TEST_PACKAGES: packages, FLUXGS_BROWSER: program} = process.env;
@@ -26,15 +30,21 @@ for (const name of ['sample.ply', 'sample.compressed.ply', 'sample.spz', 'sample
   scenes.push(join(work, name));
 }
 const server = await serve([join(root, 'build/web/site/page'), work, dirname(sample)]);
-const browser = await puppeteer.launch({executablePath: program, protocolTimeout: 120000,
-  args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--hide-scrollbars']});
+const launch = (...more) => puppeteer.launch({executablePath: program, protocolTimeout: 120000,
+  args: ['--no-sandbox', '--hide-scrollbars', ...DRIVERS.swiftshader, ...more]});
+const browser = await launch(), withWebGpu = await launch(...WEBGPU);
 let status = 1;
 try {
   await testDecoding(checks, {module: await makeModule(join(root, 'build/web/bin')), fluxgs, scenes, work});
-  await testViewing(checks, {browser, server, fluxgs, work, scenes: [sample, join(work, 'sample.spz')]});
+  const tools = {browser, server, fluxgs, work, index: join(root, 'build/web/site/page/index.html'), scenes: [sample, join(work, 'sample.spz')]};
+  await testViewing(checks, tools);
+  await testTroubles(checks, tools);
+  await testGraphics(checks, {...tools, browser: withWebGpu, plain: browser});
+  await testPackages(checks, {browser, root, work, sample});
   status = checks.finish(began);
 } finally {
   await browser.close();
+  await withWebGpu.close();
   server.close();
   await rm(work, {recursive: true, force: true});
 }

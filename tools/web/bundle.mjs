@@ -17,9 +17,12 @@ const minified = async (path) => (await esbuild.transform(await text(path), {min
 
 /** flux.js and worker.js as texts: pages and workers run them from Blobs. */
 const texts = {'flux-glue-text': await minified(join(moduleFolder, 'flux.js')), 'flux-worker-text': await minified(join(sources, 'worker.js'))};
+/** Shaders without comments and indentation. */
+const bare = (shader) => shader.replace(/\/\/.*$/gm, '').replace(/\s*\n\s*/g, '\n');
 const textPlugin = {
   name: 'texts',
   setup(build) {
+    build.onLoad({filter: /\.wgsl$/}, async ({path}) => ({contents: bare(await text(path)), loader: 'text'}));
     build.onResolve({filter: /^flux-.*-text$/}, ({path}) => ({path, namespace: 'texts'}));
     build.onLoad({filter: /.*/, namespace: 'texts'}, ({path}) => ({contents: texts[path], loader: 'text'}));
   },
@@ -49,7 +52,7 @@ const icon = `data:image/svg+xml;base64,${Buffer.from(await text(join(sources, '
 const single = index
   .replace(/<link rel="manifest"[^>]*>\n/, '')
   .replace('href="icon.svg"', () => `href="${icon}"`)
-  .replace('<script type="module" src="viewer.js"></script>\n', '')
+  .replace(/<script type="module" src="viewer.js".*\n/, '')
   .replace('</body>', () => `<script type="text/plain" id="flux-gs-module">${gzipSync(wasm, {level: 9}).toString('base64')}</script>\n` +
     `<!-- scene -->\n<script type="module">${inside(viewer)}</script>\n</body>`);
 await writeFile(join(out, 'page.html'), single);

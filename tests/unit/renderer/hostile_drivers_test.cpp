@@ -208,7 +208,7 @@ TEST_P(HostileDriversTest, FramesAreMeasuredWithoutWaiting) {
 TEST_P(HostileDriversTest, TheViewerNamesFirstFramesThatFail) {
   const Sample s = next_sample();
   render::SceneView view(std::make_shared<const render::RenderCloud>(s.cloud), {});
-  must(view.open(api(), s.camera.width, s.camera.height));
+  must(view.open(device(), s.camera.width, s.camera.height));
   {
     const GlFaults between(api());
     faults.defects.fails_draws = true;

@@ -65,7 +65,7 @@ TEST_P(SceneViewTest, ShowsWhatTheProcessorDrew) {
     return frame;
   };
   SceneView view(shared_cloud(300), settings);
-  must(view.open(api(), kWidth, kHeight));
+  must(view.open(device(), kWidth, kHeight));
   const Image<std::uint8_t> shown = must(image(view));
   EXPECT_TRUE(view.shows_all());
   EXPECT_EQ(view.drawn_in_software(), 7U);
@@ -94,7 +94,7 @@ void SceneViewTest::survive_a_loss_at_every_call(const SceneViewSettings& settin
                                                  bool reset_status) {
   const GlFaults between(api(), reset_status);
   SceneView view(shared_cloud(300), settings);
-  must(view.open(api(), kWidth, kHeight));
+  must(view.open(device(), kWidth, kHeight));
   const Camera other = orbit_camera(kWidth + 1, kHeight, {}, 2, 2, 4);
   const auto frame = [&] {
     auto found = image(view);
@@ -136,7 +136,7 @@ TEST_P(SceneViewTest, ALossDuringTheStartIsAnError) {
   Image<std::uint8_t> expected;
   {
     SceneView view(cloud, {});
-    must(view.open(api(), kWidth, kHeight));
+    must(view.open(device(), kWidth, kHeight));
     calls = faults.calls;
     expected = must(image(view));
   }
@@ -147,14 +147,14 @@ TEST_P(SceneViewTest, ALossDuringTheStartIsAnError) {
     faults.lost_after = call;
     {
       SceneView view(cloud, {});
-      EXPECT_FALSE(view.open(api(), kWidth, kHeight)) << call << " of " << calls;
+      EXPECT_FALSE(view.open(device(), kWidth, kHeight)) << call << " of " << calls;
       EXPECT_TRUE(gl::context_lost(api()));
     }
     faults.lost_after = -1;
     api().lost = false;
   }
   SceneView view(cloud, {});
-  must(view.open(api(), kWidth, kHeight));
+  must(view.open(device(), kWidth, kHeight));
   EXPECT_EQ(must(image(view)).pixels, expected.pixels);
 }
 
@@ -197,7 +197,8 @@ std::vector<std::pair<const char*, long>> stages(gl::Api& api, SceneView& view) 
 TEST_P(SceneViewTest, IsMadeAgainInANewContextWhateverStageLostTheOldOne) {
   SceneView view(shared_cloud(300), {});
   auto old = must(host::HostContext::create(GetParam()));
-  must(view.open(old->api(), kWidth, kHeight));
+  auto old_device = std::make_unique<render::GlDevice>(old->api());
+  must(view.open(*old_device, kWidth, kHeight));
   const Image<std::uint8_t> expected = must(image(view, kCamera));
   std::vector<std::pair<const char*, long>> all;
   {
@@ -215,7 +216,9 @@ TEST_P(SceneViewTest, IsMadeAgainInANewContextWhateverStageLostTheOldOne) {
       EXPECT_TRUE(gl::context_lost(old->api())) << stage;
     }
     auto fresh = must(host::HostContext::create(GetParam()));
-    must(view.open(fresh->api(), kWidth, kHeight));
+    auto fresh_device = std::make_unique<render::GlDevice>(fresh->api());
+    must(view.open(*fresh_device, kWidth, kHeight));
+    old_device = std::move(fresh_device);
     old = std::move(fresh);
     must(old->make_current());
     EXPECT_EQ(must(image(view, kCamera)).pixels, expected.pixels) << stage;
@@ -229,7 +232,7 @@ TEST_P(SceneViewTest, ShowsWhatTheMemoryHolds) {
   const auto cloud = shared_cloud(5000);
   const GlFaults between(api());
   SceneView all(cloud, {});
-  must(all.open(api(), kWidth, kHeight));
+  must(all.open(device(), kWidth, kHeight));
   must(image(all));
   EXPECT_TRUE(all.shows_all());
   all.close();
@@ -239,7 +242,7 @@ TEST_P(SceneViewTest, ShowsWhatTheMemoryHolds) {
   const std::size_t budget = faults.max_used / 2;
   faults.max_used = 0;
   SceneView some(cloud, {.memory = budget});
-  must(some.open(api(), kWidth, kHeight));
+  must(some.open(device(), kWidth, kHeight));
   const Image<std::uint8_t> shown = must(image(some));
   EXPECT_FALSE(some.shows_all());
   EXPECT_GT(some.splats(), 1000U);
@@ -256,7 +259,7 @@ TEST_P(SceneViewTest, ShowsWhatTheMemoryHolds) {
   SceneView selected(std::make_shared<render::RenderCloud>(in_order(
                          random_cloud(5000, 1, 21), render::max_contributing(cloud->base, splats))),
                      {.accumulation = coarse()});
-  must(selected.open(api(), kWidth, kHeight));
+  must(selected.open(device(), kWidth, kHeight));
   EXPECT_EQ(must(image(selected)).pixels, shown.pixels);
 }
 
@@ -264,10 +267,10 @@ TEST_P(SceneViewTest, GivesWayWhereTheDriverHasLessThanItSays) {
   const auto cloud = shared_cloud(5000);
   const GlFaults between(api());
   SceneView view(cloud, {});
-  must(view.open(api(), kWidth, kHeight));
+  must(view.open(device(), kWidth, kHeight));
   must(image(view));
   faults.memory = faults.used * 3 / 5;
-  must(view.open(api(), kWidth, kHeight));
+  must(view.open(device(), kWidth, kHeight));
   EXPECT_FALSE(api().lost);
   EXPECT_GT(view.splats(), 5000U / 3);
   EXPECT_LT(view.splats(), 5000U * 3 / 5);
@@ -297,20 +300,20 @@ TEST_P(SceneViewTest, AImageThatDoesNotFitIsMadeSmaller) {
   const GlFaults between(api());
   {
     SceneView view(cloud, {.memory = 800'000});
-    must(view.open(api(), large.width, large.height));
+    must(view.open(device(), large.width, large.height));
     must(image(view, large));
-    EXPECT_LT(view.target().width(), large.width);
-    EXPECT_GE(view.target().width(), kWidth);
-    EXPECT_EQ(view.target().width() * large.height, view.target().height() * large.width);
+    EXPECT_LT(view.image_size().width, large.width);
+    EXPECT_GE(view.image_size().width, kWidth);
+    EXPECT_EQ(view.image_size().width * large.height, view.image_size().height * large.width);
     EXPECT_TRUE(view.shows_all());
     EXPECT_LE(faults.max_used, 800'000U);
     must(image(view));
-    EXPECT_EQ(view.target().width(), kWidth);
+    EXPECT_EQ(view.image_size().width, kWidth);
   }
   // The driver says no: the same, and the scene as it would be drawn at that size
   faults.memory = 800'000;
   SceneView view(cloud, {});
-  must(view.open(api(), large.width, large.height));
+  must(view.open(device(), large.width, large.height));
   const Image<std::uint8_t> shown = must(image(view, large));
   ASSERT_LT(shown.width, large.width);
   faults.memory = ~0UL;
@@ -318,7 +321,7 @@ TEST_P(SceneViewTest, AImageThatDoesNotFitIsMadeSmaller) {
       std::make_shared<render::RenderCloud>(
           in_order(random_cloud(300, 1, 21), render::max_contributing(cloud->base, view.splats()))),
       {.accumulation = coarse()});
-  must(small.open(api(), shown.width, shown.height));
+  must(small.open(device(), shown.width, shown.height));
   EXPECT_EQ(must(image(small, orbit_camera(shown.width, shown.height, {}, 2, 1, 4))).pixels,
             shown.pixels);
 }
@@ -339,11 +342,11 @@ TEST_P(SceneViewTest, HalfFloatsThenSplatsThenPixels) {
     const auto cloud = shared_cloud(splats);
     const auto opened = [&](const SceneViewSettings& settings) {
       SceneView view(cloud, settings);
-      must(view.open(api(), camera.width, camera.height));
+      must(view.open(device(), camera.width, camera.height));
       must(image(view, camera));
       EXPECT_EQ(faults.used, view.memory());
       EXPECT_EQ(view.is_reduced(), settings.memory.has_value());
-      return Opened{view.target().width(), view.memory(), view.splats()};
+      return Opened{view.image_size().width, view.memory(), view.splats()};
     };
     const Opened whole = opened({});
     const Opened half = opened({.memory = whole.memory - 1});
@@ -362,7 +365,7 @@ TEST_P(SceneViewTest, HalfFloatsThenSplatsThenPixels) {
     // The driver says no, where nobody knew
     faults.memory = half.memory;
     SceneView told(cloud, {});
-    must(told.open(api(), camera.width, camera.height));
+    must(told.open(device(), camera.width, camera.height));
     EXPECT_EQ(told.splats(), splats);
     EXPECT_EQ(told.memory(), half.memory);
     told.close();
@@ -370,8 +373,8 @@ TEST_P(SceneViewTest, HalfFloatsThenSplatsThenPixels) {
     // What is asked for is given
     SceneView asked(
         cloud, {.accumulation = render::Accumulation::single_float, .memory = whole.memory - 1});
-    must(asked.open(api(), camera.width, camera.height));
-    EXPECT_TRUE(asked.splats() < splats || asked.target().width() < camera.width);
+    must(asked.open(device(), camera.width, camera.height));
+    EXPECT_TRUE(asked.splats() < splats || asked.image_size().width < camera.width);
   }
   api().quirks.runs_on_cpu = on_cpu;
 }
@@ -381,12 +384,12 @@ TEST_P(SceneViewTest, AnotherScaleIsAnotherImageOfTheSameSplats) {
   const GlFaults between(api());
   const auto cloud = shared_cloud(5000);
   SceneView whole(cloud, {});
-  must(whole.open(api(), kWidth, kHeight));
+  must(whole.open(device(), kWidth, kHeight));
   must(image(whole));
   const std::size_t budget = whole.memory() / 2;
   whole.close();
   SceneView view(cloud, {.memory = budget});
-  must(view.open(api(), kWidth, kHeight));
+  must(view.open(device(), kWidth, kHeight));
   const Image<std::uint8_t> first = must(image(view));
   const std::size_t splats = view.splats();
   EXPECT_LT(splats, 5000U);
@@ -404,7 +407,7 @@ TEST_P(SceneViewTest, AnotherScaleIsAnotherImageOfTheSameSplats) {
 
 TEST_P(SceneViewTest, AMemoryThatHoldsNothingIsRefused) {
   SceneView view(shared_cloud(10), {.memory = 1000});
-  const auto opened = view.open(api(), kWidth, kHeight);
+  const auto opened = view.open(device(), kWidth, kHeight);
   ASSERT_FALSE(opened);
   EXPECT_THAT(opened.error().message(),
               HasSubstr("graphics memory: 1000 bytes do not hold one pixel and one splat"));
@@ -413,7 +416,7 @@ TEST_P(SceneViewTest, AMemoryThatHoldsNothingIsRefused) {
 TEST_P(SceneViewTest, TheLimitsOfTheDriverAreABudget) {
   const auto limit = std::exchange(api().capabilities.max_storage_block_bytes, 64 * 1000);
   SceneView view(shared_cloud(5000, 0), {});
-  const auto opened = view.open(api(), kWidth, kHeight);
+  const auto opened = view.open(device(), kWidth, kHeight);
   api().capabilities.max_storage_block_bytes = limit;
   must(opened);
   EXPECT_EQ(view.splats(), 1000U);
@@ -425,7 +428,7 @@ TEST_P(SceneViewTest, SplatsOfLowDegreesTakeLessOfABudget) {
   const GlFaults between(api());
   const std::size_t budget = 700'000;
   SceneView some(mixed, {.memory = budget});
-  must(some.open(api(), kWidth, kHeight));
+  must(some.open(device(), kWidth, kHeight));
   must(image(some));
   EXPECT_LE(faults.max_used, budget);
   EXPECT_GT(faults.used, budget / 2);
@@ -434,7 +437,7 @@ TEST_P(SceneViewTest, SplatsOfLowDegreesTakeLessOfABudget) {
   some.close();
   SceneView full(std::make_shared<render::RenderCloud>(random_cloud(5000, 3, 3)),
                  {.memory = budget});
-  must(full.open(api(), kWidth, kHeight));
+  must(full.open(device(), kWidth, kHeight));
   EXPECT_GT(splats, full.splats());
 }
 
@@ -443,14 +446,14 @@ TEST_P(SceneViewTest, HarmonicsGoBeforeSplats) {
   const auto cloud = shared_cloud(5000, 3);
   const GlFaults between(api());
   SceneView all(cloud, {.accumulation = coarse()});
-  must(all.open(api(), kWidth, kHeight));
+  must(all.open(device(), kWidth, kHeight));
   must(image(all));
   EXPECT_EQ(all.sh_degree(), 3);
   const std::size_t whole = all.memory();
   all.close();
   const auto with = [&](std::size_t memory) {
     SceneView view(cloud, {.memory = memory});
-    must(view.open(api(), kWidth, kHeight));
+    must(view.open(device(), kWidth, kHeight));
     must(image(view));
     EXPECT_LE(view.memory(), memory);
     EXPECT_TRUE(view.is_reduced());
@@ -466,14 +469,14 @@ TEST_P(SceneViewTest, HarmonicsGoBeforeSplats) {
   // The driver has less than it says
   faults.memory = whole - 30 * kSplats;
   SceneView told(cloud, {.accumulation = coarse()});
-  must(told.open(api(), kWidth, kHeight));
+  must(told.open(device(), kWidth, kHeight));
   EXPECT_EQ(told.splats(), kSplats);
   EXPECT_EQ(told.sh_degree(), 2);
 }
 
 TEST_P(SceneViewTest, AnEmptySceneIsShown) {
   SceneView view(std::make_shared<render::RenderCloud>(), {});
-  must(view.open(api(), kWidth, kHeight));
+  must(view.open(device(), kWidth, kHeight));
   EXPECT_TRUE(view.shows_all());
   for (const float value : must(image(view)).pixels) ASSERT_EQ(value, 0.0F);
 }

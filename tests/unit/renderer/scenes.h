@@ -17,17 +17,10 @@
 #include "fluxgs/io/ply.h"
 #include "fluxgs/math/spherical_harmonics.h"
 #include "fluxgs/splat_cloud.h"
+#include "support/sanitized.h"
 #include "tools/reference/reference_renderer.h"
 
 namespace fluxgs::test {
-
-/// Whether this is a build with AddressSanitizer, which looks for mistakes, not for numbers, and
-/// takes its time.
-#if defined(__SANITIZE_ADDRESS__)
-inline constexpr bool kSanitized = true;
-#else
-inline constexpr bool kSanitized = false;
-#endif
 
 struct SimpleSplat {
   glm::vec3 position{0, 0, 0};

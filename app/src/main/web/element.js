@@ -5,6 +5,7 @@ import {icons, style} from './style.js';
 import {fill, textsFor} from './texts.js';
 
 const EXTENSIONS = '.glb,.gltf,.ply,.spz,.splat,.sog,.zip';
+const PARTS = '.json,.webp,.bin';  // files of scenes that have several
 const QUALITIES = {automatic: {scale: 0, movingScale: 1}, sharp: {scale: 1, movingScale: 1}, fast: {scale: 0, movingScale: 0.7}};
 const LOOK_MS = 250;  // between looks at the state while something moves
 const FADE_MS = 4000;  // without a touch the buttons go
@@ -20,11 +21,13 @@ function make(tag, attributes = {}, ...children) {
   return element;
 }
 
-/** "#rrggbb" as red, green, blue, 0 … 1; black for what is none. */
-function colour(text) {
-  const digits = /^#?([0-9a-f]{6})$/i.exec(text ?? '')?.[1] ?? '000000';
-  return [0, 2, 4].map((i) => parseInt(digits.slice(i, i + 2), 16) / 255);
+/** "#rrggbb" of that, without its #, or of three digits; black for what is none. */
+function hexColour(text) {
+  const short = /^#?([0-9a-f]{3})$/i.exec(text ?? '')?.[1];
+  return `#${short?.replace(/./g, '$&$&') ?? /^#?([0-9a-f]{6})$/i.exec(text ?? '')?.[1] ?? '000000'}`;
 }
+/** Red, green, blue, 0 … 1. */
+const colour = (text) => [1, 3, 5].map((i) => parseInt(hexColour(text).slice(i, i + 2), 16) / 255);
 
 /** The numbers of a view in a link, or undefined. */
 export function viewOf(text) {
@@ -36,7 +39,9 @@ const linked = (view) => view.map((number) => Number(number.toPrecision(7))).joi
 
 /**
  * Attributes: src (URL of a scene), name, poster (URL of a picture for the first second), view (12 numbers),
- * background (#rrggbb), noui (no buttons), turntable (auto-orbit from the start), language.
+ * background (#rrggbb), noui (no buttons), turntable (auto-orbit from the start), renderer (webgl or webgpu; otherwise
+ * WebGPU where a graphics card has it), language, linked (this page's address takes ?url= and #view=, so that there is a
+ * button for links).
  * Events: "loading", "ready", "error" (detail: problem and message), "view".
  */
 export class FluxGsViewerElement extends HTMLElement {
@@ -46,7 +51,12 @@ export class FluxGsViewerElement extends HTMLElement {
   #texts;
   #viewer;      // once it is there
   #starting;    // the promise of it
-  #source;      // that is open
+  #fault = '';  // why it cannot start
+  #connected;   // the promise of being in a page, and what fulfils it
+  #connect;
+  #source;      // that is open, or will be when this is in a page
+  #options = {};
+  #before = {settings: {}};  // of the viewer before this was moved in its page, with its view
   #title = '';
   #ready = false;
   #began = 0;
@@ -55,8 +65,18 @@ export class FluxGsViewerElement extends HTMLElement {
   #ui = {};
   #statisticsTimer;
 
+  constructor() {
+    super();
+    this.#waitForPage();
+  }
+
+  #waitForPage() {
+    this.#connected = new Promise((resolve) => (this.#connect = resolve));
+  }
+
   connectedCallback() {
     if (this.#starting) return;
+    this.#connect();
     const asked = this.getAttribute('language');
     const {texts, language} = textsFor(asked ? [asked] : undefined);
     this.#texts = texts;
@@ -66,50 +86,71 @@ export class FluxGsViewerElement extends HTMLElement {
 
   disconnectedCallback() {
     clearInterval(this.#statisticsTimer);
+    if (this.#viewer) this.#before = {settings: this.#viewer.settings, view: this.#ready && this.#viewer.view || this.#before.view};
     this.#viewer?.close();
     this.#viewer = this.#starting = undefined;
+    this.#ready = false;
+    this.#waitForPage();
     this.#root.replaceChildren();
   }
 
   attributeChangedCallback(name, before, now) {
+    if (name === 'src') this.#source = this.#before.view = undefined;  // what was open no longer counts
+    if (name === 'background') delete this.#before.settings.background;
     if (!this.#starting || before === now) return;
-    if (name === 'src' && now) this.open(now);
+    if (name === 'src' && now) this.#openShown(now);
     if (name === 'background') this.#starting.then(() => this.#viewer?.set({background: colour(now)}));
     if (name === 'noui') this.#ui.bar.hidden = now !== null;
   }
 
   // ---- The calls that pages have; each waits for the viewer to be there
 
-  /** Opens a scene: a URL, a File or a Blob. */
+  async #there() {
+    while (!this.#viewer) {
+      await this.#connected;
+      await this.#starting;
+      if (this.#fault) throw new Error(this.#fault);
+    }
+    return this.#viewer;
+  }
+
+  /** Opens a scene: a URL, a File or a Blob. What comes of it is told by the events. */
   async open(source, options = {}) {
-    await this.#starting;
-    if (!this.#viewer) return;
-    this.#source = source;
+    const viewer = await this.#there();
+    viewer.open(source, {view: viewOf(this.getAttribute('view')), ...options});  // throws before anything is changed
+    [this.#source, this.#options] = [source, options];
+    this.#before.view = undefined;
     this.#ready = false;
     this.#began = performance.now();
-    this.#title = options.name ?? (typeof source === 'string' ? decodeURIComponent(source.split(/[?#]/)[0].split('/').pop()) : source.name) ?? '';
-    this.#viewer.open(source, {view: viewOf(this.getAttribute('view')), ...options});
+    this.#title = viewer.loading.name;
     this.#listKept();
+  }
+  /** The same for what people chose: they see what goes wrong. */
+  #openShown(source, options) {
+    this.open(source, options).catch((error) => this.#fault || this.#tellError('network', error.message));
+  }
+  /** Opens one of the files that people chose together; it may name others of them. */
+  #openFiles(files) {
+    const all = [...files], named = (pattern) => all.find(({name}) => pattern.test(name));
+    const file = named(/^lod-meta\.json$/) ?? named(/^meta\.json$/) ?? named(/\.gltf$/i) ?? all[0];
+    if (file) this.#openShown(file, {files: all});
   }
   /** Goes to a view: 12 numbers, see FluxViewer.view. */
   async goTo(view) {
-    await this.#starting;
-    this.#viewer?.goTo(view);
+    (await this.#there()).goTo(view);
   }
   /** Changes settings, see FluxViewer.set(). */
   async set(changes) {
-    await this.#starting;
-    this.#viewer?.set(changes);
+    (await this.#there()).set(changes);
   }
   /** The state, with the present view. */
   async state() {
-    await this.#starting;
-    return this.#viewer && {...this.#viewer.state, view: this.#viewer.view};
+    const viewer = await this.#there();
+    return {...viewer.state, view: viewer.view};
   }
   /** A PNG of the present view as a Blob, or null before there is a scene. */
   async picture() {
-    await this.#starting;
-    const image = this.#viewer?.image();
+    const image = (await this.#there()).image();
     if (!image) return null;
     const canvas = make('canvas', {width: image.width, height: image.height});
     canvas.getContext('2d').putImageData(image, 0, 0);
@@ -132,14 +173,16 @@ export class FluxGsViewerElement extends HTMLElement {
     };
     ui.canvas = make('canvas', {tabindex: 0, role: 'application', 'aria-label': t.scene});
     ui.poster = make('img', {class: 'poster', alt: '', src: this.getAttribute('poster') ?? false, hidden: !this.hasAttribute('poster')});
-    ui.picker = make('input', {type: 'file', accept: EXTENSIONS, hidden: true, 'aria-label': t.open});
-    ui.picker.addEventListener('change', () => ui.picker.files[0] && this.open(ui.picker.files[0]));
+    ui.picker = make('input', {type: 'file', multiple: true, accept: `${EXTENSIONS},${PARTS}`, hidden: true, 'aria-label': t.open});
+    ui.picker.addEventListener('change', () => this.#openFiles(ui.picker.files));
     ui.turn = button('turn', () => this.#turn(), {pressed: 'false'});
     ui.bar = make('div', {class: 'bar', role: 'toolbar', 'aria-label': t.scene, hidden: this.hasAttribute('noui')},
       button('open', () => ui.picker.click()), button('reset', () => this.#viewer?.reset()), ui.turn,
       button('fullscreen', () => this.#fullscreen()), button('settings', () => this.#show(ui.settings)), button('help', () => this.#show(ui.help)));
-    const acts = {flip: () => this.#viewer?.flip(), save: () => this.#keep(), link: () => this.#copyLink(), picture: () => this.#savePicture()};
-    ui.settings = this.#buildSettings(...Object.entries(acts).map(([name, act]) => button(name, act, {text: t[name]})),
+    ui.walk = button('walk', () => this.#walk(), {pressed: 'false', text: t.walk});
+    const acts = {flip: () => this.#viewer?.flip(), save: () => this.#keep(), ...(this.hasAttribute('linked') && {link: () => this.#copyLink()}),
+      picture: () => this.#savePicture()};
+    ui.settings = this.#buildSettings(ui.walk, ...Object.entries(acts).map(([name, act]) => button(name, act, {text: t[name]})),
       button('statistics', (e) => this.#toggleStatistics(e), {pressed: 'false', text: t.statistics}));
     ui.help = make('div', {class: 'panel', role: 'dialog', 'aria-label': t.help, tabindex: -1, hidden: true}, make('h2', {}, t.help),
       ...[t.helpTouch, t.helpMouse, t.helpKeys].map((text) => make('p', {}, text)), this.#closeButton());
@@ -166,7 +209,7 @@ export class FluxGsViewerElement extends HTMLElement {
       return make('label', {}, label, select);
     };
     const splats = [250_000, 500_000, 1_000_000, 2_000_000].map((n) => [n, n.toLocaleString()]);
-    const picker = make('input', {type: 'color', value: this.getAttribute('background') ?? '#000000', 'aria-label': t.background});
+    const picker = make('input', {type: 'color', value: hexColour(this.getAttribute('background')), 'aria-label': t.background});
     picker.addEventListener('input', () => this.#viewer?.set({background: colour(picker.value)}));
     this.#ui.kept = make('div');
     return make('div', {class: 'panel', role: 'dialog', 'aria-label': t.settings, tabindex: -1, hidden: true}, make('div', {class: 'acts'}, ...buttons),
@@ -180,7 +223,11 @@ export class FluxGsViewerElement extends HTMLElement {
     const ui = this.#ui, root = this.#root;
     for (const name of ['pointerdown', 'pointermove', 'keydown', 'wheel', 'focusin'])
       root.addEventListener(name, () => this.#appear(), {passive: true});
-    root.addEventListener('keydown', (event) => event.key === 'Escape' && this.#show(null));
+    root.addEventListener('keydown', (event) => {
+      if (event.key !== 'Escape') return;
+      if (ui.note.dataset.error) this.#note('');
+      this.#show(null);
+    });
     this.addEventListener('dragover', (event) => {
       event.preventDefault();
       ui.over.hidden = false;
@@ -189,38 +236,49 @@ export class FluxGsViewerElement extends HTMLElement {
     this.addEventListener('drop', (event) => {
       event.preventDefault();
       ui.over.hidden = true;
-      const file = event.dataTransfer.files[0];
-      const url = event.dataTransfer.getData('text/uri-list').split('\n')[0];
-      if (file || url) this.open(file ?? url);
+      if (event.dataTransfer.files.length) return this.#openFiles(event.dataTransfer.files);
+      const url = event.dataTransfer.getData('text/uri-list').split(/\r?\n/).find((line) => line && !line.startsWith('#'));
+      if (url) this.#openShown(url);
     });
   }
 
   async #start() {
+    this.#fault = '';
     try {
       const test = document.createElement('canvas').getContext('webgl2');
-      if (!test) return this.#tellError('webgl', '');
+      if (!test) return this.#cannotStart('webgl', 'this browser has no WebGL 2');
       test.getExtension('WEBGL_lose_context')?.loseContext();
-      this.#viewer = await FluxViewer.create(this.#ui.canvas, parts);
+      const canvas = this.#ui.canvas, viewer = await FluxViewer.create(canvas, parts, this.getAttribute('renderer') ?? '');
+      if (canvas !== this.#ui.canvas || !this.isConnected) return viewer.close();  // taken out of the page meanwhile
+      this.#viewer = viewer;
     } catch (error) {
-      return this.#tellError('', String(error.message ?? error));
+      return this.#cannotStart('start', String(error.message ?? error));
     }
     this.#viewer.addEventListener('loading', () => this.#tellLoading());
     this.#viewer.addEventListener('frame', () => this.#drawn());
-    this.#viewer.set({background: colour(this.getAttribute('background'))});
+    this.#viewer.addEventListener('canvas', () => (this.#ui.canvas = this.#viewer.canvas));
+    this.#viewer.set({background: colour(this.getAttribute('background')), ...this.#before.settings});
     const inline = await inlineBytes('flux-gs-scene');
-    const src = this.getAttribute('src');
+    // What was open before this was moved in its page, then what the address asks for
+    const source = this.#source ?? this.getAttribute('src') ?? (inline && new File([inline], this.getAttribute('name') ?? 'scene'));
     // Not waited for: open() waits for this function
-    if (inline) setTimeout(() => this.open(new File([inline], this.getAttribute('name') ?? 'scene')));
-    else if (src) setTimeout(() => this.open(src));
+    const {view} = this.#before;
+    if (source) setTimeout(() => this.#openShown(source, {...this.#options, ...(view && {view})}));
     else if (!this.hasAttribute('noui')) this.#note(this.#texts.drop);
     this.#appear();
   }
 
+  #cannotStart(problem, message) {
+    this.#fault = message;
+    this.#tellError(problem, problem === 'start' ? message : '');
+  }
+
   // ---- What is shown over the scene
 
-  #note(text, {detail, progress, cancel} = {}) {
+  #note(text, {detail, progress, cancel, error = false} = {}) {
     const note = this.#ui.note;
     note.hidden = !text;
+    note.dataset.error = error ? 'yes' : '';
     if (!text) return note.replaceChildren();
     const children = [text];
     if (progress !== undefined) children.push(make('progress', progress === null ? {max: 1} : {max: 1, value: progress}));
@@ -228,6 +286,11 @@ export class FluxGsViewerElement extends HTMLElement {
     if (cancel) {
       const button = make('button', {type: 'button'}, this.#texts.cancel);
       button.addEventListener('click', () => this.#viewer.cancel());
+      children.push(button);
+    }
+    if (error && this.#viewer?.state.hasScene) {  // the scene before is behind it
+      const button = make('button', {type: 'button'}, this.#texts.close);
+      button.addEventListener('click', () => this.#note(''));
       children.push(button);
     }
     note.replaceChildren(...children);
@@ -238,7 +301,10 @@ export class FluxGsViewerElement extends HTMLElement {
     const t = this.#texts;
     this.dispatchEvent(new CustomEvent('loading', {detail: {phase, read, bytes}}));
     if (phase === 'failed') return this.#tellError(problem, error);
-    if (phase === 'cancelled') return this.#note('');
+    if (phase === 'cancelled') {
+      this.#ui.poster.hidden = true;
+      return this.#note('');
+    }
     if (phase === 'ready') return this.#note('');
     const part = bytes ? read / bytes : null;
     const passed = (performance.now() - this.#began) / 1000;
@@ -251,11 +317,12 @@ export class FluxGsViewerElement extends HTMLElement {
   #tellError(problem, message) {
     const t = this.#texts;
     const text = t[problem] ?? (problem === 'open' ? t.network : t.damaged);
-    this.#note(text, {detail: message});
+    this.#note(text, {detail: message, error: true});
     this.dispatchEvent(new CustomEvent('error', {detail: {problem, message}}));
   }
 
   #drawn() {
+    if (!this.#viewer) return;
     const t = this.#texts, now = performance.now();
     if (this.#viewer.lost) return this.#note(t.lost);
     // The whole state is text that is made and read again: not in each frame of a movement
@@ -263,9 +330,10 @@ export class FluxGsViewerElement extends HTMLElement {
     this.#looked = now;
     const state = this.#viewer.state;
     this.#ui.turn.setAttribute('aria-pressed', String(state.motion === 'drift'));
+    this.#ui.walk.setAttribute('aria-pressed', String(state.motion === 'walk'));
     if (state.error) return this.#tellError('', state.error);
     if (this.#ui.note.textContent === t.lost) this.#note('');
-    if (!state.drawn || this.#ready || !['ready', 'reading'].includes(state.loading.phase)) return;
+    if (!state.drawn || this.#ready || !this.#viewer.taken || !['ready', 'reading'].includes(state.loading.phase)) return;
     this.#ready = true;
     this.#ui.poster.hidden = true;
     this.#note('');
@@ -306,13 +374,24 @@ export class FluxGsViewerElement extends HTMLElement {
     this.#viewer?.drift(this.#viewer.state.motion !== 'drift');
   }
 
+  #walk() {
+    this.#viewer?.walk(this.#viewer.state.motion !== 'walk');
+    this.#show(null);
+  }
+
   async #copyLink() {
     const view = this.#viewer?.view;
     if (!view) return;
     const url = new URL(location.href);
-    if (typeof this.#source === 'string') url.searchParams.set('url', this.#source);
+    if (this.#source instanceof Blob) url.searchParams.delete('url');  // nobody else has that file
+    else url.searchParams.set('url', this.#source);
     url.hash = `view=${linked(view)}`;
-    await navigator.clipboard?.writeText(url.href).then(() => this.#toast(this.#texts.copied), () => this.#toast(url.href));
+    try {
+      await navigator.clipboard.writeText(url.href);
+      this.#toast(this.#texts.copied);
+    } catch {  // not allowed, or a page without https
+      this.#toast(url.href);
+    }
   }
 
   async #savePicture() {
@@ -336,9 +415,9 @@ export class FluxGsViewerElement extends HTMLElement {
     if (statistics.hidden) return;
     const tell = () => {
       if (!this.#viewer) return;
-      const s = this.#viewer.state.stats;
+      const {stats: s, renderer} = this.#viewer.state;
       statistics.textContent = [`${s.fps.toFixed(0)} fps  ${s.frameMs.toFixed(1)} ms`, `${s.drawn.toLocaleString()} of ${s.splats.toLocaleString()} splats, SH ${s.shDegree}`,
-        `${s.width}×${s.height}`, `sorted in ${s.sortMs.toFixed(0)} ms`, `${(s.memory / 1e6).toFixed(0)} MB graphics`].join('\n');
+        `${s.width}×${s.height}, ${renderer === 'webgpu' ? 'WebGPU' : 'WebGL'}`, `sorted in ${s.sortMs.toFixed(0)} ms`, `${(s.memory / 1e6).toFixed(0)} MB graphics`].join('\n');
     };
     tell();
     this.#statisticsTimer = setInterval(tell, 500);

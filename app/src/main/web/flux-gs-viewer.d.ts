@@ -17,20 +17,27 @@ export interface Settings {
 }
 
 export interface Loading {
-  phase: 'idle' | 'reading' | 'decoding' | 'ready' | 'failed' | 'cancelled';
+  phase: 'idle' | 'reading' | 'ready' | 'failed' | 'cancelled';
+  /** Of the scene's file, for people. */
+  name?: string;
   read: number;
   /** Of the file; 0 where the server does not say. */
   bytes: number;
   error: string;
-  problem: '' | 'memory' | 'network' | 'read' | 'open';
+  problem: '' | 'memory' | 'network' | 'read' | 'open' | 'files' | 'start';
 }
 
 export interface State {
   loading: Loading;
   hasScene: boolean;
+  /** A picture of the scene was there, with its splats in their order. */
   drawn: boolean;
   /** Nothing moves, and the picture is as sharp as it gets. */
   resting: boolean;
+  /** The browser has taken the graphics card away; it comes back by itself. */
+  lost: boolean;
+  /** What draws. */
+  renderer: 'webgpu' | 'webgl';
   motion: '' | 'drift' | 'path' | 'walk';
   error: string;
   stats: {fps: number; frameMs: number; sortMs: number; drawn: number; shown: number; splats: number; width: number;
@@ -38,16 +45,31 @@ export interface State {
   view: View | null;
 }
 
-/** `<flux-gs-viewer src poster view background noui turntable language>`. */
+/**
+ * `<flux-gs-viewer src name poster view background noui turntable language renderer>`; those from turntable on are read
+ * when the element comes into a page. Calls wait until it is there and its viewer has started; where that cannot start,
+ * they are rejected.
+ */
 export class FluxGsViewerElement extends HTMLElement {
-  /** Opens a scene: a URL, a File or a Blob. The one before stays until it can be shown. */
-  open(source: string | Blob, options?: {name?: string; memory?: number; view?: View}): Promise<void>;
+  /**
+   * Opens a scene: a URL, a File or a Blob. The one before stays until it can be shown. The promise does not wait for
+   * the file: the events `loading`, `ready` and `error` tell what comes of it. `files` are those that a File may name,
+   * as a `.gltf` does; `memory` is in bytes. Rejected with a TypeError or RangeError where an argument is none.
+   */
+  open(source: string | URL | Blob, options?: {name?: string; memory?: number; view?: View; files?: Iterable<File>}): Promise<void>;
   /** Goes to a view smoothly. */
   goTo(view: View): Promise<void>;
+  /** Rejected with a RangeError, and nothing is changed, where a value is outside of what stands above. */
   set(changes: Settings): Promise<void>;
-  state(): Promise<State | undefined>;
-  /** A PNG of the present view; null before there is a scene. */
+  state(): Promise<State>;
+  /** A PNG of the present view, with its background; null before there is a scene. */
   picture(): Promise<Blob | null>;
+  addEventListener(type: 'loading', listener: (event: CustomEvent<Pick<Loading, 'phase' | 'read' | 'bytes'>>) => void,
+    options?: boolean | AddEventListenerOptions): void;
+  /** `message` is one line, in English: what was found, and what was expected. */
+  addEventListener(type: 'error', listener: (event: CustomEvent<{problem: string; message: string}>) => void,
+    options?: boolean | AddEventListenerOptions): void;
+  addEventListener(type: string, listener: EventListenerOrEventListenerObject, options?: boolean | AddEventListenerOptions): void;
 }
 
 declare global {
@@ -55,7 +77,7 @@ declare global {
     'flux-gs-viewer': FluxGsViewerElement;
   }
   interface HTMLElementEventMap {
-    /** Of <flux-gs-viewer>. */
+    /** Of <flux-gs-viewer>: the first picture of a scene is there. */
     ready: CustomEvent<{ms: number}>;
   }
 }

@@ -1,22 +1,21 @@
 // The page of the viewer: what its address says, and what other pages may ask of it by postMessage.
+import {viewInAddress} from './address.js';
 import {viewOf} from './element.js';
 
 const viewer = document.querySelector('flux-gs-viewer');
-const query = new URLSearchParams(location.search);
-
-for (const name of ['background', 'noui', 'turntable', 'language', 'poster'])
-  if (query.has(name)) viewer.setAttribute(name, query.get(name));
-const view = /(?:^#|&)view=([^&]+)/.exec(location.hash)?.[1];
-if (viewOf(view)) viewer.setAttribute('view', view);
-const url = query.get('url');
-if (url) viewer.setAttribute('src', url);
+addEventListener('hashchange', () => {
+  const view = viewOf(viewInAddress());
+  if (view) viewer.goTo(view);
+});
 
 // {call: 'open' | 'goTo' | 'set' | 'state' | 'picture', arguments: […], id} is answered by {id, result} or {id, error}
 const CALLS = new Set(['open', 'goTo', 'set', 'state', 'picture']);
 addEventListener('message', async ({data, source, origin}) => {
-  if (!source || !data || !CALLS.has(data.call)) return;
+  if (!source || typeof data !== 'object' || !data || !('call' in data)) return;
   const target = origin === 'null' ? '*' : origin;
   try {
+    if (!CALLS.has(data.call)) throw new Error(`there is no call '${data.call}'; expected one of ${[...CALLS].join(', ')}`);
+    if (!Array.isArray(data.arguments ?? [])) throw new Error('arguments: expected a list');
     const result = await viewer[data.call](...(data.arguments ?? []));
     source.postMessage({id: data.id, result}, {targetOrigin: target});
   } catch (error) {

@@ -46,6 +46,7 @@ export const icons = {
   open: 'M3 7h6l2 2h10v10H3z M12 16v-5 M9.5 13.5 12 11l2.5 2.5',
   reset: 'M4 11 12 4l8 7 M6 10v10h12V10 M10 20v-6h4v6',
   turn: 'M4 12c0-3 4-5 8-5s8 2 8 5-4 5-8 5 M14 14l-2.5 3 2.5 3',
+  walk: 'M13 4.5a1 1 0 1 0 0-.1z M12 8l-3 3v3 M12 8l1 6 3 6 M12 8l3 3h3 M12 14l-2 6-2 1',
   flip: 'M12 3v18 M8 7l4-4 4 4 M8 17l4 4 4-4',
   save: 'M6 4h12v16l-6-4-6 4z',
   fullscreen: 'M4 9V4h5 M15 4h5v5 M20 15v5h-5 M9 20H4v-5',

@@ -143,18 +143,19 @@ TEST_P(ScreenCheckTest, LimitsHoldForEveryContext) {
                         .no_float_targets = true,
                         .no_compute = true});
   for (int round = 0; round < 2; ++round) {
-    const auto api = presenter.context();
-    ASSERT_TRUE(api) << api.error().message();
-    EXPECT_TRUE((*api)->quirks.gpu_sort_fails);
-    EXPECT_EQ((*api)->capabilities.max_vertex_storage_blocks, 0);
-    EXPECT_FALSE((*api)->capabilities.compute);
-    EXPECT_EQ(render::accurate_accumulation((*api)->capabilities), render::Accumulation::direct);
+    const auto device = presenter.device();
+    ASSERT_TRUE(device) << device.error().message();
+    const gl::Api& api = *presenter.screen().api();
+    EXPECT_TRUE((*device)->quirks().gpu_sort_fails);
+    EXPECT_EQ(api.capabilities.max_vertex_storage_blocks, 0);
+    EXPECT_FALSE(api.capabilities.compute);
+    EXPECT_EQ(render::accurate_accumulation(api.capabilities), render::Accumulation::direct);
     presenter.lose_context();
   }
   presenter.set_limits({});
-  const auto free = presenter.context();
+  const auto free = presenter.device();
   ASSERT_TRUE(free);
-  EXPECT_FALSE((*free)->quirks.gpu_sort_fails);
+  EXPECT_FALSE((*free)->quirks().gpu_sort_fails);
 }
 
 TEST(DriverLimits, AreKnownByTheirNames) {

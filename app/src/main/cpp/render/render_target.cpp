@@ -42,10 +42,6 @@ Expected<void> check_scale(double scale) {
   return fail("render target", "scale", std::to_string(scale) + "; more than 0 to 1 was expected");
 }
 
-int scaled_size(int size, double scale) {
-  return std::max(1, static_cast<int>(std::lround(size * scale)));
-}
-
 GLenum blend_format(TargetFormat format, Accumulation accumulation) {
   switch (accumulation) {
     case Accumulation::single_float:
@@ -76,6 +72,10 @@ Expected<void> attach(gl::Api& api, GLenum format, int width, int height, gl::Te
 }
 
 }  // namespace
+
+int scaled_size(int size, double scale) {
+  return std::max(1, static_cast<int>(std::lround(size * scale)));
+}
 
 const char* blend_name(TargetFormat format, Accumulation accumulation) {
   switch (blend_format(format, accumulation)) {

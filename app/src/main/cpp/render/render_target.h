@@ -27,6 +27,9 @@ Accumulation accurate_accumulation(const gl::Capabilities& capabilities);
 /// where half floats are truncated.
 Accumulation default_accumulation(const gl::Api& api);
 
+/// Pixels of a side of an image at that scale.
+int scaled_size(int size, double scale);
+
 /// Name of the format that layers are blended in: "RGBA8", "RGBA16F", "RGBA32F".
 const char* blend_name(TargetFormat format, Accumulation accumulation);
 

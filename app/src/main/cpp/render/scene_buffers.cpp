@@ -10,7 +10,6 @@
 namespace fluxgs::render {
 namespace {
 
-constexpr std::uint64_t kVec4Bytes = 16;
 constexpr std::uint64_t kWordBytes = sizeof(PackedSplats::sh[0]);
 constexpr std::uint64_t kMaxSh = kWordBytes << 30;  // what sh_word() can point into
 
@@ -49,7 +48,7 @@ std::uint64_t max_splats(const gl::Capabilities& driver, const DegreeCounts& sce
   if (!driver.compute) return FragmentPipeline::max_splats(driver, scene);
   const auto block = static_cast<std::uint64_t>(driver.max_storage_block_bytes);
   const auto by_groups = static_cast<std::uint64_t>(driver.max_work_groups_x) * 128 - 1;
-  return std::min({block / (4 * kVec4Bytes), by_groups, std::uint64_t{0xFFFF0000},
+  return std::min({block / kGeometryBytes, by_groups, std::uint64_t{0xFFFF0000},
                    with_sh_in(std::min(block, kMaxSh), scene)});
 }
 
@@ -69,7 +68,7 @@ Expected<SceneBuffers> SceneBuffers::create(gl::Api& api, ScenePacker& packer,
   const auto make = [&](std::uint64_t bytes, gl::Buffer& buffer) {
     return buffer.remake(api, bytes, nullptr, GL_STATIC_DRAW);
   };
-  auto made = gl::chain([&] { return make(4 * kVec4Bytes * buffers.count, buffers.geometry); },
+  auto made = gl::chain([&] { return make(kGeometryBytes * buffers.count, buffers.geometry); },
                         [&] { return make(sh_bytes(packer.degrees()), buffers.sh); });
   if (!made) return std::unexpected(made.error());
   Writer geometry(buffers.geometry), sh(buffers.sh);

@@ -46,6 +46,9 @@ struct PackedSplats {
   std::vector<std::uint64_t> sh;               ///< sh_stride(its degree) per splat
 };
 
+/// Bytes of a splat in PackedSplats::geometry.
+inline constexpr std::uint64_t kGeometryBytes = 4 * sizeof(PackedSplats::geometry[0]);
+
 constexpr std::size_t kSplatsPacked = 16384;  ///< at once, that pay: 2.6 MB at degree 3
 
 /// Packs a scene part by part: there is not always room for the whole of it a second time. The

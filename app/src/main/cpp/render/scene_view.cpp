@@ -24,25 +24,24 @@ std::pair<std::size_t, int> most_splats(int sh_degree, const Count& count) {
 
 }  // namespace
 
-Expected<void> SceneView::open(gl::Api& api, int width, int height) {
+Expected<void> SceneView::open(Device& device, int width, int height) {
   close();
-  api_ = &api;
+  device_ = &device;
   if (auto sound = check_cloud(*cloud_); !sound) return sound;
   degrees_ = settings_.software ? DegreeCounts{} : count_degrees(*cloud_);
   return gl::chain(
-      [&] { return gl::assign_or_error(Renderer::create(api, settings_.renderer), renderer_); },
-      [&] { return fit({width, height}); }, [&] { return check_context(); });
+      [&] { return gl::assign_or_error(device.make_renderer(settings_.renderer), renderer_); },
+      [&] { return fit({width, height}); }, [&] { return check_device(); });
 }
 
-Expected<void> SceneView::check_context() const {
-  if (!gl::context_lost(*api_)) return {};
-  return fail("OpenGL", "", "the context was lost");
+Expected<void> SceneView::check_device() const {
+  if (!device_->is_lost()) return {};
+  return fail("graphics device", "", "the context was lost");
 }
 
 void SceneView::set_scale(double scale) { settings_.scale = scale; }
 
 void SceneView::close() {
-  target_ = {};
   planned_ = {};
   fitted_ = {};
   renderer_.reset();
@@ -54,38 +53,37 @@ Expected<void> SceneView::draw(const Camera& camera, const RenderOptions& option
   const Size size{camera.width, camera.height};
   if (size != fitted_)
     if (auto fitted = fit(size); !fitted) return fitted;
-  target_.set_scale(settings_.scale);
-  auto drawn = settings_.software ? draw_in_software(camera, options)
-                                  : renderer_->draw(camera, options, target_);
+  renderer_->set_scale(settings_.scale);
+  auto drawn =
+      settings_.software ? draw_in_software(camera, options) : renderer_->draw(camera, options);
   if (!drawn) return drawn;
-  auto whole = check_context();
+  auto whole = check_device();
   if (!whole) renderer_->sort_anew();  // who knows what became of the order
   return whole ? check_first_frames() : whole;
 }
 
 Expected<void> SceneView::draw_in_software(const Camera& camera, const RenderOptions& options) {
   if (auto ok = check_view(camera, options); !ok) return ok;
-  const Camera scaled = scaled_camera(camera, target_.blend_width(), target_.blend_height());
-  const SoftwareFrame frame = settings_.software(scaled, options);
-  target_.fill(*api_, frame.image);
+  const ImageSize size = image_size();
+  const SoftwareFrame frame =
+      settings_.software(scaled_camera(camera, size.blend_width, size.blend_height), options);
+  renderer_->fill(frame.image);
   drawn_in_software_ = frame.drawn;
   return {};
 }
 
-/// A driver that refuses to draw does so from the start; to ask it about every frame takes time.
+/// A device that refuses to draw does so from the start; to ask it about every frame takes time.
 Expected<void> SceneView::check_first_frames() {
   if (unchecked_frames_ == 0) return {};
   --unchecked_frames_;
-  return gl::check_errors(*api_, "drawing");
+  return device_->check_errors("drawing");
 }
 
 /// Those that may be used, the most accurate first.
 std::vector<Accumulation> SceneView::accumulations() const {
   if (settings_.software) return {Accumulation::direct};  // nothing is blended
   if (settings_.accumulation) return {*settings_.accumulation};
-  const Accumulation first = default_accumulation(*api_);
-  if (first != Accumulation::single_float || !api_->capabilities.half_float_targets) return {first};
-  return {first, Accumulation::half_float};
+  return device_->accumulations();
 }
 
 TargetPlan SceneView::plan(const Size& size, Accumulation accumulation) const {
@@ -93,13 +91,11 @@ TargetPlan SceneView::plan(const Size& size, Accumulation accumulation) const {
       .width = size.width, .height = size.height, .accumulation = accumulation, .for_window = true};
 }
 
-bool SceneView::driver_has(const Size& size) const {
-  const gl::Capabilities& driver = api_->capabilities;
-  return size.width <= std::min(driver.max_texture_size, driver.max_viewport_width) &&
-         size.height <= std::min(driver.max_texture_size, driver.max_viewport_height);
+bool SceneView::device_has(const Size& size) const {
+  return size.width <= device_->max_image_width() && size.height <= device_->max_image_height();
 }
 
-// By the estimate; whether the driver has as much is seen when it is asked.
+// By the estimate; whether the device has as much is seen when it is asked.
 bool SceneView::fits_with_all(const TargetPlan& image) const {
   return !settings_.memory ||
          estimate_memory(degrees_of(asked()), renderer_->settings(), image).total() <=
@@ -112,7 +108,7 @@ bool SceneView::fits_half(const TargetPlan& image) const {
 }
 
 std::optional<TargetPlan> SceneView::image_of(const Size& size) const {
-  if (!driver_has(size)) return std::nullopt;
+  if (!device_has(size)) return std::nullopt;
   for (const Accumulation a : accumulations())
     if (const TargetPlan image = plan(size, a); fits_with_all(image)) return image;
   const TargetPlan least = plan(size, accumulations().back());
@@ -133,9 +129,9 @@ DegreeCounts SceneView::degrees_of(const Amount& amount) const {
   return largest_of(limited(degrees_, amount.sh_degree), amount.count);
 }
 
-/// And that the driver can have.
+/// And that the device can have.
 std::size_t SceneView::splats_asked(int sh_degree) const {
-  const std::uint64_t most = max_splats(api_->capabilities, limited(degrees_, sh_degree));
+  const std::uint64_t most = device_->max_splats(limited(degrees_, sh_degree));
   return static_cast<std::size_t>(
       std::min<std::uint64_t>(most, std::min(settings_.max_splats.value_or(~0UL), cloud_->size())));
 }
@@ -184,32 +180,29 @@ Expected<void> SceneView::upload(const Amount& amount) {
 
 Expected<void> SceneView::make(const TargetPlan& image, const Amount& amount) {
   // What is there goes first: there may not be room for both
-  target_ = {};
+  renderer_->drop_image();
   if (amount != shown_) {
     shown_ = {};
     if (auto emptied = renderer_->upload(RenderCloud()); !emptied) return emptied;
   }
   planned_ = image;
-  return gl::chain([&] { return make_target(); }, [&] { return upload(amount); },
+  return gl::chain([&] { return make_image(); }, [&] { return upload(amount); },
                    // Some drivers notice late
-                   [&] { return gl::check_errors(*api_, "graphics memory"); });
+                   [&] { return device_->check_errors("graphics memory"); });
 }
 
-Expected<void> SceneView::make_target() {
+Expected<void> SceneView::make_image() {
   constexpr int kCheckedFrames = 3;
   unchecked_frames_ = kCheckedFrames;
-  target_ = {};
-  return gl::assign_or_error(RenderTarget::create_for_window(*api_, planned_.width, planned_.height,
-                                                             planned_.accumulation),
-                             target_);
+  return renderer_->make_image(planned_);
 }
 
 // As much of the scene as there is room for beside that image.
 Expected<void> SceneView::fit_splats(const TargetPlan& image) {
   for (Amount amount = amount_for(image);;) {
-    api_->out_of_memory = false;
+    device_->room_was_made();
     auto made = make(image, amount);
-    if (made || !api_->out_of_memory || amount.count <= 1) return made;
+    if (made || !device_->is_out_of_memory() || amount.count <= 1) return made;
     if (amount.sh_degree > 1)
       --amount.sh_degree;
     else
@@ -223,11 +216,11 @@ Expected<void> SceneView::fit(const Size& size) {
   if (!image) return std::unexpected(image.error());
   for (;;) {
     const bool coarser = image->accumulation != accumulations().back();
-    api_->out_of_memory = false;
+    device_->room_was_made();
     auto made = coarser ? make(*image, amount_for(*image)) : fit_splats(*image);
     if (made) fitted_ = size;
     const Size tried{image->width, image->height};
-    if (made || !api_->out_of_memory || gl::context_lost(*api_)) return made;
+    if (made || !device_->is_out_of_memory() || device_->is_lost()) return made;
     if (!coarser && tried.is_pixel()) return made;
     image = plan(coarser ? tried : tried.halved(), accumulations().back());
   }

@@ -11,10 +11,9 @@
 #include <vector>
 
 #include "fluxgs/splat_degree.h"
+#include "render/device.h"
 #include "render/memory_estimate.h"
 #include "render/render_cloud.h"
-#include "render/render_target.h"
-#include "render/renderer.h"
 
 namespace fluxgs::render {
 
@@ -28,7 +27,7 @@ using SoftwareRenderer = std::function<SoftwareFrame(const Camera&, const Render
 
 struct SceneViewSettings {
   RendererSettings renderer = {};
-  /// Not given: default_accumulation(), or half floats where there is no room for that.
+  /// Not given: the first of Device::accumulations() that there is room for.
   std::optional<Accumulation> accumulation = {};
   double scale = 1;  ///< of the image that is blended, see RenderTarget
   /// Bytes that the scene, its frames and the image may take together (memory_estimate.h). Not
@@ -40,38 +39,36 @@ struct SceneViewSettings {
   SoftwareRenderer software = {};
 };
 
-/// Not thread-safe; every call on the thread on which the context is current. When a call fails and
-/// gl::context_lost() says so: make a new context, then open() in it.
+/// Not thread-safe; every call on the thread of the device. When a call fails and the device is
+/// lost: make a new one, then open() on it.
 class SceneView {
  public:
   /// The cloud is kept, as the scene must be made from it again and again.
   SceneView(std::shared_ptr<const RenderCloud> cloud, const SceneViewSettings& settings)
       : cloud_(std::move(cloud)), settings_(settings) {}
 
-  /// Makes the GL objects for images of this size. What an earlier open() made is let go of
-  /// first, so its context must be current, or lost; its Api must still be there. Fails as
-  /// Renderer::create() does, and where memory does not even hold a pixel and a splat.
-  Expected<void> open(gl::Api& api, int width, int height);
+  /// Makes what is needed for images of this size. What an earlier open() made is let go of first,
+  /// so its device must still be there. Fails as Device::make_renderer() does, and where memory
+  /// does not even hold a pixel and a splat.
+  Expected<void> open(Device& device, int width, int height);
 
   // Preconditions of what follows, but close(): open() was successful.
 
   /// Enqueues a frame. Another size of the camera than the last one means a new image and, where
   /// memory is short, another number of splats; another scale a new image only. Fails as
-  /// Renderer::draw() does, when the context is lost, and when the driver refuses one of the first
-  /// frames of a new image or scene.
+  /// Renderer::draw() does, when the device is lost, and when it refuses one of the first frames of
+  /// a new image or scene.
   Expected<void> draw(const Camera& camera, const RenderOptions& options);
 
   /// Sets the scale of the frames that follow.
   void set_scale(double scale);
 
   /// Shows the last frame in the window, enlarged or reduced to its size.
-  void show(int width, int height) const { renderer_->show(target_, width, height); }
+  void show(int width, int height) const { renderer_->show(width, height); }
   /// The last frame, see Renderer::read_shown().
-  Expected<Image<std::uint8_t>> read(int longest = 0) const {
-    return renderer_->read_shown(target_, longest);
-  }
+  Expected<Image<std::uint8_t>> read(int longest = 0) const { return renderer_->read(longest); }
 
-  /// Lets go of all GL objects.
+  /// Lets go of all that open() made.
   void close();
 
   /// Number of splats in the last frame of the CPU; nothing where the GPU draws.
@@ -83,19 +80,19 @@ class SceneView {
   /// for the first.
   int sh_degree() const { return shown_.sh_degree; }
   bool shows_all() const { return shown_ == Amount{cloud_->size(), cloud_->sh_degree}; }
-  /// True if there was no room for what was asked for and the driver can do: a lower degree, fewer
+  /// True if there was no room for what was asked for and the device can do: a lower degree, fewer
   /// splats, fewer pixels or half floats.
   bool is_reduced() const;
   /// Bytes of graphics memory that are taken, by the estimate (memory_estimate.h), at the scale
   /// that takes most.
   std::size_t memory() const;
 
-  Renderer& renderer() { return *renderer_; }
-  const Renderer& renderer() const { return *renderer_; }
-  /// The image: of the camera's size, or half as many pixels in each direction, or a quarter, …,
+  SceneRenderer& renderer() { return *renderer_; }
+  const SceneRenderer& renderer() const { return *renderer_; }
+  /// The image's: the camera's size, or half as many pixels in each direction, or a quarter, …,
   /// where there is no room for it: it takes half of the memory at most, or what the splats do
   /// not need.
-  const RenderTarget& target() const { return target_; }
+  ImageSize image_size() const { return renderer_->image_size(); }
 
  private:
   struct Size {
@@ -112,7 +109,7 @@ class SceneView {
   };
   std::vector<Accumulation> accumulations() const;
   TargetPlan plan(const Size& size, Accumulation accumulation) const;
-  bool driver_has(const Size& size) const;
+  bool device_has(const Size& size) const;
   bool fits_with_all(const TargetPlan& image) const;
   bool fits_half(const TargetPlan& image) const;
   std::optional<TargetPlan> image_of(const Size& size) const;
@@ -124,23 +121,22 @@ class SceneView {
   Expected<void> fit(const Size& size);
   Expected<void> fit_splats(const TargetPlan& image);
   Expected<void> make(const TargetPlan& image, const Amount& amount);
-  Expected<void> make_target();
+  Expected<void> make_image();
   Expected<void> upload(const Amount& amount);
-  Expected<void> check_context() const;
+  Expected<void> check_device() const;
   Expected<void> draw_in_software(const Camera& camera, const RenderOptions& options);
   Expected<void> check_first_frames();
 
   std::shared_ptr<const RenderCloud> cloud_;
   SceneViewSettings settings_;
   DegreeCounts degrees_{};  ///< of the cloud
-  gl::Api* api_ = nullptr;
-  std::unique_ptr<Renderer> renderer_;
-  Size fitted_;  ///< the camera's size that there is an image for
-  RenderTarget target_;
-  TargetPlan planned_;  ///< of target_, for any scale
+  Device* device_ = nullptr;
+  std::unique_ptr<SceneRenderer> renderer_;
+  Size fitted_;         ///< the camera's size that there is an image for
+  TargetPlan planned_;  ///< that image, for any scale
   Amount shown_;
   std::optional<std::uint32_t> drawn_in_software_;
-  int unchecked_frames_ = 0;  ///< of which the driver has still to say that they went well
+  int unchecked_frames_ = 0;  ///< of which the device has still to say that they went well
 };
 
 }  // namespace fluxgs::render

@@ -27,22 +27,22 @@ bool Presenter::can_draw() const {
 
 bool Presenter::at_rest() const { return !can_draw() || (!redraw_ && viewer_.at_rest()); }
 
-Expected<gl::Api*> Presenter::context() {
-  gl::Api* const api = screen_->api();
-  if (api != nullptr && !gl::context_lost(*api)) return api;
+Expected<render::Device*> Presenter::device() {
+  render::Device* const device = screen_->device();
+  if (device != nullptr && !device->is_lost()) return device;
   viewer_.close();
-  auto made = screen_->make_context();
+  auto made = screen_->make_device();
   if (!made) return made;
   ++contexts_;
-  render::apply(limits_, **made);
+  if (gl::Api* const api = screen_->api()) render::apply(limits_, *api);
   return made;
 }
 
 Expected<bool> Presenter::draw() {
-  const auto api = context();
-  if (!api) return std::unexpected(api.error());
+  const auto made = device();
+  if (!made) return std::unexpected(made.error());
   if (!viewer_.is_open())
-    if (auto opened = viewer_.open(**api, width_, height_); !opened)
+    if (auto opened = viewer_.open(**made, width_, height_); !opened)
       return std::unexpected(opened.error());
   if (auto drawn = viewer_.draw(); !drawn) return std::unexpected(drawn.error());
   return gate_.draw_or(Expected<bool>(false), [&] {
@@ -57,8 +57,8 @@ Expected<bool> Presenter::frame(double seconds) {
   constexpr int kMaxLosses = 3;  // of contexts one after the other, without an image between
   Expected<bool> shown = draw();
   for (int losses = 0; !shown && losses < kMaxLosses; ++losses) {
-    gl::Api* const api = screen_->api();
-    if (api == nullptr || !gl::context_lost(*api)) break;
+    render::Device* const device = screen_->device();
+    if (device == nullptr || !device->is_lost()) break;
     shown = draw();
   }
   if (!shown) {
@@ -78,15 +78,15 @@ void Presenter::give_up() {
 }
 
 void Presenter::lose_context() {
-  if (gl::Api* const api = screen_->api()) api->lost = true;
+  if (render::Device* const device = screen_->device()) device->lose();
   redraw_ = true;
 }
 
 Expected<void> Presenter::begin_video(void* window) {
-  const auto api = context();
+  const auto made = device();
   if (auto begun = screen_->begin_video(window); !begun) return begun;  // has the window now
-  if (!api) return std::unexpected(api.error());
-  return viewer_.is_open() ? Expected<void>() : viewer_.open(**api, width_, height_);
+  if (!made) return std::unexpected(made.error());
+  return viewer_.is_open() ? Expected<void>() : viewer_.open(**made, width_, height_);
 }
 
 Expected<void> Presenter::video_frame(const camera::ViewState& view, const VideoPlan& plan,

@@ -61,10 +61,10 @@ class Presenter {
   /// Ends the drawing of this scene, as after an error.
   void give_up();
 
-  /// A context that is not lost, and current: the screen's, or a new one.
-  Expected<gl::Api*> context();
-  /// The number of contexts that were made here: the first, if the screen had none, and those
-  /// after a loss.
+  /// A device that is not lost, its context current: the screen's, or a new one.
+  Expected<render::Device*> device();
+  /// The number of devices that were made here: the first, if the screen had none, and those after
+  /// a loss.
   int contexts() const { return contexts_; }
   /// Behaves as if the GPU had been reset (tests, debugging).
   void lose_context();

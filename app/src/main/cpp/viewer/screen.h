@@ -1,13 +1,14 @@
-// Interface of a platform's screen: a GL context, and a window that comes and goes.
+// Interface of a platform's screen: a graphics device, and a window that comes and goes.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "fluxgs/image.h"
 #include "gl/api.h"
-#include "render/render_target.h"
+#include "render/gl_device.h"
 
 namespace fluxgs::viewer {
 
@@ -25,6 +26,12 @@ class Screen {
   virtual Expected<gl::Api*> make_context() = 0;
   /// Null before make_context().
   virtual gl::Api* api() = 0;
+
+  /// Makes a device to draw scenes with, in place of any that there was: OpenGL's, in a context of
+  /// make_context(), unless the screen has another. Fails as that does.
+  virtual Expected<render::Device*> make_device();
+  /// Null where there is none yet.
+  virtual render::Device* device();
 
   /// Images go to this window from now on; the platform's own handle, ownership of which is
   /// passed.
@@ -46,6 +53,9 @@ class Screen {
   virtual Expected<void> video_frame(const std::function<void()>& draw, std::int64_t nanoseconds);
   /// That window is no longer touched when this returns.
   virtual void end_video() {}
+
+ private:
+  std::optional<render::GlDevice> gl_device_;
 };
 
 }  // namespace fluxgs::viewer

@@ -365,13 +365,14 @@ Expected<bench::SceneBenchmark> Session::measure(const bench::SceneBenchmarkPlan
     return fail("benchmark", "memory",
                 "there is room for a part of the scene only; a smaller one can be measured");
   presenter_->viewer().close();  // its memory is needed
-  const auto api = presenter_->context();
-  if (!api) return std::unexpected(api.error());
+  const auto device = presenter_->device();
+  if (!device) return std::unexpected(device.error());
   publish_driver();
-  return bench::benchmark_scene(**api, *cloud, initial_, plan, [this](int done, int all) {
-    run_tasks();  // the window may be taken away
-    return benchmark_.report(done, all);
-  });
+  return bench::benchmark_scene(*presenter_->screen().api(), *cloud, initial_, plan,
+                                [this](int done, int all) {
+                                  run_tasks();  // the window may be taken away
+                                  return benchmark_.report(done, all);
+                                });
 }
 
 void Session::run_benchmark(const bench::SceneBenchmarkPlan& plan) {

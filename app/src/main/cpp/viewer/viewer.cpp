@@ -85,12 +85,13 @@ void Viewer::take_up_of(const SavedView& saved) {
   navigation_.up = saved.up;
 }
 
-render::SceneViewSettings Viewer::scene_settings(const gl::Api& api) const {
+render::SceneViewSettings Viewer::scene_settings() const {
   using render::SorterKind;
+  const gl::Quirks& quirks = device_->quirks();
   render::SceneViewSettings s{
-      .renderer = {.timestamps = true, .approximation = render::default_approximation(api.quirks)}};
-  const bool on_cpu = settings_.sorter == SorterChoice::cpu || api.quirks.gpu_sort_fails ||
-                      (settings_.sorter == SorterChoice::automatic && api.quirks.runs_on_cpu);
+      .renderer = {.timestamps = true, .approximation = render::default_approximation(quirks)}};
+  const bool on_cpu = settings_.sorter == SorterChoice::cpu || quirks.gpu_sort_fails ||
+                      (settings_.sorter == SorterChoice::automatic && quirks.runs_on_cpu);
   s.renderer.sorter = on_cpu ? SorterKind::cpu_async : SorterKind::gpu_radix;
   s.renderer.background_sort = background_sort_;
   s.memory = settings_.memory;
@@ -100,9 +101,9 @@ render::SceneViewSettings Viewer::scene_settings(const gl::Api& api) const {
   return s;
 }
 
-Expected<void> Viewer::make(gl::Api& api) {
-  scene_.emplace(cloud_, scene_settings(api));
-  auto opened = scene_->open(api, size_.x, size_.y);
+Expected<void> Viewer::make() {
+  scene_.emplace(cloud_, scene_settings());
+  auto opened = scene_->open(*device_, size_.x, size_.y);
   if (!opened) scene_.reset();
   stale_ = true;
   remake_ = false;
@@ -110,12 +111,12 @@ Expected<void> Viewer::make(gl::Api& api) {
   return opened;
 }
 
-Expected<void> Viewer::open(gl::Api& api, int width, int height) {
+Expected<void> Viewer::open(render::Device& device, int width, int height) {
   if (!cloud_) return fail("viewer", "", "there is no scene to open");
-  api_ = &api;
+  device_ = &device;
   size_ = {std::max(width, 1), std::max(height, 1)};
   begin_navigation();
-  return make(api);
+  return make();
 }
 
 void Viewer::close() {
@@ -123,7 +124,7 @@ void Viewer::close() {
   presented_.reset();
 }
 
-/// True if GL objects were made for other settings.
+/// True if graphics objects were made for other settings.
 bool Viewer::needs_remaking(const ViewerSettings& s) const {
   const bool fits =
       is_open() && !scene_->is_reduced() && (!s.memory || scene_->memory() <= *s.memory);
@@ -296,7 +297,7 @@ Detail Viewer::wanted_detail() const {
 
 Expected<void> Viewer::set_detail(const Detail& detail) {
   scene_->set_scale(detail.scale);
-  render::Renderer& renderer = scene_->renderer();
+  render::SceneRenderer& renderer = scene_->renderer();
   render::ApproximationSettings approximation = renderer.settings().approximation;
   approximation.min_weight = detail.min_weight;
   return renderer.set_approximation(approximation);
@@ -322,7 +323,7 @@ Expected<void> Viewer::draw_exact(const camera::ViewState& view, int width, int 
 Expected<void> Viewer::draw() {
   if (remake_) {
     scene_.reset();
-    if (auto made = make(*api_); !made) return made;
+    if (auto made = make(); !made) return made;
   }
   const Detail detail = wanted_detail();
   if (auto set = set_detail(detail); !set) return set;
@@ -363,11 +364,11 @@ void Viewer::measure() {
     stats_.frame_ms = 1e3 * frame_seconds_;
     return;
   }
-  render::Renderer& renderer = scene_->renderer();
+  render::SceneRenderer& renderer = scene_->renderer();
   std::optional<render::FrameStats> frame;
   if (rests()) {
     if (auto last = renderer.stats()) frame = *last;
-    measurable_ = false;
+    measurable_ = !frame;
   } else if (auto finished = renderer.finished_stats()) {
     frame = *finished;
   }
@@ -397,11 +398,12 @@ ViewerStats Viewer::stats() {
   stats_.sh_degree = scene_->sh_degree();
   stats_.file_sh_degree = cloud_->file_sh_degree;
   stats_.reduced = scene_->is_reduced();
-  stats_.image = static_cast<double>(scene_->target().width()) / size_.x;
+  const render::ImageSize image = scene_->image_size();
+  stats_.image = static_cast<double>(image.width) / size_.x;
   stats_.coolest = settings_.scale > 0 ? 1 : goal_.coolest();
   stats_.memory = scene_->memory();
-  stats_.width = scene_->target().blend_width();
-  stats_.height = scene_->target().blend_height();
+  stats_.width = image.blend_width;
+  stats_.height = image.blend_height;
   stats_.scale = detail_.value_or(wanted_detail()).scale;
   return stats_;
 }

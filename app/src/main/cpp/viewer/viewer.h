@@ -62,8 +62,8 @@ using MakeSoftwareRenderer =
 /// What moves the view, but for fingers and what they threw.
 enum class Motion { none, drift, path, walk };
 
-/// Not thread-safe. Between open() and close() a context must be current; close() may be called
-/// without one after it was lost.
+/// Not thread-safe. Between open() and close() the device must be there, and a context of OpenGL's
+/// current; close() may be called without one after it was lost.
 class Viewer {
  public:
   explicit Viewer(const ViewerSettings& settings = {}) : settings_(settings) {}
@@ -85,14 +85,14 @@ class Viewer {
   /// Where scenes are sorted that the GPU does not sort, from the next open() on.
   void sort_by(sort::MakeBackgroundSort make) { background_sort_ = std::move(make); }
 
-  /// Makes the GL objects of the scene for images of this size, after another scene, in a new
-  /// context. Fails as SceneView::open() does.
-  Expected<void> open(gl::Api& api, int width, int height);
+  /// Makes what the scene needs for images of this size, after another scene, on a new device.
+  /// Fails as SceneView::open() does.
+  Expected<void> open(render::Device& device, int width, int height);
   bool is_open() const { return scene_.has_value(); }
-  /// Lets go of all GL objects. The scene and where it is looked at from stay.
+  /// Lets go of all that open() made. The scene and where it is looked at from stay.
   void close();
 
-  /// New settings, for the next frame. Those that need other GL objects make them then.
+  /// New settings, for the next frame. Those that need other graphics objects make them then.
   void set(const ViewerSettings& settings);
   const ViewerSettings& settings() const { return settings_; }
   void set_heat(const Heat& heat);
@@ -150,8 +150,8 @@ class Viewer {
 
  private:
   using Clock = std::chrono::steady_clock;
-  Expected<void> make(gl::Api& api);
-  render::SceneViewSettings scene_settings(const gl::Api& api) const;
+  Expected<void> make();
+  render::SceneViewSettings scene_settings() const;
   Detail wanted_detail() const;
   Expected<void> set_detail(const Detail& detail);
   RenderOptions render_options() const;
@@ -176,13 +176,13 @@ class Viewer {
   MouseAndKeys mouse_and_keys_;
   Gyroscope gyroscope_;
   glm::ivec2 size_{0};
-  gl::Api* api_ = nullptr;
+  render::Device* device_ = nullptr;
   std::optional<render::SceneView> scene_;
   FrameGoal goal_;
   bool stale_ = true;             // the image is not of the present view
   double still_ = 0;              // seconds for which nothing has moved
   std::optional<Detail> detail_;  // of the last image
-  bool remake_ = false;           // settings changed that need other GL objects
+  bool remake_ = false;           // settings changed that need other graphics objects
 
   // Times
   std::optional<Clock::time_point> presented_;

@@ -63,6 +63,7 @@ class Page {
     state_.dropped = coming_->dropped;
     state_.error.clear();
     is_coarse_ = coming_->is_coarse;
+    ordered_ = kNone;
     auto cloud = std::make_shared<const render::RenderCloud>(std::move(coming_->cloud));
     if (refines)
       presenter_.refine(std::move(cloud));
@@ -88,8 +89,10 @@ class Page {
     viewer::Viewer& v = viewer();
     state_.stats = v.stats();
     state_.has_scene = v.has_scene() && !presenter_.has_failed();
-    // The first frames wait for an order of the splats
-    state_.drawn = presenter_.has_drawn() && v.is_open() && v.scene().renderer().order_is_current();
+    // The first frames wait for an order of the splats; later ones have one of some frames before
+    if (presenter_.has_drawn() && v.is_open() && v.scene().renderer().order_is_current())
+      ordered_ = presenter_.contexts();
+    state_.drawn = presenter_.has_drawn() && v.is_open() && ordered_ == presenter_.contexts();
     state_.coarse = is_coarse_;
     state_.flipped = v.is_flipped();
     state_.motion = v.motion();
@@ -109,14 +112,15 @@ class Page {
     if (checked_ == presenter_.contexts() || !v.scene().shows_all()) return;
     checked_ = presenter_.contexts();
     constexpr std::uint32_t kSome = 2048;
-    const render::SceneView& scene = v.scene();
+    const render::Renderer* const renderer = v.scene().renderer().gl_renderer();
+    if (renderer == nullptr) return;
+    const render::ImageSize size = v.scene().image_size();
     const camera::Navigation& n = v.navigation();
-    const Camera camera =
-        camera::camera_of(n.view, scene.target().width(), scene.target().height());
-    const auto found = bench::check_projection(
-        scene.renderer(), v.cloud().base,
-        render::scaled_camera(camera, scene.target().blend_width(), scene.target().blend_height()),
-        n.units.near_plane, kSome);
+    const Camera camera = camera::camera_of(n.view, size.width, size.height);
+    const auto found =
+        bench::check_projection(*renderer, v.cloud().base,
+                                render::scaled_camera(camera, size.blend_width, size.blend_height),
+                                n.units.near_plane, kSome);
     if (found && !found->misplaces()) return;
     presenter_.screen().api()->quirks.fragment_projection_fails = true;
     v.close();  // the next frame makes it again
@@ -128,6 +132,8 @@ class Page {
   std::optional<viewer::LoadedScene> coming_;
   std::array<Block, kBlocks> blocks_;
   bool is_coarse_ = false;
+  static constexpr int kNone = -1;
+  int ordered_ = kNone;  // the context that has drawn this scene's splats in their order
   std::optional<double> last_;
   viewer::SessionState state_;
   std::string json_;
@@ -245,8 +251,11 @@ EMSCRIPTEN_KEEPALIVE void flux_go_to(const double* view) {
 /// Reads the image of the present view, see Presenter::image(): RGBA, top row first. Null where
 /// there is none.
 EMSCRIPTEN_KEEPALIVE const void* flux_image(int longest) {
-  page().image = page().presenter().image(longest);
-  return page().image ? page().image->pixels.data() : nullptr;
+  auto& image = page().image = page().presenter().image(longest);
+  if (!image) return nullptr;
+  // Opaque: the background is behind the splats, and alpha is a by-product of blending
+  for (std::size_t i = 3; i < image->pixels.size(); i += 4) image->pixels[i] = 0xFF;
+  return image->pixels.data();
 }
 EMSCRIPTEN_KEEPALIVE int flux_image_width() { return page().image ? page().image->width : 0; }
 EMSCRIPTEN_KEEPALIVE int flux_image_height() { return page().image ? page().image->height : 0; }

@@ -4,8 +4,10 @@
 
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <string>
 
+#include "platform/web/webgpu_device.h"
 #include "render/blend_check.h"
 
 namespace fluxgs::web {
@@ -81,7 +83,14 @@ class WebScreen final : public viewer::Screen {
     api_->quirks.half_float_blending_truncates = truncates.value_or(false);
     return api_.get();
   }
-  gl::Api* api() override { return api_.get(); }
+  gl::Api* api() override { return gpu_ ? nullptr : api_.get(); }
+
+  Expected<render::Device*> make_device() override {
+    gpu_.reset();
+    if (!WebGpuDevice::is_there()) return Screen::make_device();
+    return &gpu_.emplace();
+  }
+  render::Device* device() override { return gpu_ ? &*gpu_ : Screen::device(); }
 
   void attach(void*) override {}
   void detach() override {}
@@ -89,12 +98,13 @@ class WebScreen final : public viewer::Screen {
 
   Expected<bool> present(const std::function<void()>& draw, int, int) override {
     draw();
-    if (gl::context_lost(*api_)) return fail("WebGL 2", "", "the context was lost");
+    if (device()->is_lost()) return fail("graphics card", "", "the context was lost");
     return true;
   }
 
  private:
   std::unique_ptr<gl::Api> api_;
+  std::optional<WebGpuDevice> gpu_;
 };
 
 }  // namespace
