@@ -13,6 +13,7 @@ import {
 } from './checks.mjs';
 import {makeCloud} from './cloud.mjs';
 import {writtenFormats} from './formats.mjs';
+import {progress} from './messages.mjs';
 import {writePly} from './ply.mjs';
 import {versionOf} from './programs.mjs';
 import {countChecks, tableOf} from './report.mjs';
@@ -103,11 +104,11 @@ async function runAll(tasks) {
       const at = next++, {name, run} = tasks[at];
       results[at] = await run().catch((error) =>
         [{file: name, program: 'stopped', problems: [error.message]}]);
-      if (process.stderr.isTTY) process.stderr.write(`\r${++done}/${tasks.length} `);
+      progress(`${++done}/${tasks.length} `);
     }
   };
   await Promise.all(Array.from({length: Math.min(4, availableParallelism())}, worker));
-  if (process.stderr.isTTY) process.stderr.write('\r');
+  progress('');
   return results.flat();
 }
 

@@ -5,6 +5,8 @@ import path from 'node:path';
 import {pathToFileURL} from 'node:url';
 import {promisify} from 'node:util';
 
+import {tell} from './messages.mjs';
+
 const run = promisify(execFile);
 
 /** Where tools/specification installed the packages. */
@@ -51,7 +53,7 @@ export async function splatTransform(...args) {
   try {
     await finish(process.execPath, all);
   } catch (error) {
-    console.error(`tried again: ${error.message}`);
+    tell(`tried again: ${error.message}\n`);
     await finish(process.execPath, all);
   }
 }
