@@ -48,7 +48,7 @@ get_npm_packages() {
   echo "installing the packages of $3 into build/packages" >&2
   new=$(mktemp -d -- "$npm_home.XXXXXX")
   cp -- "$2/package.json" "${files[@]}" "$new/"
-  if ! (cd -- "$new" && "$node" "$npm" ci --ignore-scripts --no-audit --no-fund > "$new/log" 2>&1); then
+  if ! (cd -- "$new" && "$node" "$npm" ci --ignore-scripts --no-audit --no-fund --fetch-timeout=60000 > "$new/log" 2>&1); then
     tail -n 5 "$new/log" >&2
     rm -rf -- "$new"
     return 1
