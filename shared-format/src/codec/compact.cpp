@@ -29,10 +29,18 @@ namespace {
 // 0.99 are cut there (render_options.h)
 constexpr double kMinOpacity = 1e-3, kMaxOpacity = 1 - 1e-3;
 
-float opacity_logit(float scale) {
-  const double root = portable_sin(std::clamp(double{scale}, 0.0, 1.0) * std::numbers::pi / 2);
-  const double opacity = std::clamp(root * root, kMinOpacity, kMaxOpacity);
-  return static_cast<float>(portable_log(opacity) - portable_log(1 - opacity));
+/// The other way round than opacity_scale(). Clamping has branches, and loops of its own: the
+/// others are vectorised.
+void store_opacities(std::span<const float> scales, std::span<float> logits) {
+  std::vector<double> x(scales.begin(), scales.end());
+  for (double& v : x) v = std::clamp(v, 0.0, 1.0);
+  for (double& v : x) {
+    const double root = portable_sin(v * std::numbers::pi / 2);
+    v = root * root;
+  }
+  for (double& v : x) v = std::clamp(v, kMinOpacity, kMaxOpacity);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    logits[i] = static_cast<float>(portable_log(x[i]) - portable_log(1 - x[i]));
 }
 
 // Each attribute may rest on those before it: their decoded values tell how exactly it is stored.
@@ -40,22 +48,35 @@ enum Attribute : std::size_t { kPosition, kScale, kOpacity, kRotation, kDc, kRes
 constexpr const char* kNames[] = {"position", "scale",   "opacity", "rotation",
                                   "sh_dc",    "sh_rest", "energy"};
 
+/// What the steps of an attribute depend on; nothing where they are the same for all splats.
+const PerceptualWeight* perceptual_weight_of(Attribute attribute) {
+  if (attribute == kScale) return nullptr;
+  if (attribute == kOpacity) return &kOpacityWeight;
+  return attribute == kRotation ? &kRotationWeight : &kColorWeight;
+}
+
 /// Contents of a stream, as far as they are decoded.
 struct Content {
   SplatCloud cloud;
   bool has_energy = false;
   std::vector<float> energy = {};
   std::vector<LogExtents> extents = {};
+  const PerceptualWeight* weight = nullptr;  ///< of the step scale that was asked for last
+  std::vector<float> step_scale = {};
 
   /// To be called when `attribute` is there.
   void note(Attribute attribute) {
     if (attribute == kScale) extents = extents_of(cloud.log_scales);
     if (attribute == kOpacity) set_opacities(extents, cloud.opacity_logits);
+    if (attribute == kScale || attribute == kOpacity) weight = nullptr;
   }
-  std::vector<float> step_scale_of(Attribute attribute) const {
-    if (attribute == kScale) return {};
-    if (attribute == kOpacity) return codec::step_scale_of(kOpacityWeight, extents);
-    return codec::step_scale_of(attribute == kRotation ? kRotationWeight : kColorWeight, extents);
+  /// Valid until the next call. All colours have the same.
+  std::span<const float> step_scale_of(Attribute attribute) {
+    const PerceptualWeight* wanted = perceptual_weight_of(attribute);
+    if (wanted == nullptr) return {};
+    if (wanted != weight) step_scale = codec::step_scale_of(*wanted, extents);
+    weight = wanted;
+    return step_scale;
   }
 };
 
@@ -124,8 +145,7 @@ struct AttributePlanes {
 void store(Attribute attribute, const AttributePlanes& from, Content& content) {
   SplatCloud& cloud = content.cloud;
   if (attribute == kOpacity) {
-    for (std::size_t i = 0; i < from.splats; ++i)
-      cloud.opacity_logits[i] = opacity_logit(from.at(0, i));
+    store_opacities(from.values, cloud.opacity_logits);
   } else if (attribute == kRotation) {
     for (std::size_t i = 0; i < from.splats; ++i)
       cloud.rotations[i] = full_rotation(from.vec3(0, i));
@@ -274,7 +294,8 @@ class Encoder {
   }
 
   Input input_of(Attribute attribute) {
-    std::vector<float> step_scale = decoded_.step_scale_of(attribute);
+    const std::span<const float> scale = decoded_.step_scale_of(attribute);
+    std::vector<float> step_scale(scale.begin(), scale.end());
     std::vector<float> weights = quantization_weights(sensitivity_.weights, step_scale);
     Stepped stepped =
         attribute == kScale

@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kFlattest = 6.5f;            // thinner ones look the same
 constexpr float kMinVisible = 1e-3f;         // splats of lower opacity are not drawn
-constexpr double kLargestLogit = 700;        // within what portable_exp() takes
+constexpr float kLargestLogit = 700;         // within what portable_exp() takes
 constexpr float kFinest = 6, kCoarsest = 2;  // logarithms of the step over the mean one
 
 double average(std::span<const float> values) {
@@ -46,12 +46,14 @@ std::vector<LogExtents> extents_of(std::span<const glm::vec3> log_scales) {
   return extents;
 }
 
+// Clamping has branches, and a loop of its own: the others are vectorised.
 void set_opacities(std::span<LogExtents> extents, std::span<const float> opacity_logits) {
-  for (std::size_t i = 0; i < extents.size(); ++i) {
-    const double logit = std::clamp(double{opacity_logits[i]}, -kLargestLogit, kLargestLogit);
-    const auto opacity = static_cast<float>(1 / (1 + portable_exp(-logit)));
-    extents[i].w = static_cast<float>(portable_log(double{std::max(opacity, kMinVisible)}));
-  }
+  std::vector<float> x(opacity_logits.begin(), opacity_logits.end());
+  for (float& v : x) v = std::clamp(v, -kLargestLogit, kLargestLogit);
+  for (float& v : x) v = static_cast<float>(1 / (1 + portable_exp(-double{v})));
+  for (float& v : x) v = std::max(v, kMinVisible);
+  for (float& v : x) v = static_cast<float>(portable_log(double{v}));
+  for (std::size_t i = 0; i < extents.size(); ++i) extents[i].w = x[i];
 }
 
 double mean_perceptual_weight(const PerceptualWeight& perceptual_weight,
@@ -63,8 +65,8 @@ std::vector<float> step_scale_of(const PerceptualWeight& perceptual_weight,
                                  std::span<const LogExtents> extents) {
   std::vector<float> result = log_inverse_steps(perceptual_weight, extents);
   const auto mean = static_cast<float>(average(result));
-  for (float& x : result)
-    x = static_cast<float>(portable_exp(double{std::clamp(mean - x, -kFinest, kCoarsest)}));
+  for (float& x : result) x = std::clamp(mean - x, -kFinest, kCoarsest);
+  for (float& x : result) x = static_cast<float>(portable_exp(double{x}));
   return result;
 }
 
