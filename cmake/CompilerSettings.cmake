@@ -13,9 +13,10 @@ option(FLUXGS_UNITY "Compile several files of a target as one" ${unity_default})
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
-  # Another clone of the same sources has nothing to compile again, with precompiled headers neither
+  # Another clone of the same sources has nothing to compile again, in whatever language compilers speak,
+  # with precompiled headers neither
   set(ccache_launcher ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} CCACHE_NOHASHDIR=1
-                      CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE_PROGRAM})
+                      CCACHE_SLOPPINESS=pch_defines,time_macros,locale ${CCACHE_PROGRAM})
   set(CMAKE_C_COMPILER_LAUNCHER ${ccache_launcher})
   set(CMAKE_CXX_COMPILER_LAUNCHER ${ccache_launcher})
 endif()

@@ -32,12 +32,14 @@ inline std::string text_of(const std::filesystem::path& path) {
   return text.str();
 }
 
+/// Where the program is.
+extern const char* const kFluxgs;
+
 /// Runs `fluxgs ARGUMENTS` in a shell, after `before` (limits, say).
 inline Outcome fluxgs(const std::string& arguments, const std::string& before = "") {
   const test::TempFolder folder;
-  const std::string command =
-      fmt::format("{} '{}' {} >'{}' 2>'{}'", before, FLUXGS_BINARY, arguments,
-                  (folder / "out").string(), (folder / "err").string());
+  const std::string command = fmt::format("{} '{}' {} >'{}' 2>'{}'", before, kFluxgs, arguments,
+                                          (folder / "out").string(), (folder / "err").string());
   const int status = std::system(command.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(folder / "out"),
           text_of(folder / "err")};
