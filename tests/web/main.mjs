@@ -3,6 +3,7 @@ import {spawnSync} from 'node:child_process';
 import {createRequire} from 'node:module';
 import {mkdtemp, rm} from 'node:fs/promises';
 import {tmpdir} from 'node:os';
+import {setTimeout as sleep} from 'node:timers/promises';
 import {dirname, join} from 'node:path';
 import {fileURLToPath} from 'node:url';
 import {DRIVERS, WEBGPU} from './browsers.mjs';
@@ -43,8 +44,8 @@ try {
   await testPackages(checks, {browser, root, work, sample});
   status = checks.finish(began);
 } finally {
-  await browser.close();
-  await withWebGpu.close();
+  // A browser that hangs is killed when this process ends
+  await Promise.race([Promise.all([browser.close(), withWebGpu.close()]), sleep(10000)]);
   server.close();
   await rm(work, {recursive: true, force: true});
 }

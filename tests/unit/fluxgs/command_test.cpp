@@ -170,7 +170,7 @@ TEST(Command, ATrainingWhoseSceneCannotBeWrittenIsSaved) {
       folder / "run.sh",
       fmt::format("'{}' {} 2>{} &\nwhile [ ! -e {} ] && kill -0 $!; do sleep 0.01; done\n"
                   "mkdir {}\nwait $!\n",
-                  kFluxgs, train(scene, "--iterations 300 --checkpoint-every 10"),
+                  test::kFluxgs, train(scene, "--iterations 300 --checkpoint-every 10"),
                   quoted(folder / "said"), quoted(folder / "scene.glb.ckpt"), quoted(scene)));
   const int status = std::system(fmt::format("sh {}", quoted(folder / "run.sh")).c_str());
   const std::string said = text_of(folder / "said");
@@ -365,7 +365,8 @@ TEST(Command, LostOutputIsAnErrorAndLostMessagesAreNot) {
   const test::TempFolder folder;
   ASSERT_TRUE(write_scene(folder / "s.ply", test::random_cloud(10, 0, 1)));
   const auto status_of = [](const std::string& call) {
-    return WEXITSTATUS(std::system(fmt::format("'{}' {} 2>/dev/null", kFluxgs, call).c_str()));
+    return WEXITSTATUS(
+        std::system(fmt::format("'{}' {} 2>/dev/null", test::kFluxgs, call).c_str()));
   };
   const std::string info = "info --json " + quoted(folder / "s.ply");
   EXPECT_EQ(status_of(info + " >/dev/null"), 0);
@@ -375,7 +376,8 @@ TEST(Command, LostOutputIsAnErrorAndLostMessagesAreNot) {
   }
   const auto silent = [&](const std::string& out, const char* gone) {
     return WEXITSTATUS(std::system(
-        fmt::format("'{}' {} {}", kFluxgs, train(folder / out, "--iterations 5"), gone).c_str()));
+        fmt::format("'{}' {} {}", test::kFluxgs, train(folder / out, "--iterations 5"), gone)
+            .c_str()));
   };
   EXPECT_EQ(silent("full.ply", "2>/dev/full"), 0);
   EXPECT_EQ(silent("closed.ply", "2>&-"), 0);
@@ -543,7 +545,7 @@ TEST(Command, InterruptedTrainingResumesToTheSameBytes) {
       fmt::format(
           "cd {}\nset -m\n'{}' {} --checkpoint-every 20 2>{} &\npid=$!\n"
           "while [ ! -e {} ] && kill -0 $pid; do sleep 0.02; done\nkill -INT $pid\nwait $pid\n",
-          quoted(folder.path()), kFluxgs,
+          quoted(folder.path()), test::kFluxgs,
           train(folder / "stopped.ply", length + " --json stopped.json"), quoted(folder / "err"),
           quoted(folder / "stopped.ply.ckpt")));
   const int status = std::system(fmt::format("bash {}", quoted(folder / "interrupt.sh")).c_str());

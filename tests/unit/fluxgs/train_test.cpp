@@ -49,7 +49,7 @@ Outcome interrupted(const std::string& arguments, const std::string& condition,
   std::ofstream(folder / "run.sh") << fmt::format(
       "set -m\n'{}' {} 2>{} &\npid=$!\nwhile ! ( {} ) && kill -0 $pid; do sleep 0.02; done\n{}\n"
       "wait $pid\n",
-      kFluxgs, arguments, quoted(folder / "err"),
+      test::kFluxgs, arguments, quoted(folder / "err"),
       fmt::format(fmt::runtime(condition), fmt::arg("err", quoted(folder / "err"))), signals);
   const int status = std::system(fmt::format("bash {}", quoted(folder / "run.sh")).c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, "", text_of(folder / "err")};

@@ -153,7 +153,7 @@ TEST_F(Window, FollowsAFileThatIsWrittenAgain) {
       "'{}' view {} {} --follow --frames 3000 {} 2>{} &\n"
       "while ! grep -q 'GL renderer' {} && kill -0 $!; do sleep 0.01; done\n"
       "mv {} {}\nwait $!\n",
-      kFluxgs, quoted(folder_ / "scene.ply"), options, shot("followed.png"),
+      test::kFluxgs, quoted(folder_ / "scene.ply"), options, shot("followed.png"),
       quoted(folder_ / "err"), quoted(folder_ / "err"), quoted(folder_ / "other.ply"),
       quoted(folder_ / "scene.ply"));
   const std::string before = fmt::format("DISPLAY={} ", display_.name());
