@@ -32,7 +32,9 @@ Expected<void> WholeCloud::take(SplatCloud& part) {
     cloud_ = std::move(part);
     return {};
   }
-  if (cloud_.positions.capacity() < count_)
+  // Others may be most of a scene, and there need not be room for all of it beside them already
+  const bool is_small = part.size() == kSplatsOfAPart;
+  if (is_small && cloud_.positions.capacity() < count_)
     if (auto reserved = reserve_cloud(count_, name_, cloud_); !reserved) return reserved;
   append(part.positions, cloud_.positions);
   append(part.log_scales, cloud_.log_scales);
