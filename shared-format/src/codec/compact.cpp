@@ -48,7 +48,7 @@ enum Attribute : std::size_t { kPosition, kScale, kOpacity, kRotation, kDc, kRes
 constexpr const char* kNames[] = {"position", "scale",   "opacity", "rotation",
                                   "sh_dc",    "sh_rest", "energy"};
 
-/// What the steps of an attribute depend on; nothing where they are the same for all splats.
+/// The weight that varies the steps of an attribute from splat to splat; scales have none.
 const PerceptualWeight* perceptual_weight_of(Attribute attribute) {
   if (attribute == kScale) return nullptr;
   if (attribute == kOpacity) return &kOpacityWeight;

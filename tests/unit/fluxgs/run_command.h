@@ -32,7 +32,7 @@ inline std::string text_of(const std::filesystem::path& path) {
   return text.str();
 }
 
-/// Where the program is.
+/// The path of the program under test.
 extern const char* const kFluxgs;
 
 /// Runs `fluxgs ARGUMENTS` in a shell, after `before` (limits, say).
