@@ -1,7 +1,8 @@
 package org.fluxgs.app
 
+import java.util.concurrent.Executors
+import java.util.concurrent.ScheduledFuture
 import java.util.concurrent.TimeUnit
-import kotlin.system.exitProcess
 import org.junit.runner.Description
 import org.junit.runner.JUnitCore
 import org.junit.runner.Request
@@ -19,11 +20,13 @@ object RunTests {
             private var broken: Failure? = null
             private var notMet: Failure? = null
             private var since = 0L
+            private val limit = TimeLimit(minutes = 5)
 
             override fun testStarted(test: Description) {
                 broken = null
                 notMet = null
                 since = System.nanoTime()
+                limit.start(nameOf(test))
             }
 
             override fun testFailure(failure: Failure) {
@@ -38,7 +41,10 @@ object RunTests {
             override fun testIgnored(test: Description) =
                 println("skipped ${nameOf(test)}: it is switched off")
 
-            override fun testFinished(test: Description) = tell(test, broken)
+            override fun testFinished(test: Description) {
+                limit.end()
+                tell(test, broken)
+            }
 
             private fun tell(test: Description, failure: Failure?) {
                 val seconds = TimeUnit.NANOSECONDS.toMillis(System.nanoTime() - since) / 1000.0
@@ -59,7 +65,8 @@ object RunTests {
             else if (named(only).shouldRun(request.runner.description)) core.run(request.filterWith(named(only)))
         }
         System.out.flush()
-        exitProcess(0) // FAILED lines are counted by the caller
+        // Not exitProcess(), which waits for threads that draw; FAILED lines are counted by the caller
+        Runtime.getRuntime().halt(0)
     }
 
     private fun named(only: String) = object : Filter() {
@@ -72,4 +79,36 @@ object RunTests {
     private fun nameOf(test: Description) =
         test.testClass.simpleName + (test.methodName?.let { ".$it" } ?: "") +
             " (API ${System.getProperty("fluxgs.api")})"
+}
+
+/**
+ * Ends the Java machine with status 3 where one test takes longer than [minutes], many times what any of them
+ * takes. Tells its name, and what every thread is doing.
+ */
+private class TimeLimit(private val minutes: Long) {
+    private val timer = Executors.newSingleThreadScheduledExecutor {
+        Thread(it, "time limit").apply { isDaemon = true }
+    }
+    private var pending: ScheduledFuture<*>? = null
+
+    fun start(test: String) {
+        pending = timer.schedule({ giveUp(test) }, minutes, TimeUnit.MINUTES)
+    }
+
+    fun end() {
+        pending?.cancel(false)
+    }
+
+    private fun giveUp(test: String) {
+        println("hung $test: did not end within $minutes minutes")
+        // The last lines are those that tests/app/run shows: the threads that run tests
+        val threads = Thread.getAllStackTraces().toList()
+        for ((thread, frames) in threads.sortedBy { (thread, _) -> "main" in thread.name.lowercase() }) {
+            System.err.println("${thread.name} (${thread.state})")
+            for (frame in frames) System.err.println("    at $frame")
+        }
+        System.out.flush()
+        System.err.flush()
+        Runtime.getRuntime().halt(3) // exiting could wait for what hangs
+    }
 }
