@@ -16,7 +16,11 @@ if(CCACHE_PROGRAM)
   # Another clone of the same sources has nothing to compile again, in whatever language compilers speak,
   # with precompiled headers neither
   set(ccache_launcher ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} CCACHE_NOHASHDIR=1
-                      CCACHE_SLOPPINESS=pch_defines,time_macros,locale ${CCACHE_PROGRAM})
+                      CCACHE_SLOPPINESS=pch_defines,time_macros,locale)
+  if(FLUXGS_COMPILER)  # a toolchain's name for a compiler that is a script
+    list(APPEND ccache_launcher CCACHE_COMPILERCHECK=string:${FLUXGS_COMPILER})
+  endif()
+  list(APPEND ccache_launcher ${CCACHE_PROGRAM})
   set(CMAKE_C_COMPILER_LAUNCHER ${ccache_launcher})
   set(CMAKE_CXX_COMPILER_LAUNCHER ${ccache_launcher})
 endif()

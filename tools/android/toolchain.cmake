@@ -5,6 +5,9 @@ get_filename_component(_packages ${CMAKE_CURRENT_LIST_DIR}/../../build/packages/
 set(_toolchain ${_packages}/toolchain)
 set(CMAKE_C_COMPILER ${_toolchain}/bin/cc)
 set(CMAKE_CXX_COMPILER ${_toolchain}/bin/c++)
+# For ccache: the compiler is a script that names its own folder, made anew in each clone
+file(READ ${_toolchain}/STAMP FLUXGS_COMPILER LIMIT 64)
+string(REGEX MATCH "^[0-9.]+-[0-9a-f]+" FLUXGS_COMPILER "${FLUXGS_COMPILER}")
 set(CMAKE_AR ${_toolchain}/bin/ar CACHE FILEPATH "")
 set(CMAKE_RANLIB ${_toolchain}/bin/ranlib CACHE FILEPATH "")
 # There is no crt1.o to make programs with, but what CMake tries out must find all its functions
