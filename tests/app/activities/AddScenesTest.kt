@@ -4,7 +4,6 @@ import android.content.Intent
 import android.net.Uri
 import android.os.ParcelFileDescriptor
 import java.io.File
-import java.io.FileOutputStream
 import java.util.concurrent.CountDownLatch
 import org.junit.After
 import org.junit.Assert.assertEquals
@@ -112,13 +111,13 @@ class AddScenesTest {
         share(offer("scene.spz"), Documents.uri("garden.ply"))
         until("the second comes") { activity.text(R.id.loading_title).startsWith("2 of 2") }
         val part = File(material, "scene.ply").inputStream().use { it.readNBytes(1_000_000) }
-        FileOutputStream(pipe).use { it.write(part) }
+        fill(pipe, part)
         until("some of it came") { " of " in activity.text(R.id.loading_detail) }
         assertTrue(activity.text(R.id.loading_title).endsWith("Adding My garden"))
         keep(screenOf(activity, null), "adding")
         press(R.id.loading_cancel)
         assertTrue(activity.isFinishing)
-        FileOutputStream(pipe).use { it.write(ByteArray(100)) } // so that its thread ends
+        fill(pipe, ByteArray(100)) // so that its thread ends
         until("nothing is left of it") { kept == listOf("My scene.spz") }
         Documents.sizes.clear()
     }

@@ -235,8 +235,7 @@ class LibraryTest : ViewerScreen() {
         press(notice, R.id.notice_no)
         assertNull(SceneCopy.of(uri))
         assertFalse(notice.isShown)
-        val part = File(material, "pipe")
-        FileOutputStream(part).use { it.write(ByteArray(100)) } // so that its thread ends
+        fill(File(material, "pipe"), ByteArray(100)) // so that its thread ends
         until("nothing is left") { library.copies.list()!!.isEmpty() }
     }
 

@@ -75,7 +75,7 @@ class OpeningTest : ViewerScreen() {
         open(Documents.uri("garden.ply"))
         until("it is read") { session.state()!!.loading.phase == "reading" }
         val part = File(material, "scene.ply").inputStream().use { it.readNBytes(1_000_000) }
-        java.io.FileOutputStream(File(material, "pipe")).use { it.write(part) }
+        fill(File(material, "pipe"), part)
         until("some of it came") { activity.text(R.id.loading_detail).startsWith("1") }
         assertTrue(activity.isShown(R.id.loading_cancel))
         assertTrue("of how much is said, too", " of " in activity.text(R.id.loading_detail))

@@ -19,6 +19,7 @@ import android.view.SurfaceHolder
 import android.view.View
 import java.io.File
 import java.io.FileNotFoundException
+import java.io.RandomAccessFile
 import java.lang.reflect.Proxy
 import java.time.Duration
 import kotlin.math.log10
@@ -159,6 +160,9 @@ internal fun spread(image: Bitmap): Int {
 internal fun <A : Activity> ActivityController<A>.end() {
     pause().stop().destroy()
 }
+
+/** Puts bytes into a pipe. Opened for writing only, it would be waited for who reads, who may have left. */
+internal fun fill(pipe: File, bytes: ByteArray) = RandomAccessFile(pipe, "rw").use { it.write(bytes) }
 
 /** Another app that keeps scenes: content://documents/NAME, by its [answers]. */
 class Documents : ContentProvider() {
