@@ -232,6 +232,7 @@ class LibraryTest : ViewerScreen() {
         press(notice, R.id.notice_yes)
         until("its progress is shown") { notice.findViewById<View>(R.id.notice_bar).isShown }
         assertNotNull(SceneCopy.of(uri))
+        until("it has begun") { !library.copies.list().isNullOrEmpty() }
         press(notice, R.id.notice_no)
         assertNull(SceneCopy.of(uri))
         assertFalse(notice.isShown)

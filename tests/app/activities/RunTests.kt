@@ -82,8 +82,8 @@ object RunTests {
 }
 
 /**
- * Ends the Java machine with status 3 where one test takes longer than [minutes], many times what any of them
- * takes. Tells its name, and what every thread is doing.
+ * Ends the Java machine where one test takes longer than [minutes], many times what any of them takes: the
+ * test is told as failed, with what every thread is doing.
  */
 private class TimeLimit(private val minutes: Long) {
     private val timer = Executors.newSingleThreadScheduledExecutor {
@@ -100,7 +100,7 @@ private class TimeLimit(private val minutes: Long) {
     }
 
     private fun giveUp(test: String) {
-        println("hung $test: did not end within $minutes minutes")
+        println("FAILED $test: did not end within $minutes minutes")
         // The last lines are those that tests/app/run shows: the threads that run tests
         val threads = Thread.getAllStackTraces().toList()
         for ((thread, frames) in threads.sortedBy { (thread, _) -> "main" in thread.name.lowercase() }) {
@@ -109,6 +109,6 @@ private class TimeLimit(private val minutes: Long) {
         }
         System.out.flush()
         System.err.flush()
-        Runtime.getRuntime().halt(3) // exiting could wait for what hangs
+        Runtime.getRuntime().halt(1) // exiting could wait for what hangs
     }
 }
