@@ -33,7 +33,7 @@ struct Running {
 
 /// Seconds of an iteration, as the estimate is told: far more than one takes anywhere, since the
 /// times of its stages are real ones.
-constexpr double kEach = 0.5;
+constexpr double kEach = 100;
 
 TEST(RunEstimate, IterationsLikeThoseBeforeTakeAsLong) {
   Running run(quiet_run(200));
