@@ -10,6 +10,7 @@
 #include "cloud/activation.h"
 #include "cloud/cloud_memory.h"
 #include "cloud/gather.h"
+#include "codec/beside.h"
 #include "codec/channels.h"
 #include "codec/deterministic_math.h"
 #include "codec/perceptual_weight.h"
@@ -213,6 +214,31 @@ Expected<void> decode_section(Attribute attribute, std::span<const std::byte> se
   return {};
 }
 
+/// Fewer are decoded before another thread has begun.
+constexpr std::size_t kManySplats = 10'000;
+
+/// Decodes all sections behind that of the positions, which need not be there yet.
+Expected<void> decode_sections(ByteReader& in, Content& content) {
+  std::vector<float> room;
+  for (const Attribute attribute : attributes_of(content.has_energy, content.cloud.sh_degree)) {
+    const auto section = take_section(in, attribute);
+    if (!section) return std::unexpected(section.error());
+    if (auto ok = decode_section(attribute, *section, content, room); !ok) return ok;
+  }
+  const auto padding = *in.take_bytes(in.left());
+  if (std::ranges::any_of(padding, [](std::byte b) { return b != std::byte{0}; }))
+    return fail("", "", "bytes other than zeros are left over behind the last attribute");
+  return {};
+}
+
+Expected<void> decode_position_section(std::span<const std::byte> section, CellCoding cells,
+                                       std::span<glm::vec3> positions) {
+  ByteReader in(section);
+  if (auto ok = decode_positions(in, cells, positions); !ok) return ok;
+  if (in.left() > 0) return fail("", kNames[kPosition], "has bytes left over");
+  return {};
+}
+
 /// An attribute on its way into a stream.
 struct Input {
   Channels channels;
@@ -352,23 +378,16 @@ Expected<SplatCloud> decode_compact(std::span<const std::byte> bytes, std::size_
   auto cloud = io::allocate_cloud(count, sh_degree, "");
   if (!cloud || count == 0) return cloud;
   Content content{std::move(*cloud), energy != nullptr};
-  std::vector<float> room;
   ByteReader in(bytes);
-  const auto positions = take_section(in, kPosition);
-  if (!positions) return std::unexpected(positions.error());
-  ByteReader part(*positions);
-  if (auto ok = decode_positions(part, cells, content.cloud.positions); !ok)
-    return std::unexpected(ok.error());
-  if (part.left() > 0) return fail("", kNames[kPosition], "has bytes left over");
-  for (const Attribute attribute : attributes_of(content.has_energy, sh_degree)) {
-    const auto section = take_section(in, attribute);
-    if (!section) return std::unexpected(section.error());
-    if (auto ok = decode_section(attribute, *section, content, room); !ok)
-      return std::unexpected(ok.error());
-  }
-  const auto padding = *in.take_bytes(in.left());
-  if (std::ranges::any_of(padding, [](std::byte b) { return b != std::byte{0}; }))
-    return fail("", "", "bytes other than zeros are left over behind the last attribute");
+  const auto section = take_section(in, kPosition);
+  if (!section) return std::unexpected(section.error());
+  // Nothing rests on positions
+  Beside<Expected<void>> positions(count >= kManySplats, [&] {
+    return decode_position_section(*section, cells, content.cloud.positions);
+  });
+  const auto others = decode_sections(in, content);
+  if (auto ok = positions.result(); !ok) return std::unexpected(ok.error());
+  if (!others) return std::unexpected(others.error());
   if (energy != nullptr) *energy = std::move(content.energy);
   return std::move(content.cloud);
 }
