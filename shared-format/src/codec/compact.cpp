@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <ranges>
 #include <utility>
 
 #include <fmt/format.h>
@@ -196,16 +197,22 @@ void put_section(Bytes& out, const Bytes& section) {
   out.insert(out.end(), section.begin(), section.end());
 }
 
-/// Decodes a section into the content, in which the attributes before it are decoded already.
-/// `room` is used again for each.
-Expected<void> decode_section(Attribute attribute, std::span<const std::byte> section,
+struct Section {
+  Attribute attribute;
+  std::span<const std::byte> bytes;
+};
+
+/// Decodes a section into the content, in which the attributes that it rests on are decoded
+/// already. `room` is used again for each.
+Expected<void> decode_section(const Section& section, std::span<const float> step_scale,
                               Content& content, std::vector<float>& room) {
+  const auto& [attribute, bytes] = section;
   const std::size_t channels = channels_of(attribute, content.cloud.sh_degree);
   const std::size_t count = channels * content.cloud.size();
   if (room.size() < count) room = std::vector<float>(count);
   const auto values = std::span(room).first(count);
-  ByteReader in(section);
-  const auto step = decode_channels(in, channels, content.step_scale_of(attribute), values);
+  ByteReader in(bytes);
+  const auto step = decode_channels(in, channels, step_scale, values);
   if (!step) return in_attribute(attribute, step.error());
   if (in.left() > 0) return fail("", kNames[attribute], "has bytes left over");
   if (attribute == kScale) roots_to_logs(values, *step);
@@ -214,21 +221,41 @@ Expected<void> decode_section(Attribute attribute, std::span<const std::byte> se
   return {};
 }
 
-/// Fewer are decoded before another thread has begun.
-constexpr std::size_t kManySplats = 10'000;
-
-/// Decodes all sections behind that of the positions, which need not be there yet.
-Expected<void> decode_sections(ByteReader& in, Content& content) {
-  std::vector<float> room;
+/// All sections behind that of the positions.
+Expected<std::vector<Section>> take_sections(ByteReader& in, const Content& content) {
+  std::vector<Section> sections;
   for (const Attribute attribute : attributes_of(content.has_energy, content.cloud.sh_degree)) {
     const auto section = take_section(in, attribute);
     if (!section) return std::unexpected(section.error());
-    if (auto ok = decode_section(attribute, *section, content, room); !ok) return ok;
+    sections.push_back({attribute, *section});
   }
   const auto padding = *in.take_bytes(in.left());
   if (std::ranges::any_of(padding, [](std::byte b) { return b != std::byte{0}; }))
     return fail("", "", "bytes other than zeros are left over behind the last attribute");
-  return {};
+  return sections;
+}
+
+/// Fewer are decoded before another thread has begun.
+constexpr std::size_t kManySplats = 10'000;
+
+/// Decodes them; the last, most of the colours, beside those that it does not rest on.
+Expected<void> decode_sections(std::span<const Section> sections, Content& content) {
+  std::vector<float> room;
+  const auto decode = [&](const Section& section) {
+    return decode_section(section, content.step_scale_of(section.attribute), content, room);
+  };
+  for (const Section& section : sections.first(2))  // scales and opacities
+    if (auto ok = decode(section); !ok) return ok;
+  const Section& last = sections.back();
+  const std::span<const float> scale = content.step_scale_of(last.attribute);
+  Beside<Expected<void>> colours(content.cloud.size() >= kManySplats,
+                                 [&, scale = std::vector<float>(scale.begin(), scale.end()),
+                                  room = std::vector<float>()]() mutable {
+                                   return decode_section(last, scale, content, room);
+                                 });
+  for (const Section& section : sections.subspan(2, sections.size() - 3) | std::views::reverse)
+    if (auto ok = decode(section); !ok) return ok;
+  return colours.result();
 }
 
 Expected<void> decode_position_section(std::span<const std::byte> section, CellCoding cells,
@@ -282,7 +309,9 @@ class Encoder {
       if (!encoded) return std::unexpected(encoded.error());
       put_section(out, *encoded);
       if (attribute != kScale && attribute != kOpacity) continue;  // nothing rests on it
-      if (auto ok = decode_section(attribute, *encoded, decoded_, room); !ok)
+      if (auto ok = decode_section({attribute, *encoded}, decoded_.step_scale_of(attribute),
+                                   decoded_, room);
+          !ok)
         return std::unexpected(ok.error());
     }
     while (source_.cloud.size() > max_splats(out.size())) out.push_back(std::byte{0});
@@ -381,11 +410,13 @@ Expected<SplatCloud> decode_compact(std::span<const std::byte> bytes, std::size_
   ByteReader in(bytes);
   const auto section = take_section(in, kPosition);
   if (!section) return std::unexpected(section.error());
+  const auto sections = take_sections(in, content);
+  if (!sections) return std::unexpected(sections.error());
   // Nothing rests on positions
   Beside<Expected<void>> positions(count >= kManySplats, [&] {
     return decode_position_section(*section, cells, content.cloud.positions);
   });
-  const auto others = decode_sections(in, content);
+  const auto others = decode_sections(*sections, content);
   if (auto ok = positions.result(); !ok) return std::unexpected(ok.error());
   if (!others) return std::unexpected(others.error());
   if (energy != nullptr) *energy = std::move(content.energy);
