@@ -248,11 +248,11 @@ Expected<void> decode_sections(std::span<const Section> sections, Content& conte
     if (auto ok = decode(section); !ok) return ok;
   const Section& last = sections.back();
   const std::span<const float> scale = content.step_scale_of(last.attribute);
-  Beside<Expected<void>> colours(content.cloud.size() >= kManySplats,
-                                 [&, scale = std::vector<float>(scale.begin(), scale.end()),
-                                  room = std::vector<float>()]() mutable {
-                                   return decode_section(last, scale, content, room);
-                                 });
+  Beside colours(content.cloud.size() >= kManySplats,
+                 [&, scale = std::vector<float>(scale.begin(), scale.end()),
+                  room = std::vector<float>()]() mutable {
+                   return decode_section(last, scale, content, room);
+                 });
   for (const Section& section : sections.subspan(2, sections.size() - 3) | std::views::reverse)
     if (auto ok = decode(section); !ok) return ok;
   return colours.result();
@@ -413,7 +413,7 @@ Expected<SplatCloud> decode_compact(std::span<const std::byte> bytes, std::size_
   const auto sections = take_sections(in, content);
   if (!sections) return std::unexpected(sections.error());
   // Nothing rests on positions
-  Beside<Expected<void>> positions(count >= kManySplats, [&] {
+  Beside positions(count >= kManySplats, [&] {
     return decode_position_section(*section, cells, content.cloud.positions);
   });
   const auto others = decode_sections(*sections, content);

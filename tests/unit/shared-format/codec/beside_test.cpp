@@ -11,7 +11,7 @@ namespace {
 
 TEST(Beside, LongWorkIsDoneWhileTheCallerDoesOther) {
   std::atomic<bool> caller_came = false;
-  Beside<std::thread::id> work(true, [&] {
+  Beside work(true, [&] {
     caller_came.wait(false);  // for ever, were it done by the caller
     return std::this_thread::get_id();
   });
@@ -22,7 +22,7 @@ TEST(Beside, LongWorkIsDoneWhileTheCallerDoesOther) {
 
 TEST(Beside, ShortWorkIsDoneByTheCaller) {
   bool done = false;
-  Beside<std::thread::id> work(false, [&] {
+  Beside work(false, [&] {
     done = true;
     return std::this_thread::get_id();
   });
@@ -32,7 +32,7 @@ TEST(Beside, ShortWorkIsDoneByTheCaller) {
 
 TEST(Beside, ThrowsWhatTheWorkHasThrown) {
   for (const bool long_enough : {false, true}) {
-    Beside<int> work(long_enough, []() -> int { throw std::runtime_error("no memory"); });
+    Beside work(long_enough, []() -> int { throw std::runtime_error("no memory"); });
     EXPECT_THROW(work.result(), std::runtime_error) << long_enough;
   }
 }
@@ -40,7 +40,7 @@ TEST(Beside, ThrowsWhatTheWorkHasThrown) {
 TEST(Beside, EndsBeforeWhatTheWorkRefersTo) {
   std::atomic<bool> done = false;
   {
-    Beside<int> work(true, [&] { return std::this_thread::yield(), done = true, 0; });
+    Beside work(true, [&] { return std::this_thread::yield(), done = true, 0; });
   }
   EXPECT_TRUE(done);
 }
