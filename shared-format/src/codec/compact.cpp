@@ -221,17 +221,22 @@ Expected<void> decode_section(const Section& section, std::span<const float> ste
   return {};
 }
 
-/// All sections behind that of the positions.
-Expected<std::vector<Section>> take_sections(ByteReader& in, const Content& content) {
-  std::vector<Section> sections;
+/// Those behind the positions.
+struct Sections {
+  std::vector<Section> there;
+  Expected<void> end;  ///< an error where one is cut off, or something is left over
+};
+
+Sections take_sections(ByteReader& in, const Content& content) {
+  Sections sections;
   for (const Attribute attribute : attributes_of(content.has_energy, content.cloud.sh_degree)) {
     const auto section = take_section(in, attribute);
-    if (!section) return std::unexpected(section.error());
-    sections.push_back({attribute, *section});
+    if (!section) return {std::move(sections.there), std::unexpected(section.error())};
+    sections.there.push_back({attribute, *section});
   }
   const auto padding = *in.take_bytes(in.left());
   if (std::ranges::any_of(padding, [](std::byte b) { return b != std::byte{0}; }))
-    return fail("", "", "bytes other than zeros are left over behind the last attribute");
+    sections.end = fail("", "", "bytes other than zeros are left over behind the last attribute");
   return sections;
 }
 
@@ -239,21 +244,24 @@ Expected<std::vector<Section>> take_sections(ByteReader& in, const Content& cont
 constexpr std::size_t kManySplats = 10'000;
 
 /// Decodes them; the last, most of the colours, beside those that it does not rest on.
-Expected<void> decode_sections(std::span<const Section> sections, Content& content) {
+Expected<void> decode_sections(const Sections& sections, Content& content) {
+  const std::span all(sections.there);
   std::vector<float> room;
   const auto decode = [&](const Section& section) {
     return decode_section(section, content.step_scale_of(section.attribute), content, room);
   };
-  for (const Section& section : sections.first(2))  // scales and opacities
+  // Scales and opacities, on which others rest; of a damaged stream all, to find its first error
+  for (const Section& section : all.first(sections.end ? 2 : all.size()))
     if (auto ok = decode(section); !ok) return ok;
-  const Section& last = sections.back();
+  if (!sections.end) return sections.end;
+  const Section& last = all.back();
   const std::span<const float> scale = content.step_scale_of(last.attribute);
   Beside colours(content.cloud.size() >= kManySplats,
                  [&, scale = std::vector<float>(scale.begin(), scale.end()),
                   room = std::vector<float>()]() mutable {
                    return decode_section(last, scale, content, room);
                  });
-  for (const Section& section : sections.subspan(2, sections.size() - 3) | std::views::reverse)
+  for (const Section& section : all.subspan(2, all.size() - 3) | std::views::reverse)
     if (auto ok = decode(section); !ok) return ok;
   return colours.result();
 }
@@ -410,13 +418,12 @@ Expected<SplatCloud> decode_compact(std::span<const std::byte> bytes, std::size_
   ByteReader in(bytes);
   const auto section = take_section(in, kPosition);
   if (!section) return std::unexpected(section.error());
-  const auto sections = take_sections(in, content);
-  if (!sections) return std::unexpected(sections.error());
+  const Sections sections = take_sections(in, content);
   // Nothing rests on positions
   Beside positions(count >= kManySplats, [&] {
     return decode_position_section(*section, cells, content.cloud.positions);
   });
-  const auto others = decode_sections(*sections, content);
+  const auto others = decode_sections(sections, content);
   if (auto ok = positions.result(); !ok) return std::unexpected(ok.error());
   if (!others) return std::unexpected(others.error());
   if (energy != nullptr) *energy = std::move(content.energy);
