@@ -43,14 +43,13 @@ std::size_t room(const TrainState& state, const TrainOptions& options, std::size
 double least_gradient(const TrainState& state, const TrainOptions& options,
                       const SplatScores* scores) {
   // docs/method/experiments.md, "Growth by the loss", "Growth by worth"
-  constexpr double kLossPower = 0.3, kMostLoss = 8, kWorthPower = -0.5, kMostWorth = 3;
+  constexpr double kLossPower = 0.3, kMostLoss = 8, kMostWorth = 1.73;
   const auto& own = options.get<DensificationOptions>();
   if (options.target_splats > 0) return 0;
   double least = own.gradient;
   if (own.loss > 0 && scores)
     least *= std::pow(std::clamp(scores->loss / own.loss, 1 / kMostLoss, kMostLoss), kLossPower);
-  if (own.worth > 0)
-    least *= std::pow(std::clamp(state.splat_worth / own.worth, 1.0, kMostWorth), kWorthPower);
+  if (own.worth > 0) least /= std::clamp(state.splat_worth / own.worth, 1.0, kMostWorth);
   return least;
 }
 
