@@ -243,7 +243,8 @@ Sections take_sections(ByteReader& in, const Content& content) {
 /// Fewer are decoded before another thread has begun.
 constexpr std::size_t kManySplats = 10'000;
 
-/// Decodes them; the last, most of the colours, beside those that it does not rest on.
+/// Decodes them; the last, most of the colours, beside those that it does not rest on. That is safe
+/// as each writes its own vector of the content, and note() acts on scales and opacities alone.
 Expected<void> decode_sections(const Sections& sections, Content& content) {
   const std::span all(sections.there);
   std::vector<float> room;
