@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <system_error>
 #include <utility>
 
@@ -18,6 +19,24 @@ namespace {
 
 /// The path of the lock that is held, for signal handlers; empty: none.
 std::array<char, 4096> held_path{};
+
+/// While it lives, signals wait: one that came between the file and held_path would leave the file
+/// behind, or remove that of another process. For a time without other threads, which would be
+/// given the signals.
+class BlockSignals {
+ public:
+  BlockSignals() {
+    sigset_t all;
+    ::sigfillset(&all);
+    ::pthread_sigmask(SIG_BLOCK, &all, &before_);
+  }
+  ~BlockSignals() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  BlockSignals(const BlockSignals&) = delete;
+  BlockSignals& operator=(const BlockSignals&) = delete;
+
+ private:
+  sigset_t before_{};
+};
 
 void hold(const std::string& path) {
   if (path.size() < held_path.size()) std::ranges::copy(path + '\0', held_path.begin());
@@ -46,6 +65,7 @@ bool is_current(int descriptor, const std::string& path) {
 
 Expected<RunLock> RunLock::take(const std::string& out) {
   const std::string path = out + ".lock";
+  const BlockSignals block;
   for (;;) {
     const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, mode_t{0666});
     if (file < 0) return fail(path, "write", std::generic_category().message(errno));
@@ -78,6 +98,7 @@ RunLock::RunLock(RunLock&& other) noexcept
 
 RunLock::~RunLock() {
   if (descriptor_ < 0) return;
+  const BlockSignals block;
   held_path[0] = '\0';
   ::unlink(path_.c_str());
   ::close(descriptor_);

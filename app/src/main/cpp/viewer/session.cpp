@@ -324,6 +324,7 @@ void Session::give_up(const Error& error) {
   presenter_->give_up();
   const std::lock_guard lock(mutex_);
   state_.error = error.message();
+  state_.has_scene = false;  // in one step: who sees the error sees no scene beside it
 }
 
 /// Publishes the description of a new context.
