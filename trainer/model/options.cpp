@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "trainer/model/whole_number.h"
+
 namespace fluxgs {
 namespace {
 
@@ -68,21 +70,6 @@ template <class Number>
 bool parse(std::string_view text, Number& value) {
   const auto [rest, status] = std::from_chars(text.data(), text.data() + text.size(), value);
   return status == std::errc() && rest == text.data() + text.size();
-}
-
-/// A whole number as people write it: 30000, 3e4, 30k, 1.5M. Nothing for other text and beyond 2⁵³,
-/// up to which doubles hold all whole numbers.
-std::optional<double> whole_number(std::string_view text) {
-  double factor = 1;
-  if (text.ends_with('k') || text.ends_with('K')) factor = 1e3;
-  if (text.ends_with('M')) factor = 1e6;
-  if (factor > 1) text.remove_suffix(1);
-  double number = 0;
-  if (!parse(text, number)) return {};
-  const double value = std::round(number * factor);
-  constexpr double kRounding = 1e-6;
-  if (!(std::abs(value - number * factor) < kRounding && std::abs(value) <= 0x1p53)) return {};
-  return value;
 }
 
 /// `value` in the place of the name among `names`; false if it is not there.

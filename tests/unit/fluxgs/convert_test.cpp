@@ -91,6 +91,24 @@ TEST_F(Convert, KeepsSoManySplats) {
   EXPECT_EQ(convert("s.ply", "none.ply", "--max-splats 0").status, 2);
 }
 
+TEST_F(Convert, TakesLimitsAsPeopleWriteThem) {
+  ASSERT_TRUE(write_scene(folder_ / "s.ply", test::random_cloud(1200, 0, 1)));
+  for (const char* number : {"1000", "1k", "1K", "1e3", "0.001M"}) {
+    const Outcome fewer =
+        convert("s.ply", "few.ply", fmt::format("--max-splats {} --force", number));
+    ASSERT_EQ(fewer.status, 0) << fewer.err;
+    EXPECT_EQ(scene("few.ply").cloud.size(), 1000U) << number;
+  }
+  EXPECT_EQ(convert("s.ply", "small.glb", "--max-bytes 12kB").status, 0);
+  EXPECT_LE(std::filesystem::file_size(folder_ / "small.glb"), 12000U);
+  for (const char* odd : {"1kB", "0", "0.5", "-1k", "nan", "inf", "1e99", "k", "1kk", "0x10"}) {
+    const Outcome refused = convert("s.ply", "odd.ply", fmt::format("--max-splats={}", odd));
+    EXPECT_EQ(refused.status, 2) << odd;
+    EXPECT_THAT(refused.err, HasSubstr("expected a whole number from 1 to 1099511627776, such as "
+                                       "50000 or 50k"));
+  }
+}
+
 // An impossible limit is refused before any search.
 TEST_F(Convert, BytesBelowThoseOfOneSplatAreRefused) {
   ASSERT_TRUE(write_scene(folder_ / "s.ply", test::random_cloud(200, 1, 1)));

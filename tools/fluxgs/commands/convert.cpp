@@ -382,7 +382,7 @@ void add_compact_options(CLI::App& command, ConvertSettings& s) {
   CLI::Option* bytes = command.add_option("--max-bytes", s.max_bytes,
                                           "search for the least error in a file of this size, with "
                                           "fewer splats where that is better");
-  bytes->check(whole_in(1, std::int64_t{1} << 50));
+  bytes->transform(amount_in(1, std::int64_t{1} << 50, "B"));
   CLI::Option* loss = command.add_option(
       "--min-psnr", s.min_psnr, "search for the smallest file whose renders have this PSNR (dB)");
   loss->check(in_range(1, 120))->excludes(bytes)->excludes(step_scale)->excludes(floats);
@@ -414,9 +414,9 @@ void add_convert(CLI::App& app, Action& action) {
       "compact\n"
       "as a .glb. What a format cannot hold is said in a line each.\n"
       "Example: fluxgs convert garden.ply garden.glb --min-psnr 40\n"
-      "         fluxgs convert garden.ply small.glb --max-bytes 500000\n"
+      "         fluxgs convert garden.ply small.glb --max-bytes 500k\n"
       "         fluxgs convert garden.glb upright.glb --up z --scale 0.5\n"
-      "         fluxgs convert garden.ply light.glb --max-splats 50000 --data captures/garden\n"
+      "         fluxgs convert garden.ply light.glb --max-splats 50k --data captures/garden\n"
       "         fluxgs convert garden.ply table.glb --crop-sphere 0,0.4,2,1.5");
   command->add_option("in", settings->in, "the scene to read")->required();
   command->add_option("out", settings->out, "the scene to write: " + writable_extensions())
@@ -429,7 +429,7 @@ void add_convert(CLI::App& app, Action& action) {
                    "keep no more splats than this: those whose removal changes images least go, a "
                    "few at a time, and the others are fitted to the images of IN (from views of "
                    "the data set where --data is given, otherwise around the scene)")
-      ->check(whole_in(1, std::int64_t{1} << 40));
+      ->transform(amount_in(1, std::int64_t{1} << 40));
   command
       ->add_option("--spz-version", settings->spz_version,
                    "version of a .spz: 3, read everywhere, or 4, smaller")

@@ -11,6 +11,7 @@
 #include "tools/fluxgs/terminal/progress.h"
 #include "trainer/data/photos/video_frames.h"
 #include "trainer/data/reduction.h"
+#include "trainer/model/whole_number.h"
 
 namespace fluxgs::cli {
 
@@ -33,6 +34,21 @@ CLI::Validator whole_in(std::int64_t min, std::int64_t max) {
             const bool number = error == std::errc() && end == text.data() + text.size();
             if (number && value >= min && value <= max) return std::string();
             return fmt::format("'{}': expected a whole number from {} to {}", text, min, max);
+          },
+          fmt::format("{} to {}", min, max)};
+}
+
+CLI::Validator amount_in(std::int64_t min, std::int64_t max, const std::string& unit) {
+  return {[=](std::string& text) {
+            std::string_view number = text;
+            if (!unit.empty() && number.ends_with(unit)) number.remove_suffix(unit.size());
+            const auto value = whole_number(number);
+            if (!value || *value < static_cast<double>(min) || *value > static_cast<double>(max))
+              return fmt::format(
+                  "'{}': expected a whole number from {} to {}, such as 50000 or 50k{}", text, min,
+                  max, unit);
+            text = fmt::format("{:.0f}", *value);
+            return std::string();
           },
           fmt::format("{} to {}", min, max)};
 }

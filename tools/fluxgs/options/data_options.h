@@ -35,6 +35,10 @@ CLI::Validator in_range(double min, double max);
 /// The same for whole numbers.
 CLI::Validator whole_in(std::int64_t min, std::int64_t max);
 
+/// The same for CLI::Option::transform(), of numbers as people write them: 50000, 5e4, 50k; with
+/// the unit "B" also 500kB.
+CLI::Validator amount_in(std::int64_t min, std::int64_t max, const std::string& unit = "");
+
 /// --background r,g,b, each from 0 to 1. `background` must live as long as `command`.
 void add_background_option(CLI::App& command, std::vector<double>& background);
 
