@@ -127,8 +127,9 @@ struct CommonOptions {
   std::uint64_t initial_splats = 0;  ///< every n-th point, so that they are this many; 0: all
   double initial_opacity = 0.1;      ///< 0…1
 
-  /// RenderOptions::depth_spread_max of the training's renders; 0: no limit, as in 3DGS
-  double depth_spread = 0;
+  /// RenderOptions::depth_spread_max of the training's renders; 0: no limit, as in 3DGS. The
+  /// default is that of every renderer here, so that a scene is shown as it was trained.
+  double depth_spread = RenderOptions().depth_spread_max;
   RenderOptions render;
   bool compact_output = true;  ///< the result is stored as a compact file; no option of its own
 };

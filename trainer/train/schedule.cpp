@@ -110,8 +110,6 @@ TrainOptions flux() {
   o.lambda_dssim = 0.3;
   // Values settle where several views want them: +0.25 dB and +0.003 SSIM on snowmiku after 7,000
   o.cooldown = 0.3;
-  // As it will be drawn: no floaters (the glossy capture: +1.3 dB in the views of its test)
-  o.depth_spread = RenderOptions().depth_spread_max;
   // Scenes are seen from nearer and farther than their photos: at half the resolution of the
   // training +1 to +6 dB, at a quarter +5 to +10, at twice +0.1 to +1.8, and less than 0.1 dB lost
   // at the same

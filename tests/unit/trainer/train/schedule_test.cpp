@@ -27,6 +27,8 @@ TEST(Options, PresetsAreValidAndUnknownOnesNamed) {
     const auto options = preset(name);
     ASSERT_TRUE(options) << name;
     EXPECT_TRUE(options->validate()) << name;
+    EXPECT_EQ(options->depth_spread, RenderOptions().depth_spread_max)
+        << name << ": else its scenes are shown otherwise than they were trained";
   }
   const auto unknown = preset("4dgs");
   ASSERT_FALSE(unknown);
